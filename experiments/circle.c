@@ -1,0 +1,436 @@
+/* How far does each method carry a particle off its circle? The thesis's section 2.3.3: figures
+ * 2.4 and 2.5, and what they do not show: error against time and against cost. */
+#include "circle.h"
+
+#include "experiment.h"
+#include "results.h"
+
+#include <complex.h>
+#include <gsl/gsl_fit.h>
+#include <math.h>
+#include <string.h>
+
+static const double ends[] = {30, 160}; /* s: the thesis's two snapshots */
+
+/* The panels of figures 2.4 and 2.5 in their order, then a run of which the text speaks; with the
+ * position errors and the last radius that these must have (worked out by hand from the discrete
+ * solutions; m). */
+static const struct panel {
+    const char *stepper, *treatment, *title;
+    double step;
+    double error_30, error_160, radius_160;
+    const char *statement;
+} panels[] = {
+    {"euler", "free", "explicit Euler", 0.8, 0.71150, 19.374, 20.211,
+     "leaves the circle very fast"},
+    {"midpoint", "free", "midpoint", 1.6, 0.12598, 0.72774, 1.09858,
+     "much better than Euler at equal cost"},
+    {"rk4", "free", "Runge-Kutta 4", 3.2, 0.01218, 0.06646, 0.86290,
+     "strays little in 160 s, but lags in phase"},
+    {"implicit-euler", "free", "implicit Euler", 0.8, 0.39854, 0.86272, 0.04008,
+     "a little better than explicit Euler"},
+    {"euler", "projection", "explicit Euler, projected", 0.8, 0.06141, 0.32901, 0.9,
+     "stays on the circle, drifts in phase"},
+    {"euler", "generalised", "explicit Euler, angle", 0.8, 0, 0, 0.9, "exact"},
+    {"euler", "free", "explicit Euler, fine", 0.0125, 0.00837, 0.04556, 0.94556,
+     "at 0.0125 s comparable with Runge-Kutta 4 at 3.2 s"},
+};
+enum { PANELS = sizeof panels / sizeof *panels, DRAWN_PANELS = 6 };
+
+/* A curve of the work-precision chart. */
+static const struct contestant {
+    const char *name, *stepper, *option;
+    int adaptive;
+} contestants[] = {
+    {"euler", "euler", NULL, 0},
+    {"midpoint", "midpoint", NULL, 0},
+    {"rk4", "rk4", NULL, 0},
+    {"implicit-euler", "implicit-euler", NULL, 0},
+    {"implicit-euler newton", "implicit-euler", "newton.iterations=30", 0},
+    {"cvode bdf", "cvode", "method=bdf", 1},
+    {"cvode adams", "cvode", "method=adams", 1},
+    {"reference", "reference", NULL, 1},
+};
+enum { CONTESTANTS = sizeof contestants / sizeof *contestants };
+
+/* --- the runs --- */
+
+static int plan_panels(struct plan *plan) {
+    for (int e = 0; e < 2; e++) {
+        char duration[32];
+        snprintf(duration, sizeof duration, "duration=%g", ends[e]);
+        const struct scene *scene = plan_scene(plan, "circle", (const char *[]){duration}, 1);
+        if (!scene)
+            return -1;
+        for (int i = 0; i < PANELS; i++) {
+            const struct panel *panel = &panels[i];
+            const struct run_request request = {
+                .stepper = panel->stepper, .treatment = panel->treatment, .step = panel->step};
+            if (plan_wants(plan, panel->stepper) &&
+                plan_add(plan, scene, &request, e ? "160 s" : "30 s", "%d", i))
+                return -1;
+        }
+    }
+    return 0;
+}
+
+/* The step or the tolerance of a contestant's k-th point. Steps divide the 20 s between frames;
+ * the coarsest, 20 s, is 0.7 of a turn. */
+static double setting(const struct contestant *contestant, int k) {
+    return contestant->adaptive ? pow(10, -2 - k) : ldexp(20, -k);
+}
+
+static int points(const struct plan *plan, const struct contestant *contestant) {
+    return plan->quick ? 6 : contestant->adaptive ? 11 : 14;
+}
+
+static int plan_work(struct plan *plan) {
+    const char *sets[] = {"frame_rate=0.05"};
+    const struct scene *scene = plan_scene(plan, "circle", sets, 1);
+    if (!scene)
+        return -1;
+    for (int c = 0; c < CONTESTANTS; c++) {
+        const struct contestant *contestant = &contestants[c];
+        if (!plan_wants(plan, contestant->stepper))
+            continue;
+        for (int k = 0; k < points(plan, contestant); k++) {
+            const double value = setting(contestant, k);
+            struct run_request request = {.stepper = contestant->stepper,
+                                          .options = &contestant->option,
+                                          .option_count = contestant->option != NULL,
+                                          .timings = 9};
+            *(contestant->adaptive ? &request.rtol : &request.step) = value;
+            if (contestant->adaptive)
+                request.atol = value;
+            if (plan_add(plan, scene, &request, "work", "%d %d", c, k))
+                return -1;
+        }
+    }
+    return 0;
+}
+
+static int circle_plan(struct plan *plan) {
+    if (plan->scene_count > 0) {
+        snprintf(plan->reason, REASON_SIZE,
+                 "experiment circle has a scene of its own; leave out --scene");
+        return -1;
+    }
+    return plan_panels(plan) || plan_work(plan) ? -1 : 0;
+}
+
+/* --- reading the runs --- */
+
+static double position_error(const struct table *states, int row) {
+    double exact[2];
+    circle_exact(table_value(states, row, 0), exact);
+    return hypot(table_value(states, row, table_column(states, "x")) - exact[0],
+                 table_value(states, row, table_column(states, "y")) - exact[1]);
+}
+
+static double radius(const struct table *states, int row) {
+    return hypot(table_value(states, row, table_column(states, "x")),
+                 table_value(states, row, table_column(states, "y")));
+}
+
+/* The first case of the plan in a group with that label, or NULL. */
+static const struct labelled_case *find_case(const struct plan *plan, const char *group,
+                                             const char *label) {
+    for (int i = 0; i < plan->case_count; i++)
+        if (strcmp(plan->cases[i].group, group) == 0 && strcmp(plan->cases[i].label, label) == 0)
+            return &plan->cases[i];
+    return NULL;
+}
+
+static int open_table(struct atomic_file *file, struct plan *plan, const char *folder,
+                      const char *name, const char *what, const char *columns) {
+    char path[PATH_SIZE];
+    path_format(path, "%s/%s.tsv", folder, name);
+    if (atomic_open(file, path, plan->reason))
+        return -1;
+    write_provenance(file->stream, what, plan->case_count ? plan->cases[0].run.scene : NULL);
+    fprintf(file->stream, "%s\n", columns);
+    return 0;
+}
+
+/* Calls `row` for each panel's run of a group with its files. */
+static int each_panel(struct plan *plan, const char *group, FILE *stream,
+                      void (*row)(FILE *stream, int panel, const struct run_files *run)) {
+    for (int i = 0; i < PANELS; i++) {
+        char label[16];
+        struct run_files run;
+        snprintf(label, sizeof label, "%d", i);
+        const struct labelled_case *found = find_case(plan, group, label);
+        if (!found)
+            continue;
+        if (run_read(&run, found->run.folder, plan->reason))
+            return -1;
+        row(stream, i, &run);
+        run_free(&run);
+    }
+    return 0;
+}
+
+/* --- figures 2.4 and 2.5, error against time --- */
+
+static void orbit_rows(FILE *stream, int panel, const struct run_files *run) {
+    const struct table *states = &run->states;
+    const int x = table_column(states, "x"), y = table_column(states, "y");
+    for (int i = 0; i < states->row_count; i++)
+        fprintf(stream, "%d\t%s\t%s\t%g\t%.17g\t%.17g\t%.17g\t%.17g\n", panel + 1,
+                panels[panel].title, panels[panel].stepper, panels[panel].step,
+                table_value(states, i, 0), table_value(states, i, x), table_value(states, i, y),
+                position_error(states, i));
+    fprintf(stream, "\n\n");
+}
+
+static int write_orbits(struct plan *plan, const char *folder) {
+    for (int e = 0; e < 2; e++) {
+        struct atomic_file file;
+        const char *group = e ? "160 s" : "30 s";
+        if (open_table(
+                &file, plan, folder, e ? "orbits-160s" : "orbits-30s",
+                "trajectories, one block for each panel: s, m; error: distance from the exact "
+                "position, m",
+                "panel\ttitle\tstepper\tstep\tt\tx\ty\terror"))
+            return -1;
+        if (each_panel(plan, group, file.stream, orbit_rows)) {
+            atomic_discard(&file);
+            return -1;
+        }
+        if (atomic_commit(&file, plan->reason))
+            return -1;
+    }
+    return 0;
+}
+
+/* --- the table --- */
+
+struct panel_errors {
+    double error[2], radius;
+    long long evaluations;
+    int there;
+};
+
+static int read_panels(struct plan *plan, struct panel_errors errors[PANELS]) {
+    memset(errors, 0, PANELS * sizeof *errors);
+    for (int i = 0; i < PANELS; i++) {
+        char label[16];
+        snprintf(label, sizeof label, "%d", i);
+        for (int e = 0; e < 2; e++) {
+            struct run_files run;
+            const struct labelled_case *found = find_case(plan, e ? "160 s" : "30 s", label);
+            if (!found)
+                continue;
+            if (run_read(&run, found->run.folder, plan->reason))
+                return -1;
+            const int last = run.states.row_count - 1;
+            errors[i].there = 1;
+            errors[i].error[e] = position_error(&run.states, last);
+            errors[i].radius = radius(&run.states, last);
+            errors[i].evaluations = (long long)run_number(&run, "counters.force_evaluations");
+            run_free(&run);
+        }
+    }
+    return 0;
+}
+
+static int write_panel_table(struct plan *plan, const char *folder) {
+    struct panel_errors errors[PANELS];
+    struct atomic_file file;
+    if (read_panels(plan, errors) ||
+        open_table(&file, plan, folder, "table",
+                   "position errors, m, beside the expected ones and the thesis's words",
+                   "method\ttreatment\tstep\terror_30s\texpected_30s\terror_160s\texpected_160s\t"
+                   "radius_160s\texpected_radius\tforce_evaluations\tthesis"))
+        return -1;
+    printf("  %-26s %8s %10s %10s %10s   %s\n", "method", "step s", "30 s: m", "160 s: m",
+           "radius m", "the thesis says");
+    for (int i = 0; i < PANELS; i++) {
+        const struct panel *p = &panels[i];
+        const struct panel_errors *e = &errors[i];
+        if (!e->there)
+            continue;
+        fprintf(file.stream, "%s\t%s\t%g\t%.17g\t%g\t%.17g\t%g\t%.17g\t%g\t%lld\t%s\n", p->stepper,
+                p->treatment, p->step, e->error[0], p->error_30, e->error[1], p->error_160,
+                e->radius, p->radius_160, e->evaluations, p->statement);
+        printf("  %-26s %8g %10.5f %10.5f %10.5f   %s\n", p->title, p->step, e->error[0],
+               e->error[1], e->radius, p->statement);
+    }
+    return atomic_commit(&file, plan->reason);
+}
+
+/* --- error against cost, and the radius that the stability function foretells --- */
+
+struct point {
+    int contestant, k;
+    enum outcome outcome;
+    const char *reason;
+    double setting, error, evaluations, steps, failure_time, last_radius;
+    struct spread cpu;
+};
+
+static struct point read_point(const struct labelled_case *labelled, const struct run_files *run) {
+    struct point p = {.outcome = run->outcome, .error = NAN, .last_radius = NAN};
+    sscanf(labelled->label, "%d %d", &p.contestant, &p.k);
+    p.setting = setting(&contestants[p.contestant], p.k);
+    p.evaluations = run_number(run, "counters.force_evaluations");
+    p.steps = run_number(run, "counters.steps");
+    p.failure_time = run_number(run, "failure_time");
+    p.cpu = run_cpu_time(run);
+    const struct table *states = &run->states;
+    if (run->outcome == FINISHED) {
+        p.error = 0;
+        for (int i = 0; i < states->row_count; i++)
+            p.error = fmax(p.error, position_error(states, i));
+        p.last_radius = radius(states, states->row_count - 1);
+    }
+    return p;
+}
+
+/* Slope of log error against log evaluations, by least squares over the points whose error is
+ * neither of the circle's size nor of rounding's. */
+struct slope {
+    double x[32], y[32];
+    size_t count;
+};
+
+static void slope_add(struct slope *slope, const struct point *p) {
+    if (p->error < 0.05 && p->error > 1e-10 && slope->count < 32) {
+        slope->x[slope->count] = log10(p->evaluations);
+        slope->y[slope->count] = log10(p->error);
+        slope->count++;
+    }
+}
+
+static void write_slope(FILE *stream, const char *name, const struct slope *slope) {
+    double c0, c1, cov00, cov01, cov11, sum;
+    if (slope->count < 3)
+        return;
+    gsl_fit_linear(slope->x, 1, slope->y, 1, slope->count, &c0, &c1, &cov00, &cov01, &cov11, &sum);
+    const size_t last = slope->count - 1;
+    fprintf(stream, "%s\t%.3f\t%zu\t%.17g\t%.17g\n", name, c1, slope->count,
+            pow(10, slope->x[last]), pow(10, slope->y[last]));
+}
+
+/* |R(-i omega h)|^n, the radius after n steps over the first, where there is a table. */
+static double predicted_radius(const struct contestant *contestant, double h, double steps) {
+    const struct butcher_table *table = stepper_find(contestant->stepper)->table;
+    const double growth = cabs(butcher_stability(table, -I * CIRCLE_RATE * h));
+    return CIRCLE_RADIUS * pow(growth, steps);
+}
+
+struct work_tables {
+    struct atomic_file work, slopes, radius;
+};
+
+static int open_work_tables(struct work_tables *tables, struct plan *plan, const char *folder) {
+    if (open_table(
+            &tables->work, plan, folder, "work-precision",
+            "largest position error at the 9 frames of 160 s, m, against force evaluations "
+            "and CPU time, s, of 9 repeated runs; setting: step, s, or rtol = atol; nan: "
+            "there is no number, see status",
+            "method\tstepper\tsetting\terror\tforce_evaluations\tsteps\tcpu_median\tcpu_least\t"
+            "cpu_greatest\tstatus\tfailure_time"))
+        return -1;
+    if (open_table(&tables->slopes, plan, folder, "work-precision-slopes",
+                   "slopes of log error over log evaluations; position: the last point used",
+                   "method\tslope\tpoints\tforce_evaluations\terror")) {
+        atomic_discard(&tables->work);
+        return -1;
+    }
+    if (open_table(&tables->radius, plan, folder, "radius",
+                   "radius after 160 s, m, measured and as |R(-i omega h)|^n foretells it",
+                   "method\tstepper\tstep\tomega_h\tradius\tpredicted\tsteps")) {
+        atomic_discard(&tables->work);
+        atomic_discard(&tables->slopes);
+        return -1;
+    }
+    return 0;
+}
+
+static void write_point(const struct work_tables *tables, const struct point *p) {
+    const struct contestant *c = &contestants[p->contestant];
+    fprintf(tables->work.stream,
+            "%s\t%s\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%s\t%.17g\n", c->name,
+            c->stepper, p->setting, p->error, p->evaluations, p->steps, p->cpu.median, p->cpu.least,
+            p->cpu.greatest, outcome_name(p->outcome), p->failure_time);
+    if (stepper_find(c->stepper)->table && p->outcome == FINISHED)
+        fprintf(tables->radius.stream, "%s\t%s\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\n", c->name,
+                c->stepper, p->setting, CIRCLE_RATE * p->setting, p->last_radius,
+                predicted_radius(c, p->setting, p->steps), p->steps);
+}
+
+/* Rows of one contestant, in the order of its settings; blocks are parted by two blank lines. */
+static int write_contestant(struct plan *plan, int c, const struct work_tables *tables) {
+    struct slope slope = {.count = 0};
+    for (int i = 0; i < plan->case_count; i++) {
+        struct run_files run;
+        int contestant;
+        if (strcmp(plan->cases[i].group, "work") != 0 ||
+            sscanf(plan->cases[i].label, "%d", &contestant) != 1 || contestant != c)
+            continue;
+        if (run_read(&run, plan->cases[i].run.folder, plan->reason))
+            return -1;
+        const struct point point = read_point(&plan->cases[i], &run);
+        write_point(tables, &point);
+        slope_add(&slope, &point);
+        run_free(&run);
+    }
+    write_slope(tables->slopes.stream, contestants[c].name, &slope);
+    fprintf(tables->work.stream, "\n\n");
+    fprintf(tables->radius.stream, "\n\n");
+    return 0;
+}
+
+static int write_work(struct plan *plan, const char *folder) {
+    struct work_tables tables;
+    int code = 0;
+    if (open_work_tables(&tables, plan, folder))
+        return -1;
+    for (int c = 0; c < CONTESTANTS && !code; c++)
+        code = write_contestant(plan, c, &tables);
+    struct atomic_file *const files[] = {&tables.work, &tables.slopes, &tables.radius};
+    for (int i = 0; i < 3; i++) {
+        if (code)
+            atomic_discard(files[i]);
+        else
+            code = atomic_commit(files[i], plan->reason);
+    }
+    return code;
+}
+
+/* The prediction as a curve: radius after 160 s with steps of h, for every method with a table. */
+static int write_prediction(struct plan *plan, const char *folder) {
+    struct atomic_file file;
+    if (open_table(&file, plan, folder, "radius-predicted",
+                   "0.9 |R(-i omega h)|^(160 s / h), m, from the stability function",
+                   "method\tstepper\tstep\tradius"))
+        return -1;
+    for (int c = 0; c < CONTESTANTS; c++) {
+        if (!stepper_find(contestants[c].stepper)->table || contestants[c].option ||
+            !plan_wants(plan, contestants[c].stepper))
+            continue;
+        for (int k = 0; k <= 400; k++) {
+            const double h = 2e-3 * pow(1e4, k / 400.);
+            fprintf(file.stream, "%s\t%s\t%.17g\t%.17g\n", contestants[c].name,
+                    contestants[c].stepper, h, predicted_radius(&contestants[c], h, 160 / h));
+        }
+        fprintf(file.stream, "\n\n");
+    }
+    return atomic_commit(&file, plan->reason);
+}
+
+static int circle_tabulate(struct plan *plan, const char *folder) {
+    return write_orbits(plan, folder) || write_panel_table(plan, folder) ||
+                   write_work(plan, folder) || write_prediction(plan, folder)
+               ? -1
+               : 0;
+}
+
+const struct experiment circle_experiment = {
+    .name = "circle",
+    .question =
+        "how far does each method carry a particle off its circle? (thesis, figures 2.4 and 2.5)",
+    .plan = circle_plan,
+    .tabulate = circle_tabulate,
+};

@@ -1,0 +1,59 @@
+/* An experiment answers one question: it names runs, and makes tables from their folders. Figures
+ * are drawn from the tables by a gnuplot script of the same name. */
+#ifndef WISPLAB_EXPERIMENT_H
+#define WISPLAB_EXPERIMENT_H
+
+#include "runs.h"
+
+/* A run and what the tables call it. */
+struct labelled_case {
+    struct run_case run;
+    char group[32]; /* the table that it is for */
+    char label[64]; /* its row or curve */
+};
+
+/* What was asked for, and the runs that answer it. */
+struct plan {
+    const struct experiment *experiment;
+    const char *out;                             /* root folder of results */
+    int quick;                                   /* a stated subset */
+    const char *const *scenes, *const *steppers; /* chosen by the user; none: the experiment's */
+    int scene_count, stepper_count;
+
+    struct labelled_case *cases;
+    int case_count, case_capacity;
+    struct scene **loaded; /* owned */
+    int loaded_count;
+    char reason[REASON_SIZE]; /* of a failure */
+};
+
+struct experiment {
+    const char *name;
+    const char *question;
+
+    /* Fills the plan with plan_add. Returns 0, or -1 with plan->reason. */
+    int (*plan)(struct plan *plan);
+
+    /* Writes the tables into `folder` from the run folders, and prints the answer in a few lines.
+     * Returns 0, or -1 with plan->reason. */
+    int (*tabulate)(struct plan *plan, const char *folder);
+};
+
+/* All experiments, NULL-terminated, and the one of that name or NULL. */
+extern const struct experiment *const experiments[];
+const struct experiment *experiment_find(const char *name);
+
+/* Loads a scene with overrides; it belongs to the plan. NULL with plan->reason on failure. */
+const struct scene *plan_scene(struct plan *plan, const char *name, const char *const *sets,
+                               int set_count);
+
+/* Whether the user's choice of steppers leaves this one in. */
+int plan_wants(const struct plan *plan, const char *stepper);
+
+/* Adds a run, labelled (printf). Returns 0, or -1 with plan->reason. */
+int plan_add(struct plan *plan, const struct scene *scene, const struct run_request *request,
+             const char *group, const char *label, ...) __attribute__((format(printf, 5, 6)));
+
+void plan_free(struct plan *plan);
+
+#endif

@@ -1,0 +1,392 @@
+/* CVODE: variable-order, variable-step multistep methods, of SUNDIALS. */
+#include "first_order.h"
+#include "stepper.h"
+#include "sundials_support.h"
+
+#include <cvode/cvode.h>
+#include <cvode/cvode_ls.h>
+#include <cvode/cvode_proj.h>
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sundials/sundials_matrix.h>
+#include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
+
+enum { METHOD, MAX_ORDER, NONLINEAR, ITERATIONS, JACOBIAN, SETUP_FREQUENCY, JACOBIAN_FREQUENCY };
+enum { BDF, ADAMS };
+enum { NEWTON, FIXED_POINT };
+
+struct multistep {
+    struct stepper base;
+    struct sundials sundials;
+    void *cvode;
+    N_Vector y;                     /* (q, v) */
+    SUNNonlinearSolver fixed_point; /* NULL: Newton's method, which needs the next four */
+    SUNLinearSolver newton_system;
+    SUNMatrix no_matrix; /* CVODE wants one to pass around; M, D and K are the system's */
+    struct linear_solver *linear;
+    enum jacobian kind;
+    double gamma;              /* of the last set-up */
+    int started, restart;      /* whether it ran before; whether the next step begins anew */
+    int cause;                 /* the code of the last callback */
+    long rejected, iterations; /* CVODE's counts since it began anew, as counted already */
+    double work[];             /* two right sides */
+};
+
+/* CVODE's sign of the code of a callback. */
+static int report(struct multistep *s, int code) {
+    s->cause = code;
+    return (code > 0) - (code < 0);
+}
+
+static int rate(sunrealtype t, N_Vector y, N_Vector y_rate, void *s_) {
+    struct multistep *s = s_;
+    return report(
+        s, first_order_rate(s->base.system, t, N_VGetArrayPointer(y), N_VGetArrayPointer(y_rate)));
+}
+
+/* The Newton system of an implicit step is (I - gamma J) (dq, dv) = (r, s), where
+ * y' = (v, M^-1 f) has, at M, K = df/dq and D = df/dv held, the Jacobian
+ *
+ *     J = ( 0       I      )        hence   dq - gamma dv                       = r,
+ *         ( M^-1 K  M^-1 D )                -gamma K dq + (M - gamma D) dv      = M s.
+ *
+ * The first row in the second leaves half of the unknowns, and a matrix every solver here knows:
+ *
+ *     (M - gamma D - gamma^2 K) dv = M s + gamma K r,      dq = r + gamma dv.
+ *
+ * CVODE keeps a factorised system while gamma drifts by up to 30 %, and for BDF multiplies the
+ * whole of (dq, dv) by 2 / (1 + gamma / gamma of the set-up). That presumes the exact solution at
+ * the gamma of the set-up, so the right side and dq take that one too, not the current one. */
+static int prepare(sunrealtype t, N_Vector y, N_Vector y_rate, SUNMatrix no_matrix,
+                   sunbooleantype jacobian_holds, sunbooleantype *jacobian_is_new,
+                   sunrealtype gamma, void *s_, N_Vector work_1, N_Vector work_2, N_Vector work_3) {
+    (void)y_rate, (void)no_matrix, (void)work_1, (void)work_2, (void)work_3;
+    struct multistep *s = s_;
+    struct system *system = s->base.system;
+    const double *q = N_VGetArrayPointer(y);
+    s->gamma = gamma;
+    *jacobian_is_new = !jacobian_holds;
+    if (jacobian_holds)
+        return 0;
+    return report(s, system_linearise(system, s->kind, t, q, q + system->size));
+}
+
+static SUNLinearSolver_Type newton_system_type(SUNLinearSolver solver) {
+    (void)solver;
+    return SUNLINEARSOLVER_DIRECT; /* to CVODE: conjugate gradients have a tolerance of their own */
+}
+
+static int newton_system_setup(SUNLinearSolver solver, SUNMatrix no_matrix) {
+    (void)no_matrix;
+    struct multistep *s = solver->content;
+    return report(s, linear_factor(s->linear, s->gamma, s->gamma * s->gamma));
+}
+
+static int newton_system_solve(SUNLinearSolver solver, SUNMatrix no_matrix, N_Vector x, N_Vector b,
+                               sunrealtype tolerance) {
+    (void)no_matrix, (void)tolerance;
+    struct multistep *s = solver->content;
+    struct system *system = s->base.system;
+    const int n = system->size;
+    const double *rq = N_VGetArrayPointer(b), *rv = rq + n;
+    double *dq = N_VGetArrayPointer(x), *dv = dq + n;
+    double *right = s->work, *stiffness_part = s->work + n;
+
+    system_product(system, 1, 0, 0, rv, right);
+    system_product(system, 0, 0, s->gamma, rq, stiffness_part);
+    for (int i = 0; i < n; i++)
+        right[i] += stiffness_part[i];
+    const int sign = report(s, linear_solve(s->linear, right, dv));
+    if (sign) /* CVODE takes a code it does not know for success */
+        return sign > 0 ? SUNLS_PACKAGE_FAIL_REC : SUN_ERR_EXT_FAIL;
+    for (int i = 0; i < n; i++)
+        dq[i] = rq[i] + s->gamma * dv[i];
+    return 0;
+}
+
+/* correction <- what takes y onto the constraint. The model's projection is exact, so the
+ * tolerance does not matter. The error estimate stays that of the step without projection, for
+ * the model does not tell which part of an error the projection removes: steps are a little
+ * shorter than they need be. */
+static int project(sunrealtype t, N_Vector y, N_Vector correction, sunrealtype tolerance,
+                   N_Vector error, void *s_) {
+    (void)tolerance, (void)error;
+    struct multistep *s = s_;
+    double *q = N_VGetArrayPointer(correction);
+    N_VScale(1, y, correction);
+    const int sign = report(s, system_project(s->base.system, t, q, q + s->base.system->size));
+    N_VLinearSum(1, correction, -1, y, correction);
+    return sign;
+}
+
+static void cvode_free(struct stepper *stepper) {
+    struct multistep *s = (struct multistep *)stepper;
+    CVodeFree(&s->cvode);
+    if (s->fixed_point)
+        SUNNonlinSolFree(s->fixed_point);
+    if (s->newton_system)
+        SUNLinSolFreeEmpty(s->newton_system);
+    if (s->no_matrix)
+        SUNMatFreeEmpty(s->no_matrix);
+    if (s->linear)
+        s->linear->method->free(s->linear);
+    if (s->y)
+        N_VDestroy(s->y);
+    sundials_close(&s->sundials);
+    free(s);
+}
+
+static int use_fixed_point(struct multistep *s) {
+    s->fixed_point = SUNNonlinSol_FixedPoint(s->y, 0, s->sundials.context);
+    return s->fixed_point ? CVodeSetNonlinearSolver(s->cvode, s->fixed_point) : -1;
+}
+
+/* CVODE begins with Newton's method, and lacks its linear system. */
+static int use_newton(struct multistep *s, const struct stepper_settings *settings,
+                      struct system *system) {
+    const double *option = settings->option;
+    if (linear_choose(settings->linear, system, (int)option[JACOBIAN], &s->kind))
+        return -1;
+    s->linear = linear_create(settings->linear, system, settings->linear_option);
+    s->newton_system = SUNLinSolNewEmpty(s->sundials.context);
+    s->no_matrix = SUNMatNewEmpty(s->sundials.context);
+    if (!s->linear || !s->newton_system || !s->no_matrix)
+        return -1;
+    s->newton_system->content = s;
+    s->newton_system->ops->gettype = newton_system_type;
+    s->newton_system->ops->setup = newton_system_setup;
+    s->newton_system->ops->solve = newton_system_solve;
+    if (CVodeSetLinearSolver(s->cvode, s->newton_system, s->no_matrix) < 0 ||
+        CVodeSetLinSysFn(s->cvode, prepare) < 0 ||
+        CVodeSetLSetupFrequency(s->cvode, (long)option[SETUP_FREQUENCY]) < 0 ||
+        CVodeSetJacEvalFrequency(s->cvode, (long)option[JACOBIAN_FREQUENCY]) < 0)
+        return -1;
+    return 0;
+}
+
+static int set_up(struct multistep *s, const struct stepper_settings *settings,
+                  struct system *system) {
+    const double *option = settings->option;
+    s->y = sundials_vector(&s->sundials, 2 * system->size);
+    s->cvode = CVodeCreate(option[METHOD] == ADAMS ? CV_ADAMS : CV_BDF, s->sundials.context);
+    if (!s->y || !s->cvode)
+        return -1;
+#if SUNDIALS_VERSION_MAJOR < 7
+    CVodeSetErrHandlerFn(s->cvode, sundials_keep_message, &s->sundials);
+#endif
+    if (CVodeInit(s->cvode, rate, 0, s->y) < 0 ||
+        CVodeSStolerances(s->cvode, settings->rtol, settings->atol) < 0 ||
+        CVodeSetUserData(s->cvode, s) < 0)
+        return -1;
+    if (option[MAX_ORDER] > 0 && CVodeSetMaxOrd(s->cvode, (int)option[MAX_ORDER]) < 0)
+        return -1;
+    const int nonlinear =
+        option[NONLINEAR] == FIXED_POINT ? use_fixed_point(s) : use_newton(s, settings, system);
+    if (nonlinear < 0 || CVodeSetMaxNonlinIters(s->cvode, (int)option[ITERATIONS]) < 0)
+        return -1;
+    if (system_has_projection(system) &&
+        (CVodeSetProjFn(s->cvode, project) < 0 || CVodeSetProjErrEst(s->cvode, SUNFALSE) < 0))
+        return -1;
+    return 0;
+}
+
+static struct stepper *cvode_create(const struct stepper_settings *settings,
+                                    struct system *system) {
+    struct multistep *s = calloc(1, sizeof *s + 2 * (size_t)system->size * sizeof(double));
+    if (!s)
+        return NULL;
+    if (sundials_open(&s->sundials)) {
+        free(s);
+        return NULL;
+    }
+    if (set_up(s, settings, system) < 0) {
+        cvode_free(&s->base);
+        return NULL;
+    }
+    s->restart = 1;
+    return &s->base;
+}
+
+static int cvode_refuse(const struct stepper_settings *settings, struct system *system) {
+    const double *option = settings->option;
+    if (option[METHOD] == BDF && option[MAX_ORDER] > 5)
+        return system_fail(system, REFUSED, "cvode: bdf has orders up to 5, and max_order is %g",
+                           option[MAX_ORDER]);
+    if (option[METHOD] == ADAMS && system_has_projection(system))
+        return system_fail(system, REFUSED,
+                           "cvode: method adams cannot keep the constraint of %s: SUNDIALS "
+                           "projects steps of bdf only",
+                           system->name);
+    if (option[NONLINEAR] == FIXED_POINT)
+        return 0;
+    if (!system->ops->product)
+        return system_fail(system, REFUSED,
+                           "cvode: Newton's method needs products with M and K: %s has none",
+                           system->name);
+    enum jacobian kind;
+    return linear_choose(settings->linear, system, (int)option[JACOBIAN], &kind);
+}
+
+static int cvode_reset(struct stepper *stepper) {
+    struct multistep *s = (struct multistep *)stepper;
+    s->restart = 1;
+    return 0;
+}
+
+static void begin(struct multistep *s, double t, const double *q, const double *v) {
+    struct system *system = s->base.system;
+    const size_t n = (size_t)system->size;
+    double *y = N_VGetArrayPointer(s->y);
+    memcpy(y, q, n * sizeof(double));
+    memcpy(y + n, v, n * sizeof(double));
+    CVodeReInit(s->cvode, t, s->y);
+    s->rejected = s->iterations = 0;
+    s->restart = 0;
+    if (s->started)
+        system->counters.restarts += system->wisps;
+    s->started = 1;
+}
+
+/* Adds what CVODE counted in the last step. */
+static void count(struct multistep *s) {
+    struct system *system = s->base.system;
+    long error_tests, solves, projections = 0, iterations;
+    CVodeGetNumErrTestFails(s->cvode, &error_tests);
+    CVodeGetNumStepSolveFails(s->cvode, &solves);
+    if (system_has_projection(system))
+        CVodeGetNumProjFails(s->cvode, &projections);
+    CVodeGetNumNonlinSolvIters(s->cvode, &iterations);
+
+    const long rejected = error_tests + solves + projections;
+    system->counters.rejected_steps += (long long)(rejected - s->rejected) * system->wisps;
+    system->counters.newton_iterations += (long long)(iterations - s->iterations) * system->wisps;
+    s->rejected = rejected;
+    s->iterations = iterations;
+}
+
+/* What a failure of CVODE means, after a last callback that returned `cause`. */
+static enum outcome outcome_of(int flag, int cause) {
+    switch (flag) {
+    case CV_CONV_FAILURE:
+    case CV_LSETUP_FAIL:
+    case CV_LSOLVE_FAIL:
+        return cause ? (enum outcome)abs(cause) : SOLVER_STALLED;
+    case CV_RHSFUNC_FAIL:
+    case CV_FIRST_RHSFUNC_ERR:
+    case CV_REPTD_RHSFUNC_ERR:
+    case CV_UNREC_RHSFUNC_ERR:
+    case CV_PROJFUNC_FAIL:
+    case CV_REPTD_PROJFUNC_ERR:
+        return cause ? (enum outcome)abs(cause) : MODEL_FAILED;
+    case CV_MEM_FAIL:
+        return OUT_OF_MEMORY;
+    default: /* CV_ERR_FAILURE, CV_TOO_MUCH_ACC, and what should not happen */
+        return STEP_TOO_SMALL;
+    }
+}
+
+/* Negative: CVODE has tried smaller steps. What a callback said follows CVODE's message. */
+static int failed(struct multistep *s, enum outcome outcome, const char *message) {
+    struct system *system = s->base.system;
+    if (!s->cause)
+        return system_fail(system, -(int)outcome, "cvode: %s", message);
+    char cause[sizeof system->reason];
+    memcpy(cause, system->reason, sizeof cause);
+    return system_fail(system, -(int)outcome, "cvode: %s Cause: %s", message, cause);
+}
+
+static int cvode_advance(struct stepper *stepper, double *t, double stop, double *q, double *v) {
+    struct multistep *s = (struct multistep *)stepper;
+    const size_t n = (size_t)stepper->system->size;
+
+    if (s->restart) {
+        /* CVODE refuses to begin on an interval of few roundings, as lies between the ticks of
+         * two clocks that should coincide. Nothing moves in it. */
+        if (stop - *t <= 10 * DBL_EPSILON * fmax(fabs(*t), fabs(stop))) {
+            *t = stop;
+            return 0;
+        }
+        begin(s, *t, q, v);
+    }
+    s->cause = 0;
+    double reached = *t;
+    int flag = CVodeSetStopTime(s->cvode, stop);
+    if (flag >= 0)
+        flag = CVode(s->cvode, stop, s->y, &reached, CV_ONE_STEP);
+    count(s);
+    if (flag < 0)
+        return failed(s, outcome_of(flag, s->cause), s->sundials.message);
+    if (reached < stop && step_is_lost(*t, reached - *t))
+        return failed(s, STEP_TOO_SMALL, "the step is lost in the rounding of the time.");
+
+    const double *y = N_VGetArrayPointer(s->y);
+    memcpy(q, y, n * sizeof(double));
+    memcpy(v, y + n, n * sizeof(double));
+    *t = reached;
+    return 0;
+}
+
+static const char *const methods[] = {[BDF] = "bdf", [ADAMS] = "adams", NULL};
+static const char *const nonlinear_solvers[] = {
+    [NEWTON] = "newton", [FIXED_POINT] = "fixed-point", NULL};
+
+/* With a factorisation as cheap as ours, the 20 and 51 steps for which CVODE by itself keeps a
+ * factorised system and a Jacobian cost more iterations than they save. */
+static const struct option_spec options[] = {
+    [METHOD] = {.name = "method",
+                .help = "family of multistep formulas",
+                .kind = OPTION_CHOICE,
+                .initial = BDF,
+                .choices = methods},
+    [MAX_ORDER] = {.name = "max_order",
+                   .help = "highest order; 0 is the most the method has: bdf 5, adams 12",
+                   .kind = OPTION_COUNT,
+                   .initial = 0,
+                   .least = 0,
+                   .most = 12},
+    [NONLINEAR] = {.name = "nonlinear",
+                   .help = "iteration of the implicit step",
+                   .kind = OPTION_CHOICE,
+                   .initial = NEWTON,
+                   .choices = nonlinear_solvers},
+    [ITERATIONS] = {.name = "newton.iterations",
+                    .help = "iterations of either kind at most, then the step is halved twice",
+                    .kind = OPTION_COUNT,
+                    .initial = 3,
+                    .least = 1,
+                    .most = 100},
+    [JACOBIAN] = {.name = "jacobian",
+                  .help = "Jacobian of Newton's method",
+                  .kind = OPTION_CHOICE,
+                  .initial = JACOBIAN_AUTO,
+                  .choices = jacobian_choices},
+    [SETUP_FREQUENCY] = {.name = "setup_frequency",
+                         .help = "steps for which a factorised system is kept at most",
+                         .kind = OPTION_COUNT,
+                         .initial = 5,
+                         .least = 1,
+                         .most = 1000},
+    [JACOBIAN_FREQUENCY] = {.name = "jacobian_frequency",
+                            .help = "steps for which a Jacobian is kept at most",
+                            .kind = OPTION_COUNT,
+                            .initial = 5,
+                            .least = 1,
+                            .most = 1000},
+    {.name = NULL},
+};
+
+const struct stepper_method cvode = {
+    .name = "cvode",
+    .summary = "BDF or Adams of variable order and step (SUNDIALS CVODE)",
+    .reference = "Hindmarsh et al. 2005, ACM Trans. Math. Softw. 31, 363",
+    .order = 12,
+    .capabilities = STEPPER_IMPLICIT | STEPPER_ADAPTIVE,
+    .options = options,
+    .refuse = cvode_refuse,
+    .create = cvode_create,
+    .advance = cvode_advance,
+    .reset = cvode_reset,
+    .free = cvode_free,
+};

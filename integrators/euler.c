@@ -1,0 +1,17 @@
+#include "explicit_rk.h"
+
+static const struct butcher_table table = {
+    .stages = 1,
+    .b = {1},
+};
+
+const struct stepper_method euler = {
+    .name = "euler",
+    .summary = "explicit Euler, with the constraint projection of the treatment",
+    .reference = "Plante 1999, eq. 2.1; Hairer, Norsett & Wanner, Solving ODEs I, section I.7",
+    .order = 1,
+    .table = &table,
+    .create = explicit_rk_create,
+    .step = explicit_rk_step,
+    .free = explicit_rk_free,
+};

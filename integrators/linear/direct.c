@@ -1,0 +1,38 @@
+/* The model's own direct solver: 2x2 elimination on the circle, block-pentadiagonal on wisps. */
+#include "linear.h"
+
+#include <stdlib.h>
+
+static int direct_supports(const struct system *system) {
+    return system->ops->factor && system->ops->solve;
+}
+
+static struct linear_solver *direct_create(struct system *system, const double *option) {
+    (void)system, (void)option;
+    return malloc(sizeof(struct linear_solver));
+}
+
+static int direct_factor(struct linear_solver *solver, double alpha, double beta) {
+    return system_factor(solver->system, alpha, beta);
+}
+
+static int direct_solve(struct linear_solver *solver, const double *b, double *x) {
+    system_solve(solver->system, b, x);
+    return 0;
+}
+
+static void direct_free(struct linear_solver *solver) {
+    free(solver);
+}
+
+const struct linear_method direct = {
+    .name = "direct",
+    .summary = "the problem's own structured solver",
+    .reference = "Golub & Van Loan, Matrix Computations, 4th ed., chapters 3 and 4",
+    .max_lanes = 4,
+    .supports = direct_supports,
+    .create = direct_create,
+    .factor = direct_factor,
+    .solve = direct_solve,
+    .free = direct_free,
+};

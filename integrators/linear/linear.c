@@ -1,0 +1,49 @@
+#include "linear.h"
+
+const char *const jacobian_choices[] = {"exact", "spd", "auto", NULL};
+
+static int fits(const struct linear_method *method, const struct system *system,
+                enum jacobian kind) {
+    const unsigned needs = method->needs | MATRIX_AVAILABLE;
+    return (system->matrix[kind] & needs) == needs;
+}
+
+int linear_choose(const struct linear_method *method, struct system *system, int option,
+                  enum jacobian *kind) {
+    if (!method->supports(system))
+        return system_fail(system, REFUSED, "linear solver %s is not there for %s", method->name,
+                           system->name);
+    *kind = option != JACOBIAN_AUTO              ? (enum jacobian)option
+            : fits(method, system, JACOBIAN_SPD) ? JACOBIAN_SPD
+                                                 : JACOBIAN_EXACT;
+    if (fits(method, system, *kind))
+        return 0;
+    if (!(system->matrix[*kind] & MATRIX_AVAILABLE))
+        return system_fail(system, REFUSED, "%s has no %s Jacobian", system->name,
+                           jacobian_choices[*kind]);
+    const int symmetric = (system->matrix[*kind] & MATRIX_SYMMETRIC) != 0;
+    return system_fail(system, REFUSED,
+                       "linear solver %s needs a %s matrix, and the %s one of %s is not%s%s",
+                       method->name, symmetric ? "positive definite" : "symmetric",
+                       jacobian_choices[*kind], system->name, system->matrix_note ? ": " : "",
+                       system->matrix_note ? system->matrix_note : "");
+}
+
+struct linear_solver *linear_create(const struct linear_method *method, struct system *system,
+                                    const double *option) {
+    struct linear_solver *solver = method->create(system, option);
+    if (solver) {
+        solver->method = method;
+        solver->system = system;
+    }
+    return solver;
+}
+
+int linear_factor(struct linear_solver *solver, double alpha, double beta) {
+    return solver->method->factor(solver, alpha, beta);
+}
+
+int linear_solve(struct linear_solver *solver, const double *b, double *x) {
+    solver->system->counters.linear_solves += solver->system->wisps;
+    return solver->method->solve(solver, b, x);
+}

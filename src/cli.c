@@ -1,0 +1,198 @@
+#include "cli.h"
+
+#include "build_info.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <string.h>
+
+static const struct command *const commands[] = {
+    &list_command, &run_command, &experiment_command, &plot_command, NULL,
+};
+
+int complain(int code, const char *format, ...) {
+    va_list arguments;
+    fputs("wisplab: ", stderr);
+    va_start(arguments, format);
+    vfprintf(stderr, format, arguments);
+    va_end(arguments);
+    fputc('\n', stderr);
+    return code;
+}
+
+/* --- what was given --- */
+
+static int option_index(const struct command *command, const char *name, size_t length) {
+    for (int i = 0; command->options[i].name; i++)
+        if (strlen(command->options[i].name) == length &&
+            strncmp(command->options[i].name, name, length) == 0)
+            return i;
+    return -1;
+}
+
+const char *const *argument_list(const struct arguments *arguments, const char *name, int *count) {
+    const int i = option_index(arguments->command, name, strlen(name));
+    *count = arguments->option[i].count;
+    return arguments->option[i].value;
+}
+
+const char *argument_text(const struct arguments *arguments, const char *name) {
+    int count;
+    const char *const *values = argument_list(arguments, name, &count);
+    return count ? values[count - 1] : NULL;
+}
+
+int argument_given(const struct arguments *arguments, const char *name) {
+    int count;
+    argument_list(arguments, name, &count);
+    return count > 0;
+}
+
+int argument_positive(const struct arguments *arguments, const char *name, double absent,
+                      double *value) {
+    const char *text = argument_text(arguments, name);
+    *value = absent;
+    if (!text || (parse_real(text, value) == 0 && *value > 0))
+        return 0;
+    return complain(-1, "--%s %s: must be a positive number", name, text);
+}
+
+int argument_limits(const struct arguments *arguments, double default_seconds,
+                    double default_mebibytes, struct run_limits *limits) {
+    double mebibytes;
+    if (argument_positive(arguments, "time-limit", default_seconds, &limits->seconds) ||
+        argument_positive(arguments, "memory-limit", default_mebibytes, &mebibytes))
+        return -1;
+    limits->bytes = mebibytes * 1024 * 1024;
+    return 0;
+}
+
+/* --- reading it --- */
+
+/* The nearest name by the number of letters that stand at the same place from either end. */
+static const char *nearest_option(const struct command *command, const char *name, size_t length) {
+    const char *nearest = NULL;
+    size_t best = length / 2;
+    for (int i = 0; command->options[i].name; i++) {
+        const char *other = command->options[i].name;
+        size_t front = 0, back = 0;
+        while (front < length && other[front] && other[front] == name[front])
+            front++;
+        while (back + front < length && back + front < strlen(other) &&
+               other[strlen(other) - 1 - back] == name[length - 1 - back])
+            back++;
+        if (front + back > best) {
+            best = front + back;
+            nearest = other;
+        }
+    }
+    return nearest;
+}
+
+/* Reads one option that begins at argv[i]; returns the number of words used, or -1. */
+static int read_option(struct arguments *arguments, int argc, char **argv, int i) {
+    const char *name = argv[i] + 2;
+    const char *equals = strchr(name, '=');
+    const size_t length = equals ? (size_t)(equals - name) : strlen(name);
+    const struct command *command = arguments->command;
+    const int at = option_index(command, name, length);
+
+    if (at < 0) {
+        const char *nearest = nearest_option(command, name, length);
+        return complain(-1, "%s: no option --%.*s%s%s%s; see wisplab %s --help", command->name,
+                        (int)length, name, nearest ? "; did you mean --" : "",
+                        nearest ? nearest : "", nearest ? "?" : "", command->name);
+    }
+    const struct cli_option *option = &command->options[at];
+    const int takes_next = option->argument && !equals;
+    if (!option->argument && equals)
+        return complain(-1, "--%s takes no value", option->name);
+    if (takes_next && i + 1 >= argc)
+        return complain(-1, "--%s needs a value: --%s %s", option->name, option->name,
+                        option->argument);
+    if (arguments->option[at].count >= (option->repeats ? CLI_REPEATS_MAX : 1))
+        return complain(-1, "--%s is given too often", option->name);
+    arguments->option[at].value[arguments->option[at].count++] =
+        takes_next ? argv[i + 1] : (equals ? equals + 1 : "");
+    return takes_next ? 2 : 1;
+}
+
+static int read_arguments(struct arguments *arguments, int argc, char **argv) {
+    const struct command *command = arguments->command;
+    for (int i = 0; i < argc;) {
+        if (strcmp(argv[i], "-v") == 0)
+            argv[i] = (char *)"--verbose";
+        if (strncmp(argv[i], "--", 2) == 0) {
+            const int used = read_option(arguments, argc, argv, i);
+            if (used < 0)
+                return -1;
+            i += used;
+        } else if (arguments->word_count < command->words_most) {
+            arguments->words[arguments->word_count++] = argv[i++];
+        } else {
+            return complain(-1, "%s: '%s' is one word too many; usage: wisplab %s %s",
+                            command->name, argv[i], command->name, command->usage);
+        }
+    }
+    if (arguments->word_count < command->words_least)
+        return complain(-1, "%s: something is missing; usage: wisplab %s %s", command->name,
+                        command->name, command->usage);
+    return 0;
+}
+
+/* --- help --- */
+
+static void print_command_help(const struct command *command) {
+    printf("wisplab %s %s\n%s\n", command->name, command->usage, command->summary);
+    if (command->options[0].name)
+        printf("\noptions\n");
+    for (int i = 0; command->options[i].name; i++) {
+        char left[64];
+        snprintf(left, sizeof left, "--%s %s", command->options[i].name,
+                 command->options[i].argument ? command->options[i].argument : "");
+        printf("  %-26s %s\n", left, command->options[i].help);
+    }
+    printf("\n%s", command->details);
+}
+
+static void print_help(void) {
+    printf("wisplab compares time integrators on one deformable hair-wisp model.\n\n"
+           "usage: wisplab COMMAND ...\n\n");
+    for (int i = 0; commands[i]; i++)
+        printf("  %-12s %s\n", commands[i]->name, commands[i]->summary);
+    printf("\nTry\n"
+           "  wisplab run circle --stepper rk4 --step 3.2\n"
+           "  wisplab experiment circle\n"
+           "  wisplab run --help\n\n"
+           "Exit codes: 0 done, 1 the input or the command is wrong, 2 the machine failed\n"
+           "(disk full, no memory, gnuplot missing), 3 the integration failed and run.json says\n"
+           "how and when.\n");
+}
+
+int cli_main(int argc, char **argv) {
+    const char *name = argc > 1 ? argv[1] : "--help";
+    if (strcmp(name, "--version") == 0) {
+        printf("wisplab %s (commit %s, %s; %s)\n", WISPLAB_VERSION, WISPLAB_COMMIT,
+               WISPLAB_COMPILER, WISPLAB_LIBRARIES);
+        return 0;
+    }
+    if (strcmp(name, "--help") == 0 || strcmp(name, "help") == 0) {
+        print_help();
+        return 0;
+    }
+    struct arguments arguments = {0};
+    for (int i = 0; commands[i]; i++)
+        if (strcmp(commands[i]->name, name) == 0)
+            arguments.command = commands[i];
+    if (!arguments.command)
+        return complain(1, "no command '%s'; see wisplab --help", name);
+    for (int i = 2; i < argc; i++) {
+        if (strcmp(argv[i], "--help") == 0) {
+            print_command_help(arguments.command);
+            return 0;
+        }
+    }
+    if (read_arguments(&arguments, argc - 2, argv + 2))
+        return 1;
+    return arguments.command->run(&arguments);
+}

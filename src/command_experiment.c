@@ -1,0 +1,147 @@
+/* wisplab experiment: plan -> runs -> tables -> figures. */
+#include "cli.h"
+#include "experiment.h"
+#include "plot.h"
+#include "results.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static const struct cli_option options[] = {
+    {"scene", "SCENE", "scenes instead of the experiment's own", 1},
+    {"stepper", "NAME", "only these steppers", 1},
+    {"quick", NULL, "a small, stated subset", 0},
+    {"fresh", NULL, "run again what is there already", 0},
+    {"jobs", "N", "runs at a time; timed runs are always alone (default: processors)", 0},
+    {"shard", "I/N", "do only the I-th of N shares of the runs (1 to N), for job arrays", 0},
+    {"out", "DIR", "root folder of results (default results)", 0},
+    CLI_LIMIT_OPTIONS,
+    {0},
+};
+
+/* "2/8" -> 2, 8. */
+static int read_shard(const char *text, int *shard, int *shards) {
+    char rest;
+    *shard = *shards = 1;
+    if (!text ||
+        (sscanf(text, "%d/%d%c", shard, shards, &rest) == 2 && *shard >= 1 && *shards >= *shard))
+        return 0;
+    return complain(-1, "--shard %s: must be I/N with 1 <= I <= N", text);
+}
+
+/* Runs this shard's cases; leaves in *missing how many others are not there yet. */
+static int do_runs(const struct plan *plan, const struct arguments *arguments, int shard,
+                   int shards, int *missing, char *reason) {
+    struct run_limits limits;
+    struct run_case *cases = calloc((size_t)plan->case_count + 1, sizeof *cases);
+    double jobs;
+    int count = 0, code = -1;
+
+    if (!cases || argument_limits(arguments, 60, 4096, &limits) ||
+        argument_positive(arguments, "jobs", (double)sysconf(_SC_NPROCESSORS_ONLN), &jobs)) {
+        free(cases);
+        return complain(-1, "no run was started");
+    }
+    for (int i = 0; i < plan->case_count; i++) {
+        const struct run_case *run = &plan->cases[i].run;
+        char path[PATH_SIZE];
+        if (i % shards != shard - 1)
+            continue;
+        cases[count++] = *run;
+        if (argument_given(arguments, "fresh") &&
+            path_format(path, "%s/run.json", run->folder) == 0)
+            unlink(path);
+    }
+    const int ran = runs_do_all(cases, count, &limits, (int)ceil(jobs),
+                                !argument_given(arguments, "no-progress"), reason);
+    free(cases);
+    if (ran >= 0) {
+        *missing = 0;
+        for (int i = 0; i < plan->case_count; i++)
+            *missing += !run_is_complete(plan->cases[i].run.folder);
+        printf("%s: %d runs, %d of them new\n", plan->experiment->name, count, ran);
+        code = 0;
+    }
+    return code ? complain(-1, "%s", reason) : 0;
+}
+
+/* Every run that did not finish, in one line each: failures are results. */
+static int list_failures(const struct plan *plan) {
+    for (int i = 0; i < plan->case_count; i++) {
+        struct run_files run;
+        char reason[REASON_SIZE];
+        if (run_read(&run, plan->cases[i].run.folder, reason))
+            return complain(-1, "%s", reason);
+        if (run.outcome != FINISHED)
+            printf("  %s, %s: %s at t = %g s (%s)\n", plan->cases[i].group, plan->cases[i].label,
+                   outcome_name(run.outcome), run_number(&run, "simulated_time"),
+                   json_string_value(json_object_get(run.json, "reason")));
+        run_free(&run);
+    }
+    return 0;
+}
+
+static int tabulate_and_draw(struct plan *plan) {
+    char folder[PATH_SIZE];
+    const char *name = plan->experiment->name;
+    if (path_format(folder, "%s/%s", plan->out, name) || make_folder(folder, plan->reason) ||
+        plan->experiment->tabulate(plan, folder) || plot_experiment(name, folder, plan->reason))
+        return complain(2, "%s", plan->reason);
+    printf("%s: tables and figures in %s\n", name, folder);
+    return 0;
+}
+
+static int carry_out(struct plan *plan, const struct arguments *arguments) {
+    int shard, shards, missing = 0;
+    if (read_shard(argument_text(arguments, "shard"), &shard, &shards))
+        return 1;
+    if (plan->experiment->plan(plan))
+        return complain(1, "%s", plan->reason);
+    if (do_runs(plan, arguments, shard, shards, &missing, plan->reason))
+        return 2;
+    if (missing > 0) {
+        printf("%s: %d runs of other shards are missing; figures when they are there\n",
+               plan->experiment->name, missing);
+        return 0;
+    }
+    return list_failures(plan) ? 2 : tabulate_and_draw(plan);
+}
+
+static int experiment(const struct arguments *arguments) {
+    struct plan plan = {.experiment = experiment_find(arguments->words[0]),
+                        .quick = argument_given(arguments, "quick"),
+                        .out = argument_text(arguments, "out")};
+    if (!plan.experiment)
+        return complain(1, "no experiment '%s'; `wisplab list experiments` names them",
+                        arguments->words[0]);
+    if (!plan.out)
+        plan.out = "results";
+    plan.scenes = argument_list(arguments, "scene", &plan.scene_count);
+    plan.steppers = argument_list(arguments, "stepper", &plan.stepper_count);
+    for (int i = 0; i < plan.stepper_count; i++)
+        if (!stepper_find(plan.steppers[i]))
+            return complain(1, "no stepper '%s'; `wisplab list steppers` names them",
+                            plan.steppers[i]);
+    const int code = carry_out(&plan, arguments);
+    plan_free(&plan);
+    return code;
+}
+
+const struct command experiment_command = {
+    .name = "experiment",
+    .usage = "NAME [--quick] [--fresh] [--jobs N] [--out DIR] ...",
+    .summary = "run an experiment: its runs, its tables, its figures",
+    .details =
+        "Runs that are there already are not run again: an interrupted experiment goes on where\n"
+        "it was. Tables and figures appear in DIR/NAME, runs in DIR/runs.\n"
+        "\n"
+        "  wisplab experiment circle\n"
+        "  wisplab experiment circle --quick --out /tmp/quick\n"
+        "  wisplab experiment circle --stepper rk4 --stepper euler\n",
+    .options = options,
+    .words_least = 1,
+    .words_most = 1,
+    .run = experiment,
+};

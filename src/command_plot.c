@@ -1,0 +1,47 @@
+/* wisplab plot: figures again, from the tables of earlier experiments. */
+#include "cli.h"
+#include "experiment.h"
+#include "plot.h"
+
+#include <string.h>
+
+static int plot(const struct arguments *arguments) {
+    char folder[PATH_SIZE], reason[REASON_SIZE];
+    const char *out = argument_text(arguments, "out"), *name = arguments->words[0];
+    const int all = strcmp(name, "all") == 0;
+    int drawn = 0;
+
+    if (!all && !experiment_find(name))
+        return complain(1, "no experiment '%s'; `wisplab list experiments` names them", name);
+    for (int i = 0; experiments[i]; i++) {
+        if (!all && strcmp(experiments[i]->name, name) != 0)
+            continue;
+        path_format(folder, "%s/%s", out ? out : "results", experiments[i]->name);
+        if (!file_exists(folder))
+            continue;
+        if (plot_experiment(experiments[i]->name, folder, reason))
+            return complain(2, "%s", reason);
+        printf("%s: figures in %s\n", experiments[i]->name, folder);
+        drawn++;
+    }
+    if (!drawn)
+        return complain(1, "no tables of '%s' in %s; run `wisplab experiment %s` first", name,
+                        out ? out : "results", all ? "NAME" : name);
+    return 0;
+}
+
+static const struct cli_option options[] = {
+    {"out", "DIR", "the --out of the experiment (default results)", 0},
+    {0},
+};
+
+const struct command plot_command = {
+    .name = "plot",
+    .usage = "NAME|all [--out DIR]",
+    .summary = "draw the figures of an experiment again, without integrating anything",
+    .details = "  wisplab plot circle\n  wisplab plot all --out results\n",
+    .options = options,
+    .words_least = 1,
+    .words_most = 1,
+    .run = plot,
+};

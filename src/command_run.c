@@ -1,0 +1,126 @@
+/* wisplab run: one scene, one stepper, into one folder. */
+#include "cli.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { SETS_MAX = CLI_REPEATS_MAX + 1 };
+
+static const struct cli_option options[] = {
+    {"stepper", "NAME", "time integrator (default rk4; `wisplab list steppers`)", 0},
+    {"treatment", "NAME", "how constraints are kept (default by stepper and scene)", 0},
+    {"linear", "NAME", "linear solver of an implicit stepper (`wisplab list linear`)", 0},
+    {"step", "H", "step of a fixed-step method, s", 0},
+    {"rate", "HZ", "the same as a frequency: --step 1/HZ", 0},
+    {"rtol", "R", "relative tolerance of an adaptive method", 0},
+    {"atol", "A", "absolute tolerance of an adaptive method, m and m/s", 0},
+    {"option", "KEY=VALUE", "an option of the stepper or solver (`wisplab list steppers -v`)", 1},
+    {"duration", "T", "simulated time, s, instead of the scene's", 0},
+    {"set", "PATH=VALUE", "override a setting of the scene: --set run.step=0.1", 1},
+    {"threads", "N", "threads that share a scene's wisps (results do not depend on it)", 0},
+    {"out", "DIR", "folder for states.tsv and run.json (default results)", 0},
+    CLI_LIMIT_OPTIONS,
+    {0},
+};
+
+/* The request of the command line. Returns 0, or -1 having said why. */
+static int read_request(const struct arguments *arguments, struct run_request *request) {
+    double rate, threads;
+    *request = (struct run_request){
+        .stepper = argument_text(arguments, "stepper"),
+        .treatment = argument_text(arguments, "treatment"),
+        .linear = argument_text(arguments, "linear"),
+    };
+    request->options = argument_list(arguments, "option", &request->option_count);
+    if (argument_positive(arguments, "step", 0, &request->step) ||
+        argument_positive(arguments, "rate", 0, &rate) ||
+        argument_positive(arguments, "rtol", 0, &request->rtol) ||
+        argument_positive(arguments, "atol", 0, &request->atol) ||
+        argument_positive(arguments, "threads", 1, &threads))
+        return -1;
+    if (threads != floor(threads))
+        return complain(-1, "--threads %g: must be a whole number", threads);
+    if (rate > 0 && request->step > 0)
+        return complain(-1, "--step and --rate say the same thing; give one of them");
+    if (rate > 0)
+        request->step = 1 / rate;
+    return 0;
+}
+
+static struct scene *load(const struct arguments *arguments, char *reason) {
+    const char *sets[SETS_MAX];
+    char duration[80];
+    int count;
+    const char *const *given = argument_list(arguments, "set", &count);
+    const char *duration_text = argument_text(arguments, "duration");
+    double value;
+
+    for (int i = 0; i < count; i++)
+        sets[i] = given[i];
+    if (duration_text) {
+        if (parse_real(duration_text, &value) || value <= 0) {
+            snprintf(reason, REASON_SIZE, "--duration %.60s: must be a positive number",
+                     duration_text);
+            return NULL;
+        }
+        snprintf(duration, sizeof duration, "duration=%.17e", value);
+        sets[count++] = duration;
+    }
+    return scene_load(arguments->words[0], sets, count, reason);
+}
+
+static int report(const struct run_case *run, enum outcome outcome, const char *reason) {
+    if (outcome == OUTPUT_FAILED)
+        return complain(2, "%s", reason);
+    if (outcome == FINISHED)
+        printf("%s: finished; results in %s/states.tsv and %s/run.json\n", run->scene->name,
+               run->folder, run->folder);
+    else
+        complain(0, "%s with %s: %s; see %s/run.json", run->scene->name, run->settings.method->name,
+                 outcome_name(outcome), run->folder);
+    return outcome_exit_code(outcome);
+}
+
+static int run_scene(const struct arguments *arguments) {
+    char reason[REASON_SIZE];
+    struct run_request request;
+    struct run_limits limits;
+    struct run_case run;
+    const char *out = argument_text(arguments, "out");
+    int code = 1;
+
+    if (read_request(arguments, &request) || argument_limits(arguments, 0, 0, &limits))
+        return 1;
+    struct scene *scene = load(arguments, reason);
+    if (!scene)
+        return complain(1, "%s", reason);
+    run.scene = scene;
+    if (path_format(run.folder, "%s", out ? out : "results") ||
+        settings_resolve(scene, &request, &run.settings, reason)) {
+        complain(1, "%s", reason);
+    } else {
+        const enum outcome outcome =
+            runs_do_one(&run, &limits, !argument_given(arguments, "no-progress"), reason);
+        code = report(&run, outcome, reason);
+    }
+    scene_free(scene);
+    return code;
+}
+
+const struct command run_command = {
+    .name = "run",
+    .usage = "SCENE [--stepper S] [--step H | --rate HZ | --rtol R] [--out DIR] ...",
+    .summary = "advance a scene with one stepper",
+    .details =
+        "SCENE is the name of a shipped scene (`wisplab list scenes`) or a path to a .cfg file.\n"
+        "\n"
+        "  wisplab run circle --stepper rk4 --step 3.2 --out rk4\n"
+        "  wisplab run circle --stepper euler --treatment projection --step 0.8\n"
+        "  wisplab run circle --stepper implicit-euler --option newton.iterations=20\n"
+        "  wisplab run circle --stepper cvode --option method=adams --rtol 1e-8\n"
+        "  wisplab run circle --stepper reference\n",
+    .options = options,
+    .words_least = 1,
+    .words_most = 1,
+    .run = run_scene,
+};

@@ -1,0 +1,229 @@
+#include "config.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+void config_fail(struct config_reader *reader, const config_setting_t *setting, const char *format,
+                 ...) {
+    if (reader->failed)
+        return;
+    reader->failed = true;
+    const char *file = setting ? config_setting_source_file(setting) : NULL;
+    const unsigned line = setting ? config_setting_source_line(setting) : 0;
+    int used = snprintf(reader->reason, REASON_SIZE, "%.120s:", file ? file : reader->file);
+    if (line > 0)
+        used += snprintf(reader->reason + used, REASON_SIZE - (size_t)used, "%u:", line);
+    reader->reason[used++] = ' ';
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(reader->reason + used, REASON_SIZE - (size_t)used, format, arguments);
+    va_end(arguments);
+}
+
+static config_setting_t *copy_setting(config_setting_t *parent, const char *name,
+                                      const config_setting_t *from);
+
+static int copy_value(config_setting_t *to, const config_setting_t *from) {
+    switch (config_setting_type(from)) {
+    case CONFIG_TYPE_INT:
+        return config_setting_set_int(to, config_setting_get_int(from));
+    case CONFIG_TYPE_INT64:
+        return config_setting_set_int64(to, config_setting_get_int64(from));
+    case CONFIG_TYPE_FLOAT:
+        return config_setting_set_float(to, config_setting_get_float(from));
+    case CONFIG_TYPE_BOOL:
+        return config_setting_set_bool(to, config_setting_get_bool(from));
+    case CONFIG_TYPE_STRING:
+        return config_setting_set_string(to, config_setting_get_string(from));
+    default:
+        for (int i = 0; i < config_setting_length(from); i++) {
+            const config_setting_t *member = config_setting_get_elem(from, (unsigned)i);
+            if (!copy_setting(to, config_setting_name(member), member))
+                return 0;
+        }
+        return 1;
+    }
+}
+
+static config_setting_t *copy_setting(config_setting_t *parent, const char *name,
+                                      const config_setting_t *from) {
+    config_setting_t *to = config_setting_add(parent, name, config_setting_type(from));
+    return to && copy_value(to, from) ? to : NULL;
+}
+
+/* Puts the text after '=' (a number, "text", true, or a [list], (list), {group}; a bare word is
+ * taken as text) in the place of the setting, which is made if its group exists. */
+static void apply_set(struct config_reader *reader, const char *set) {
+    const char *equals = strchr(set, '=');
+    if (!equals || equals == set) {
+        config_fail(reader, NULL, "--set %s: write --set path.to.setting=value", set);
+        return;
+    }
+    char path[256], parent_path[256];
+    snprintf(path, sizeof path, "%.*s", (int)(equals - set), set);
+    snprintf(parent_path, sizeof parent_path, "%s", path);
+    char *dot = strrchr(parent_path, '.');
+    const char *name = dot ? dot + 1 : path;
+    if (dot)
+        *dot = '\0';
+
+    char snippet[1024];
+    config_t value;
+    config_init(&value);
+    snprintf(snippet, sizeof snippet, "value = %s;", equals + 1);
+    int ok = config_read_string(&value, snippet);
+    if (!ok) {
+        snprintf(snippet, sizeof snippet, "value = \"%s\";", equals + 1);
+        ok = config_read_string(&value, snippet);
+    }
+    config_setting_t *parent =
+        dot ? config_lookup(&reader->config, parent_path) : config_root_setting(&reader->config);
+    if (!ok)
+        config_fail(reader, NULL, "--set %s: the value cannot be read", set);
+    else if (!parent || !config_setting_is_group(parent))
+        config_fail(reader, NULL, "--set %s: the scene has no group %s", set, parent_path);
+    else {
+        if (config_setting_get_member(parent, name))
+            config_setting_remove(parent, name);
+        if (!copy_setting(parent, name, config_lookup(&value, "value")))
+            config_fail(reader, NULL, "--set %s: '%s' is not a setting's name", set, name);
+    }
+    config_destroy(&value);
+}
+
+void config_open(struct config_reader *reader, const char *path, const char *const *sets,
+                 int set_count, char *reason) {
+    *reader = (struct config_reader){.reason = reason};
+    path_format(reader->file, "%s", path);
+    config_init(&reader->config);
+    if (!file_exists(path)) {
+        config_fail(reader, NULL,
+                    "no such scene file; `wisplab list scenes` names the shipped ones");
+    } else if (!config_read_file(&reader->config, path)) {
+        const char *file = config_error_file(&reader->config);
+        reader->failed = true;
+        snprintf(reason, REASON_SIZE, "%.120s:%d: %s", file ? file : path,
+                 config_error_line(&reader->config), config_error_text(&reader->config));
+    }
+    for (int i = 0; i < set_count && !reader->failed; i++)
+        apply_set(reader, sets[i]);
+}
+
+void config_close(struct config_reader *reader) {
+    config_destroy(&reader->config);
+}
+
+config_setting_t *config_top(struct config_reader *reader) {
+    return config_root_setting(&reader->config);
+}
+
+config_setting_t *config_group(struct config_reader *reader, config_setting_t *group,
+                               const char *name) {
+    config_setting_t *found = group ? config_setting_get_member(group, name) : NULL;
+    if (found && !config_setting_is_group(found))
+        config_fail(reader, found, "%s: must be a group in braces", name);
+    return found;
+}
+
+static const char *range_name(enum config_range range) {
+    static const char *const names[] = {"a finite number", "a positive number",
+                                        "a number that is not negative",
+                                        "a whole number that is not negative"};
+    return names[range];
+}
+
+static bool in_range(double x, enum config_range range) {
+    return isfinite(x) && (range != POSITIVE || x > 0) && (range < NOT_NEGATIVE || x >= 0) &&
+           (range != WHOLE || x == floor(x));
+}
+
+double config_number(struct config_reader *reader, config_setting_t *group, const char *name,
+                     enum config_range range, double absent) {
+    config_setting_t *setting = group ? config_setting_get_member(group, name) : NULL;
+    double x = NAN;
+    if (!setting)
+        return absent;
+    switch (config_setting_type(setting)) {
+    case CONFIG_TYPE_INT:
+        x = config_setting_get_int(setting);
+        break;
+    case CONFIG_TYPE_INT64:
+        x = (double)config_setting_get_int64(setting);
+        break;
+    case CONFIG_TYPE_FLOAT:
+        x = config_setting_get_float(setting);
+        break;
+    default:
+        config_fail(reader, setting, "%s: must be %s", name, range_name(range));
+        return absent;
+    }
+    if (!in_range(x, range))
+        config_fail(reader, setting, "%s: %g is not %s", name, x, range_name(range));
+    return x;
+}
+
+double config_required(struct config_reader *reader, config_setting_t *group, const char *name,
+                       enum config_range range) {
+    if (group && !config_setting_get_member(group, name))
+        config_fail(reader, config_setting_is_root(group) ? NULL : group, "%s: missing; must be %s",
+                    name, range_name(range));
+    return config_number(reader, group, name, range, 0);
+}
+
+const char *config_text(struct config_reader *reader, config_setting_t *group, const char *name,
+                        const char *absent) {
+    config_setting_t *setting = group ? config_setting_get_member(group, name) : NULL;
+    if (!setting)
+        return absent;
+    if (config_setting_type(setting) != CONFIG_TYPE_STRING) {
+        config_fail(reader, setting, "%s: must be a text in quotes", name);
+        return absent;
+    }
+    return config_setting_get_string(setting);
+}
+
+void config_known(struct config_reader *reader, config_setting_t *group, const char *const *known) {
+    for (int i = 0; group && i < config_setting_length(group); i++) {
+        const config_setting_t *setting = config_setting_get_elem(group, (unsigned)i);
+        int k = 0;
+        while (known[k] && strcmp(known[k], config_setting_name(setting)) != 0)
+            k++;
+        if (known[k])
+            continue;
+        char names[REASON_SIZE] = "";
+        for (k = 0; known[k]; k++) {
+            strncat(names, k ? ", " : "", sizeof names - strlen(names) - 1);
+            strncat(names, known[k], sizeof names - strlen(names) - 1);
+        }
+        config_fail(reader, setting, "%s: unknown setting; known here: %s",
+                    config_setting_name(setting), names);
+    }
+}
+
+json_t *config_to_json(const config_setting_t *setting) {
+    switch (config_setting_type(setting)) {
+    case CONFIG_TYPE_INT:
+        return json_real(config_setting_get_int(setting));
+    case CONFIG_TYPE_INT64:
+        return json_real((double)config_setting_get_int64(setting));
+    case CONFIG_TYPE_FLOAT:
+        return json_real(config_setting_get_float(setting));
+    case CONFIG_TYPE_BOOL:
+        return json_boolean(config_setting_get_bool(setting));
+    case CONFIG_TYPE_STRING:
+        return json_string(config_setting_get_string(setting));
+    default:
+        break;
+    }
+    json_t *json = config_setting_is_group(setting) ? json_object() : json_array();
+    for (int i = 0; i < config_setting_length(setting); i++) {
+        const config_setting_t *member = config_setting_get_elem(setting, (unsigned)i);
+        if (config_setting_is_group(setting))
+            json_object_set_new(json, config_setting_name(member), config_to_json(member));
+        else
+            json_array_append_new(json, config_to_json(member));
+    }
+    return json;
+}

@@ -1,0 +1,28 @@
+/* What a run counts. One list makes the fields, the column names and the definitions. */
+#ifndef WISPLAB_COUNTERS_H
+#define WISPLAB_COUNTERS_H
+
+/* X(field, definition): numbers of events since the run began, summed over wisps: a call for a
+ * part of 4 wisps counts 4. Calls made inside a library are counted too, because every call to
+ * the model goes through the wrappers of system.h. */
+#define COUNTERS(X)                                                                         \
+    X(steps, "accepted steps")                                                              \
+    X(rejected_steps, "steps tried and thrown away by an error test or a failed iteration") \
+    X(force_evaluations, "accelerations computed")                                          \
+    X(linearisations, "states at which the Jacobians were computed")                        \
+    X(jacobian_products, "products of a combination of M, D and K with a vector")           \
+    X(assemblies, "combinations of M, D and K written out as a sparse matrix")              \
+    X(factorisations, "combinations of M, D and K factorised")                              \
+    X(linear_solves, "linear systems solved")                                               \
+    X(linear_iterations, "iterations of an iterative linear solver")                        \
+    X(newton_iterations, "iterations of a nonlinear solver")                                \
+    X(projections, "states put back onto their constraint")                                 \
+    X(restarts, "times a stepper began anew after an event")
+
+struct counters {
+#define X(field, definition) long long field;
+    COUNTERS(X)
+#undef X
+};
+
+#endif

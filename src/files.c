@@ -1,0 +1,102 @@
+#include "files.h"
+
+#include "build_info.h"
+
+#include <errno.h>
+#include <stdarg.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+int path_format(char *path, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    const int length = vsnprintf(path, PATH_SIZE, format, arguments);
+    va_end(arguments);
+    return length < 0 || length >= PATH_SIZE ? -1 : 0;
+}
+
+int file_exists(const char *path) {
+    return access(path, R_OK) == 0;
+}
+
+const char *data_folder(void) {
+    static char folder[PATH_SIZE];
+    if (folder[0])
+        return folder;
+
+    char program[PATH_SIZE];
+    const ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
+    if (length > 0) {
+        program[length] = '\0';
+        char *slash = strrchr(program, '/');
+        if (slash)
+            *slash = '\0';
+        if (path_format(folder, "%s/../share/wisplab", program) == 0 && file_exists(folder))
+            return folder;
+    }
+    path_format(folder, "%s", WISPLAB_SOURCE_DIR);
+    return folder;
+}
+
+int make_folder(const char *path, char *reason) {
+    char partial[PATH_SIZE];
+    if (path_format(partial, "%s", path)) {
+        snprintf(reason, REASON_SIZE, "the path of the output folder is too long");
+        return -1;
+    }
+    for (char *p = partial + 1;; p++) {
+        if (*p != '/' && *p != '\0')
+            continue;
+        const char end = *p;
+        *p = '\0';
+        if (mkdir(partial, 0777) && errno != EEXIST) {
+            snprintf(reason, REASON_SIZE, "%.150s: cannot make the folder: %s", partial,
+                     strerror(errno));
+            return -1;
+        }
+        *p = end;
+        if (end == '\0')
+            break;
+    }
+    struct stat status;
+    if (stat(path, &status) == 0 && S_ISDIR(status.st_mode) && access(path, W_OK) == 0)
+        return 0;
+    snprintf(reason, REASON_SIZE, "%.150s: not a folder that can be written to", path);
+    return -1;
+}
+
+static int fail(struct atomic_file *file, char *reason) {
+    snprintf(reason, REASON_SIZE, "%.150s: cannot write: %s", file->path, strerror(errno));
+    atomic_discard(file);
+    return -1;
+}
+
+int atomic_open(struct atomic_file *file, const char *path, char *reason) {
+    file->stream = NULL;
+    path_format(file->path, "%s", path);
+    snprintf(file->temporary, sizeof file->temporary, "%s.%ld.part", path, (long)getpid());
+    file->stream = fopen(file->temporary, "w");
+    return file->stream ? 0 : fail(file, reason);
+}
+
+int atomic_commit(struct atomic_file *file, char *reason) {
+    const int bad = fflush(file->stream) || ferror(file->stream);
+    if (bad)
+        return fail(file, reason);
+    const int unclosed = fclose(file->stream);
+    file->stream = NULL;
+    if (unclosed || rename(file->temporary, file->path))
+        return fail(file, reason);
+    return 0;
+}
+
+void atomic_discard(struct atomic_file *file) {
+    if (!file->stream && file->temporary[0] == '\0')
+        return;
+    if (file->stream)
+        fclose(file->stream);
+    file->stream = NULL;
+    unlink(file->temporary);
+    file->temporary[0] = '\0';
+}

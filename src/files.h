@@ -1,0 +1,36 @@
+/* Files: where the program's data are, and results that appear whole or not at all. */
+#ifndef WISPLAB_FILES_H
+#define WISPLAB_FILES_H
+
+#include <stdio.h>
+
+enum { PATH_SIZE = 1024, REASON_SIZE = 240 };
+
+/* Joins parts into `path` (PATH_SIZE); returns 0, or -1 where it does not fit. */
+int path_format(char *path, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* The folder that holds `experiments` and `plots`: beside an installed program, or the source. */
+const char *data_folder(void);
+
+/* Makes a folder and its parents. Returns 0, or -1 with one line in `reason` (REASON_SIZE). */
+int make_folder(const char *path, char *reason);
+
+/* A file that is written under a temporary name in its folder and renamed when it is complete. */
+struct atomic_file {
+    FILE *stream; /* to write to; errors are found by commit */
+    char path[PATH_SIZE], temporary[PATH_SIZE + 32];
+};
+
+/* Opens; returns 0, or -1 with one line in `reason`. */
+int atomic_open(struct atomic_file *file, const char *path, char *reason);
+
+/* Closes and renames; returns 0, or -1 with one line in `reason` and nothing left behind. */
+int atomic_commit(struct atomic_file *file, char *reason);
+
+/* Closes and removes; harmless after commit. */
+void atomic_discard(struct atomic_file *file);
+
+/* Whether a path can be read. */
+int file_exists(const char *path);
+
+#endif

@@ -1,0 +1,19 @@
+#include "model.h"
+
+#include <string.h>
+
+const struct problem *const problems[] = {&circle_problem, NULL};
+
+const struct problem *problem_find(const char *name) {
+    for (int i = 0; problems[i]; i++)
+        if (strcmp(problems[i]->name, name) == 0)
+            return problems[i];
+    return NULL;
+}
+
+int treatment_find(const struct problem *problem, const char *name) {
+    for (int i = 0; problem->treatments[i].name; i++)
+        if (strcmp(problem->treatments[i].name, name) == 0)
+            return i;
+    return -1;
+}

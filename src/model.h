@@ -1,0 +1,62 @@
+/* A scene brought to life: the parts that steppers advance, and what the rest of the program may
+ * ask of them. What differs from problem to problem (the circle, wisps) is behind struct problem.
+ */
+#ifndef WISPLAB_MODEL_H
+#define WISPLAB_MODEL_H
+
+#include "stepper.h"
+#include "system.h"
+
+struct scene;
+
+/* The unit of advance: one system and its state. Parts do not see each other between stops. */
+struct part {
+    struct system system;
+    double *q, *v; /* system.size doubles each, owned by the model */
+};
+
+struct model {
+    const struct problem *problem;
+    struct part *parts;
+    int part_count;
+    int row_count; /* of a frame: one per wisp and node */
+};
+
+/* How a constraint is kept; an index into a problem's list. */
+struct treatment {
+    const char *name, *summary;
+};
+
+struct problem {
+    const char *name;                   /* the scene's `problem` */
+    const struct treatment *treatments; /* ends with a name of NULL */
+    const char *const *columns;         /* of a frame's rows, after `t`; NULL-terminated */
+    int column_count;
+
+    /* What runs where nothing is said: an index of `treatments`, and the name of a linear solver.
+     */
+    int (*default_treatment)(const struct stepper_method *method);
+    const char *(*default_linear)(const struct stepper_method *method);
+
+    /* The scene at t = 0 in parts of at most `lanes` wisps; NULL where memory cannot be had. */
+    struct model *(*create)(const struct scene *scene, int treatment, int lanes);
+    void (*free)(struct model *model);
+
+    /* Writes the current state as row_count rows of column_count numbers. */
+    void (*sample)(const struct model *model, double *rows);
+
+    /* FINISHED while a finite state is within what the model can mean, else DIVERGED and why.
+     * NULL: every finite state is. */
+    enum outcome (*check)(const struct model *model, char *reason, int reason_size);
+};
+
+/* All problems, NULL-terminated, and the one of that name or NULL. */
+extern const struct problem *const problems[];
+const struct problem *problem_find(const char *name);
+
+/* Index of a treatment's name, or -1. */
+int treatment_find(const struct problem *problem, const char *name);
+
+extern const struct problem circle_problem;
+
+#endif

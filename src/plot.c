@@ -1,0 +1,97 @@
+#include "plot.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <spawn.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+extern char **environ;
+
+/* name = 'value', quoted for gnuplot: a quote inside is doubled. */
+static void assign(char *text, size_t size, const char *name, const char *value) {
+    size_t used = strlen(text);
+    used += (size_t)snprintf(text + used, size - used, "%s='", name);
+    for (; *value && used + 4 < size; value++) {
+        if (*value == '\'')
+            text[used++] = '\'';
+        text[used++] = *value;
+    }
+    snprintf(text + used, size - used, "'; ");
+}
+
+/* One gnuplot over one script: everything in one format. Returns 0, or -1 with a reason. */
+static int draw(const char *name, const char *folder, const char *to, const char *format,
+                char *reason) {
+    char variables[4 * PATH_SIZE] = "", plots[PATH_SIZE], script[PATH_SIZE];
+    path_format(plots, "%s/plots", data_folder());
+    path_format(script, "%s/%s.gp", plots, name);
+    if (!file_exists(script)) {
+        snprintf(reason, REASON_SIZE, "%.150s: no such script", script);
+        return -1;
+    }
+    assign(variables, sizeof variables, "plots", plots);
+    assign(variables, sizeof variables, "data", folder);
+    assign(variables, sizeof variables, "out", to);
+    assign(variables, sizeof variables, "format", format);
+    char *const argv[] = {(char *)"gnuplot", (char *)"-d", (char *)"-e", variables, script, NULL};
+
+    pid_t pid;
+    const int error = posix_spawnp(&pid, argv[0], NULL, NULL, argv, environ);
+    if (error) {
+        snprintf(reason, REASON_SIZE, "gnuplot cannot be started (%s); Debian: gnuplot-nox",
+                 strerror(error));
+        return -1;
+    }
+    int status;
+    while (waitpid(pid, &status, 0) < 0 && errno == EINTR)
+        ;
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 0)
+        return 0;
+    snprintf(reason, REASON_SIZE, "gnuplot failed on %.150s", script);
+    return -1;
+}
+
+/* Moves every file of `from` into `to`, or removes them where `to` is NULL; then the folder. */
+static int empty_folder(const char *from, const char *to, char *reason) {
+    int code = 0;
+    DIR *dir = opendir(from);
+    for (struct dirent *entry; dir && (entry = readdir(dir)) != NULL;) {
+        char source[PATH_SIZE], target[PATH_SIZE];
+        struct stat status;
+        if (entry->d_name[0] == '.' || path_format(source, "%s/%s", from, entry->d_name))
+            continue;
+        if (to && !code && (stat(source, &status) || status.st_size == 0)) {
+            snprintf(reason, REASON_SIZE, "gnuplot wrote an empty %.150s", entry->d_name);
+            code = -1;
+        }
+        if (!to || code) {
+            unlink(source);
+        } else if (path_format(target, "%s/%s", to, entry->d_name) || rename(source, target)) {
+            snprintf(reason, REASON_SIZE, "%.150s: cannot write: %s", target, strerror(errno));
+            code = -1;
+        }
+    }
+    if (dir)
+        closedir(dir);
+    rmdir(from);
+    return code;
+}
+
+int plot_experiment(const char *name, const char *folder, char *reason) {
+    static const char *const formats[] = {"svg", "png"};
+    char drawing[PATH_SIZE];
+    if (path_format(drawing, "%s/.drawing-%ld", folder, (long)getpid()) ||
+        make_folder(drawing, reason))
+        return -1;
+    for (int i = 0; i < 2; i++) {
+        if (draw(name, folder, drawing, formats[i], reason)) {
+            empty_folder(drawing, NULL, reason);
+            return -1;
+        }
+    }
+    return empty_folder(drawing, folder, reason);
+}

@@ -1,0 +1,37 @@
+#include "progress.h"
+
+#include <stdio.h>
+#include <time.h>
+#include <unistd.h>
+
+double monotonic_seconds(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+struct progress progress_start(const char *what, int enabled) {
+    return (struct progress){
+        .what = what, .start = monotonic_seconds(), .enabled = enabled && isatty(STDERR_FILENO)};
+}
+
+void progress_show(struct progress *progress, double done, const char *note) {
+    const double spent = monotonic_seconds() - progress->start;
+    if (!progress->enabled || spent < 2)
+        return;
+    fprintf(stderr, "\r\033[K%s: %3.0f %%", progress->what, 100 * done);
+    if (*note)
+        fprintf(stderr, ", %s", note);
+    if (done > 0.01) {
+        const int left = (int)(spent * (1 - done) / done + 0.5);
+        fprintf(stderr, ", %d:%02d left", left / 60, left % 60);
+    }
+    fflush(stderr);
+    progress->shown = 1;
+}
+
+void progress_end(struct progress *progress) {
+    if (progress->shown)
+        fprintf(stderr, "\r\033[K");
+    progress->shown = 0;
+}

@@ -1,0 +1,24 @@
+/* A line on the terminal that says how far a long job is and how long it will take. */
+#ifndef WISPLAB_PROGRESS_H
+#define WISPLAB_PROGRESS_H
+
+struct progress {
+    const char *what; /* "12 of 40 runs" is made by the caller; this is the job's name */
+    double start;     /* s, monotonic */
+    int shown;        /* a line stands on the terminal */
+    int enabled;
+};
+
+/* Shows nothing in the first two seconds, nor where standard error is no terminal. */
+struct progress progress_start(const char *what, int enabled);
+
+/* `done` in [0, 1]; `note` may be empty. */
+void progress_show(struct progress *progress, double done, const char *note);
+
+/* Removes the line. */
+void progress_end(struct progress *progress);
+
+/* Seconds on a clock that never jumps. */
+double monotonic_seconds(void);
+
+#endif

@@ -1,0 +1,22 @@
+/* What a run leaves: states.tsv, written frame by frame, and run.json, which appears last. */
+#ifndef WISPLAB_RECORD_H
+#define WISPLAB_RECORD_H
+
+#include "simulation.h"
+
+/* Runs a case in this process and writes `folder`/states.tsv and `folder`/run.json, each complete
+ * or not at all. With settings->timings, the run is then repeated without output for its CPU time;
+ * with a second opinion, the other method runs too and the largest difference is recorded. Returns
+ * how the run ended; the reason of a REFUSED or OUTPUT_FAILED is in `reason` (REASON_SIZE). */
+enum outcome record_run(const struct scene *scene, const struct settings *settings,
+                        const char *folder, const struct watch *watch, char *reason);
+
+/* Writes run.json for a run whose process (`pid`) died or was ended after `reached` seconds, and
+ * keeps the complete frames it had written. Returns 0, or -1 with a reason. */
+int record_death(const struct scene *scene, const struct settings *settings, const char *folder,
+                 long pid, enum outcome outcome, const char *why, double reached, char *reason);
+
+/* The `#` lines at the top of every table: program, scene, hash; `what` says what it is. */
+void write_provenance(FILE *stream, const char *what, const struct scene *scene);
+
+#endif

@@ -1,0 +1,87 @@
+#include "scene.h"
+
+#include "config.h"
+#include "model.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* A name is a shipped scene, anything with a slash or an ending .cfg a path. */
+static void scene_path(const char *name, char *path) {
+    const size_t length = strlen(name);
+    if (strchr(name, '/') || (length > 4 && strcmp(name + length - 4, ".cfg") == 0))
+        path_format(path, "%s", name);
+    else
+        path_format(path, "%s/experiments/%s.cfg", data_folder(), name);
+}
+
+/* The file's name without folders and ending. */
+static void stem(const char *path, char *name, size_t size) {
+    const char *slash = strrchr(path, '/');
+    snprintf(name, size, "%.63s", slash ? slash + 1 : path);
+    char *dot = strrchr(name, '.');
+    if (dot)
+        *dot = '\0';
+}
+
+static void read_run(struct config_reader *reader, config_setting_t *top,
+                     struct run_defaults *run) {
+    static const char *const known[] = {"step", "rtol", "atol", NULL};
+    config_setting_t *group = config_group(reader, top, "run");
+    config_known(reader, group, known);
+    run->step = config_number(reader, group, "step", POSITIVE, 1e-4);
+    run->rtol = config_number(reader, group, "rtol", POSITIVE, 1e-6);
+    run->atol = config_number(reader, group, "atol", POSITIVE, 1e-9);
+}
+
+static void read_circle(struct config_reader *reader, config_setting_t *top) {
+    static const char *const known[] = {"name", "problem", "duration", "frame_rate",
+                                        "seed", "run",     NULL};
+    config_known(reader, top, known);
+}
+
+static void read_scene(struct config_reader *reader, struct scene *scene) {
+    config_setting_t *top = config_top(reader);
+    const char *problem = config_text(reader, top, "problem", "wisps");
+    char default_name[64];
+
+    stem(reader->file, default_name, sizeof default_name);
+    snprintf(scene->name, sizeof scene->name, "%.63s",
+             config_text(reader, top, "name", default_name));
+    scene->problem = problem_find(problem);
+    if (!scene->problem)
+        config_fail(reader, config_setting_get_member(top, "problem"),
+                    "problem: '%s' is not there; known: circle", problem);
+    scene->duration = config_required(reader, top, "duration", POSITIVE);
+    scene->frame_rate = config_number(reader, top, "frame_rate", POSITIVE, 0);
+    scene->seed = config_number(reader, top, "seed", WHOLE, 1);
+    read_run(reader, top, &scene->run);
+    read_circle(reader, top);
+    scene->source = config_to_json(top);
+}
+
+struct scene *scene_load(const char *name, const char *const *sets, int set_count, char *reason) {
+    struct scene *scene = calloc(1, sizeof *scene);
+    if (!scene) {
+        snprintf(reason, REASON_SIZE, "out of memory");
+        return NULL;
+    }
+    char path[PATH_SIZE];
+    struct config_reader reader;
+    scene_path(name, path);
+    config_open(&reader, path, sets, set_count, reason);
+    if (!reader.failed)
+        read_scene(&reader, scene);
+    if (reader.failed) {
+        scene_free(scene);
+        scene = NULL;
+    }
+    config_close(&reader);
+    return scene;
+}
+
+void scene_free(struct scene *scene) {
+    if (scene)
+        json_decref(scene->source);
+    free(scene);
+}

@@ -1,0 +1,32 @@
+/* Scene files: read, checked to the last setting, and turned into plain numbers. */
+#ifndef WISPLAB_SCENE_H
+#define WISPLAB_SCENE_H
+
+#include "files.h"
+
+#include <jansson.h>
+
+/* Settings for runs of a scene where the command line gives none. */
+struct run_defaults {
+    double step;       /* s */
+    double rtol, atol; /* atol in m and m/s */
+};
+
+struct scene {
+    char name[64];
+    const struct problem *problem;
+    double duration;   /* s */
+    double frame_rate; /* Hz; 0: every step is a frame */
+    double seed;       /* a whole number */
+    struct run_defaults run;
+    json_t *source; /* all settings as they were given, numbers as reals: what is hashed */
+};
+
+/* Reads a scene: a path to a .cfg file, or the name of a shipped one. `sets` are `set_count`
+ * overrides "path.to.setting=value". Returns a scene for scene_free, or NULL with one line in
+ * `reason` (REASON_SIZE): file, line, name, what is wrong and what would be right. */
+struct scene *scene_load(const char *name, const char *const *sets, int set_count, char *reason);
+
+void scene_free(struct scene *scene);
+
+#endif

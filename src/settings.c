@@ -1,0 +1,200 @@
+#include "settings.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static int refuse_name(char *reason, const char *what, const char *name, const char *list) {
+    snprintf(reason, REASON_SIZE, "no %s '%.60s'; `wisplab list %s` names them", what, name, list);
+    return -1;
+}
+
+static int resolve_linear(const struct scene *scene, const struct run_request *request,
+                          struct settings *settings, char *reason) {
+    if (!(settings->method->capabilities & STEPPER_IMPLICIT)) {
+        if (!request->linear)
+            return 0;
+        snprintf(reason, REASON_SIZE, "%s solves no linear systems; leave out --linear",
+                 settings->method->name);
+        return -1;
+    }
+    const char *name =
+        request->linear ? request->linear : scene->problem->default_linear(settings->method);
+    settings->stepper.linear = linear_find(name);
+    if (!settings->stepper.linear)
+        return refuse_name(reason, "linear solver", name, "linear");
+    options_defaults(settings->stepper.linear->options, settings->stepper.linear_option);
+    return 0;
+}
+
+static int resolve_treatment(const struct scene *scene, const struct run_request *request,
+                             struct settings *settings, char *reason) {
+    settings->treatment = request->treatment ? treatment_find(scene->problem, request->treatment)
+                                             : scene->problem->default_treatment(settings->method);
+    if (settings->treatment >= 0)
+        return 0;
+    int used = snprintf(reason, REASON_SIZE, "no treatment '%.60s' of scene %s; it has",
+                        request->treatment, scene->name);
+    for (int i = 0; scene->problem->treatments[i].name && used < REASON_SIZE; i++)
+        used += snprintf(reason + used, REASON_SIZE - (size_t)used, "%s %s", i ? "," : "",
+                         scene->problem->treatments[i].name);
+    return -1;
+}
+
+static int resolve_option(const char *option, struct settings *settings, char *reason) {
+    const char *equals = strchr(option, '=');
+    const size_t length = equals ? (size_t)(equals - option) : strlen(option);
+    const struct linear_method *linear = settings->stepper.linear;
+    const struct option_spec *specs = settings->method->options;
+    double *values = settings->stepper.option;
+    int i = options_find(specs, option, length);
+
+    if (i < 0 && linear) {
+        specs = linear->options;
+        values = settings->stepper.linear_option;
+        i = options_find(specs, option, length);
+    }
+    if (i < 0) {
+        snprintf(reason, REASON_SIZE,
+                 "%s%s%s has no option '%.*s'; `wisplab list steppers -v` lists them",
+                 settings->method->name, linear ? " with " : "", linear ? linear->name : "",
+                 (int)(length < 60 ? length : 60), option);
+        return -1;
+    }
+    if (!equals) {
+        snprintf(reason, REASON_SIZE, "option %s has no value; write --option %s=VALUE",
+                 specs[i].name, specs[i].name);
+        return -1;
+    }
+    return options_parse(&specs[i], equals + 1, &values[i], reason, REASON_SIZE);
+}
+
+static int refuse_number(char *reason, const char *option, double value, const char *why) {
+    snprintf(reason, REASON_SIZE, "--%s %g: %s", option, value, why);
+    return -1;
+}
+
+static int resolve_steps(const struct scene *scene, const struct run_request *request,
+                         struct settings *settings, char *reason) {
+    static const char *const names[] = {"step", "rtol", "atol"};
+    const double asked[] = {request->step, request->rtol, request->atol};
+    const double defaults[] = {scene->run.step, scene->run.rtol, scene->run.atol};
+    double *const values[] = {&settings->step, &settings->stepper.rtol, &settings->stepper.atol};
+    const int adaptive = (settings->method->capabilities & STEPPER_ADAPTIVE) != 0;
+
+    for (int i = 0; i < 3; i++) {
+        const int applies = adaptive == (i > 0);
+        if (asked[i] != 0 && !applies)
+            return refuse_number(reason, names[i], asked[i],
+                                 adaptive ? "this stepper chooses its steps; give --rtol"
+                                          : "this stepper has fixed steps; give --step");
+        if (asked[i] != 0 && !(asked[i] > 0 && isfinite(asked[i])))
+            return refuse_number(reason, names[i], asked[i], "must be a positive number");
+        *values[i] = asked[i] != 0 ? asked[i] : defaults[i];
+    }
+    settings->frame_interval = !adaptive                      ? settings->step
+                               : settings->method->checked_by ? scene->run.step
+                                                              : 0;
+    return 0;
+}
+
+/* Asks the stepper itself, on a model that is thrown away. */
+static int refuse_combination(const struct scene *scene, const struct settings *settings,
+                              char *reason) {
+    struct model *model =
+        scene->problem->create(scene, settings->treatment, settings_lanes(settings));
+    int code = 0;
+    if (!model) {
+        snprintf(reason, REASON_SIZE, "out of memory");
+        return -1;
+    }
+    for (int i = 0; i < model->part_count && !code; i++) {
+        struct system *system = &model->parts[i].system;
+        code = stepper_refuse(settings->method, &settings->stepper, system);
+        if (code)
+            snprintf(reason, REASON_SIZE, "%s", system->reason);
+    }
+    if (!code && scene->frame_rate == 0 && settings->frame_interval == 0 && model->part_count > 1) {
+        snprintf(reason, REASON_SIZE,
+                 "scene %s needs a frame_rate: its parts choose their own steps", scene->name);
+        code = -1;
+    }
+    scene->problem->free(model);
+    return code ? -1 : 0;
+}
+
+int settings_resolve(const struct scene *scene, const struct run_request *request,
+                     struct settings *settings, char *reason) {
+    *settings = (struct settings){.timings = request->timings};
+    const char *name = request->stepper ? request->stepper : "rk4";
+    settings->method = stepper_find(name);
+    if (!settings->method)
+        return refuse_name(reason, "stepper", name, "steppers");
+    options_defaults(settings->method->options, settings->stepper.option);
+    if (resolve_treatment(scene, request, settings, reason) ||
+        resolve_linear(scene, request, settings, reason) ||
+        resolve_steps(scene, request, settings, reason))
+        return -1;
+    for (int i = 0; i < request->option_count; i++)
+        if (resolve_option(request->options[i], settings, reason))
+            return -1;
+    return refuse_combination(scene, settings, reason);
+}
+
+int settings_second_opinion(const struct scene *scene, const struct settings *settings,
+                            struct settings *second, char *reason) {
+    const struct second_opinion *opinion = settings->method->checked_by;
+    struct run_request request = {
+        .stepper = opinion->method,
+        .treatment = scene->problem->treatments[settings->treatment].name,
+        .rtol = settings->stepper.rtol * opinion->rtol_ratio,
+        .atol = settings->stepper.atol * opinion->rtol_ratio,
+        .options = opinion->options,
+    };
+    while (request.options && request.options[request.option_count])
+        request.option_count++;
+    const int code = settings_resolve(scene, &request, second, reason);
+    second->frame_interval = settings->frame_interval;
+    return code;
+}
+
+int settings_lanes(const struct settings *settings) {
+    const int most = settings->method->capabilities & STEPPER_ADAPTIVE ? 1 : 4;
+    const struct linear_method *linear = settings->stepper.linear;
+    return linear && linear->max_lanes < most ? linear->max_lanes : most;
+}
+
+static json_t *options_to_json(const struct option_spec *specs, const double *values) {
+    json_t *json = json_object();
+    for (int i = 0; specs && specs[i].name; i++)
+        json_object_set_new(json, specs[i].name,
+                            specs[i].kind == OPTION_CHOICE
+                                ? json_string(specs[i].choices[(int)values[i]])
+                                : json_real(values[i]));
+    return json;
+}
+
+json_t *settings_to_json(const struct scene *scene, const struct settings *settings) {
+    json_t *json = json_object();
+    json_object_set_new(json, "stepper", json_string(settings->method->name));
+    json_object_set_new(json, "treatment",
+                        json_string(scene->problem->treatments[settings->treatment].name));
+    if (settings->method->capabilities & STEPPER_ADAPTIVE) {
+        json_object_set_new(json, "rtol", json_real(settings->stepper.rtol));
+        json_object_set_new(json, "atol", json_real(settings->stepper.atol));
+    } else {
+        json_object_set_new(json, "step", json_real(settings->step));
+    }
+    if (scene->frame_rate == 0)
+        json_object_set_new(json, "frame_interval", json_real(settings->frame_interval));
+    json_object_set_new(json, "options",
+                        options_to_json(settings->method->options, settings->stepper.option));
+    if (settings->stepper.linear) {
+        json_object_set_new(json, "linear", json_string(settings->stepper.linear->name));
+        json_object_set_new(
+            json, "linear_options",
+            options_to_json(settings->stepper.linear->options, settings->stepper.linear_option));
+    }
+    json_object_set_new(json, "timings", json_integer(settings->timings));
+    return json;
+}

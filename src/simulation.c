@@ -1,0 +1,192 @@
+#include "simulation.h"
+
+#include "clock.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+struct simulation {
+    const struct scene *scene;
+    const struct settings *settings;
+    const struct observer *observer;
+    const struct watch *watch;
+    struct run_result *result;
+    struct model *model;
+    struct stepper **steppers; /* one for each part */
+    double *rows;              /* a frame */
+    struct clock clock;
+    double t;
+};
+
+static void end_with(struct simulation *sim, enum outcome outcome, const char *reason) {
+    sim->result->outcome = outcome;
+    snprintf(sim->result->reason, REASON_SIZE, "%s", reason);
+}
+
+static int going(const struct simulation *sim) {
+    return sim->result->outcome == FINISHED;
+}
+
+/* Scene -> model -> parts, each with its stepper; and the clock that will stop them. */
+static void open_simulation(struct simulation *sim) {
+    const struct problem *problem = sim->scene->problem;
+    sim->clock = clock_start(sim->scene->duration);
+    clock_add(&sim->clock, STOP_FRAME, sim->scene->frame_rate,
+              sim->scene->frame_rate > 0 ? 0 : sim->settings->frame_interval);
+
+    sim->model =
+        problem->create(sim->scene, sim->settings->treatment, settings_lanes(sim->settings));
+    if (!sim->model) {
+        end_with(sim, OUT_OF_MEMORY, "no memory for the model");
+        return;
+    }
+    sim->steppers = calloc((size_t)sim->model->part_count, sizeof(struct stepper *));
+    sim->rows = calloc((size_t)(sim->model->row_count * problem->column_count), sizeof(double));
+    if (!sim->steppers || !sim->rows)
+        end_with(sim, OUT_OF_MEMORY, "no memory for the steppers");
+    for (int i = 0; i < sim->model->part_count && going(sim); i++) {
+        struct system *system = &sim->model->parts[i].system;
+        sim->result->unknowns += system->size / system->lanes * system->wisps;
+        sim->steppers[i] = stepper_create(sim->settings->method, &sim->settings->stepper, system);
+        if (!sim->steppers[i])
+            end_with(sim, OUT_OF_MEMORY, "no memory for a stepper");
+    }
+}
+
+static void add_counters(struct counters *sum, const struct counters *part) {
+#define X(field, definition) sum->field += part->field;
+    COUNTERS(X)
+#undef X
+}
+
+static void close_simulation(struct simulation *sim) {
+    if (sim->model) {
+        for (int i = 0; i < sim->model->part_count; i++) {
+            add_counters(&sim->result->counters, &sim->model->parts[i].system.counters);
+            if (sim->steppers && sim->steppers[i])
+                sim->settings->method->free(sim->steppers[i]);
+        }
+        sim->scene->problem->free(sim->model);
+    }
+    free(sim->steppers);
+    free(sim->rows);
+}
+
+/* After each step: tells how far the run is, and asks whether it may go on. */
+static int interrupted(struct simulation *sim, double t) {
+    if (sim->watch && sim->watch->reached)
+        *sim->watch->reached = t;
+    return sim->watch && sim->watch->stop && *sim->watch->stop;
+}
+
+/* Equal steps over the interval, the last of them ending at `to`. */
+static int advance_fixed(struct simulation *sim, int i, double *t, double to) {
+    struct part *part = &sim->model->parts[i];
+    const double from = *t;
+    const long long steps = clock_steps(to - from, sim->settings->step);
+    const double h = (to - from) / (double)steps;
+
+    for (long long k = 0; k < steps && !interrupted(sim, *t); k++) {
+        const int code = sim->settings->method->step(sim->steppers[i], *t, h, part->q, part->v);
+        if (code)
+            return code;
+        part->system.counters.steps += part->system.wisps;
+        *t = k + 1 == steps ? to : from + (double)(k + 1) * h;
+    }
+    return 0;
+}
+
+/* Steps of the method's own choice, or just one of them. */
+static int advance_adaptive(struct simulation *sim, int i, double *t, double to, int once) {
+    struct part *part = &sim->model->parts[i];
+    do {
+        const int code = sim->settings->method->advance(sim->steppers[i], t, to, part->q, part->v);
+        if (code)
+            return code;
+        part->system.counters.steps += part->system.wisps;
+    } while (*t < to && !once && !interrupted(sim, *t));
+    return 0;
+}
+
+/* The smooth advance of every part to the stop at `to`, or by one step of the only part where
+ * every accepted step is a frame. */
+static void advance_parts(struct simulation *sim, double to) {
+    const int every_step = sim->scene->frame_rate == 0 && sim->settings->frame_interval == 0;
+    double reached = to;
+
+    for (int i = 0; i < sim->model->part_count && going(sim); i++) {
+        double t = sim->t;
+        const int code = sim->settings->method->advance
+                             ? advance_adaptive(sim, i, &t, to, every_step)
+                             : advance_fixed(sim, i, &t, to);
+        if (code)
+            end_with(sim, (enum outcome)abs(code), sim->model->parts[i].system.reason);
+        else if (interrupted(sim, t))
+            end_with(sim, (enum outcome) * sim->watch->stop, "stopped from outside");
+        reached = fmin(reached, t);
+    }
+    sim->t = reached;
+    sim->result->time = reached;
+}
+
+static int all_finite(const double *x, int n) {
+    double sum = 0; /* 0 * x is NaN where x is not finite */
+    for (int i = 0; i < n; i++)
+        sum += 0 * x[i];
+    return sum == 0;
+}
+
+static void check_state(struct simulation *sim) {
+    const struct problem *problem = sim->scene->problem;
+    for (int i = 0; i < sim->model->part_count && going(sim); i++) {
+        const struct part *part = &sim->model->parts[i];
+        if (!all_finite(part->q, part->system.size) || !all_finite(part->v, part->system.size))
+            end_with(sim, NOT_FINITE, "the state overflowed or became NaN");
+    }
+    if (going(sim) && problem->check)
+        sim->result->outcome = problem->check(sim->model, sim->result->reason, REASON_SIZE);
+}
+
+static void show_frame(struct simulation *sim) {
+    sim->result->frames++;
+    if (!sim->observer)
+        return;
+    sim->scene->problem->sample(sim->model, sim->rows);
+    if (sim->observer->frame(sim->observer->ctx, sim->model, sim->t, sim->rows))
+        end_with(sim, OUTPUT_FAILED, "a frame could not be written");
+}
+
+static double cpu_now(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+void simulate(const struct scene *scene, const struct settings *settings,
+              const struct observer *observer, const struct watch *watch,
+              struct run_result *result) {
+    struct simulation sim = {.scene = scene,
+                             .settings = settings,
+                             .observer = observer,
+                             .watch = watch,
+                             .result = result};
+    struct stop stop = {0};
+
+    *result = (struct run_result){.outcome = FINISHED};
+    open_simulation(&sim);
+    if (going(&sim))
+        show_frame(&sim);
+    const double start = cpu_now();
+    while (going(&sim) && (sim.t < stop.t || clock_next(&sim.clock, &stop))) {
+        advance_parts(&sim, stop.t);
+        if (going(&sim))
+            check_state(&sim);
+        if (going(&sim) && (sim.t < stop.t || stop.events & STOP_FRAME))
+            show_frame(&sim);
+    }
+    result->cpu_seconds = cpu_now() - start;
+    close_simulation(&sim);
+}

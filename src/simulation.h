@@ -1,0 +1,38 @@
+/* One run: a scene advanced by a stepper from its start to its end or its failure. */
+#ifndef WISPLAB_SIMULATION_H
+#define WISPLAB_SIMULATION_H
+
+#include "settings.h"
+
+#include <signal.h>
+
+/* How a run ended and what it took. */
+struct run_result {
+    enum outcome outcome;
+    char reason[REASON_SIZE]; /* one line; empty where finished */
+    double time;              /* simulated time reached, s; of a failure: where it showed */
+    int frames;
+    int unknowns; /* of the whole model: coordinates, not counting velocities */
+    struct counters counters;
+    double cpu_seconds; /* of the process, from the first step to the last */
+};
+
+/* Receives each frame: the model's rows, row_count times column_count numbers. A code other than 0
+ * ends the run with OUTPUT_FAILED. */
+struct observer {
+    int (*frame)(void *ctx, const struct model *model, double t, const double *rows);
+    void *ctx;
+};
+
+/* How the outside and a run see each other while it goes on. */
+struct watch {
+    const volatile sig_atomic_t *stop; /* an enum outcome to end with, 0: go on; may be NULL */
+    volatile double *reached;          /* simulated time, s, kept up to date; may be NULL */
+};
+
+/* Runs; never fails otherwise than by result->outcome. `observer` may be NULL. */
+void simulate(const struct scene *scene, const struct settings *settings,
+              const struct observer *observer, const struct watch *watch,
+              struct run_result *result);
+
+#endif

@@ -1,0 +1,49 @@
+# After the link of the tests: asks the program for its tests, and writes them down for ctest.
+#   cmake -D PROGRAM=file -D OUTPUT=file -D TIMEOUT=seconds -P discover.cmake
+#
+# The list looks like this, a parameterised test being one line:
+#   order: 2 tests
+#   |-- first
+#   `-- second (skipped)
+
+file(REMOVE ${OUTPUT})
+set(ENV{LC_ALL} C) # plain characters, and English
+execute_process(COMMAND ${PROGRAM} --list --color=never
+                OUTPUT_VARIABLE list RESULT_VARIABLE result)
+if(NOT result EQUAL 0)
+  message(FATAL_ERROR "${PROGRAM} --list failed: ${result}")
+endif()
+
+# A run whose filter matches nothing, or a test that skips itself, is a success to Criterion, and so
+# is a test whose process finds a leak at its end: ctest looks for their words.
+set(failure "Tested: 0 |Sanitizer: |runtime error: ")
+
+set(script "")
+set(expected 0)
+set(found 0)
+string(REGEX REPLACE "\n$" "" list "${list}")
+string(REPLACE "\n" ";" list "${list}")
+foreach(line IN LISTS list)
+  if(line MATCHES "^([A-Za-z0-9_]+): ([0-9]+) tests?$")
+    set(suite ${CMAKE_MATCH_1})
+    math(EXPR expected "${expected} + ${CMAKE_MATCH_2}")
+  elseif(line MATCHES "^[|`]-- ([A-Za-z0-9_]+)( \\(skipped\\))?$")
+    set(test ${suite}/${CMAKE_MATCH_1})
+    set(properties "TIMEOUT ${TIMEOUT} ENVIRONMENT LC_ALL=C FAIL_REGULAR_EXPRESSION \"${failure}\"")
+    if(CMAKE_MATCH_2)
+      string(APPEND properties " DISABLED TRUE")
+    endif()
+    if(test MATCHES "(^|/)slow_") # left out where everything is slow: under sanitizers
+      string(APPEND properties " LABELS slow")
+    endif()
+    string(APPEND script "add_test(${test} \"${PROGRAM}\" --jobs 1 --filter ${test})\n"
+                         "set_tests_properties(${test} PROPERTIES ${properties})\n")
+    math(EXPR found "${found} + 1")
+  else()
+    message(FATAL_ERROR "${PROGRAM} --list: cannot read '${line}'")
+  endif()
+endforeach()
+if(found EQUAL 0 OR NOT found EQUAL expected)
+  message(FATAL_ERROR "${PROGRAM} --list: found ${found} tests where it says ${expected}")
+endif()
+file(WRITE ${OUTPUT} "${script}")
