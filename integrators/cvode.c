@@ -332,8 +332,8 @@ static const char *const methods[] = {[BDF] = "bdf", [ADAMS] = "adams", NULL};
 static const char *const nonlinear_solvers[] = {
     [NEWTON] = "newton", [FIXED_POINT] = "fixed-point", NULL};
 
-/* With a factorisation as cheap as ours, the 20 and 51 steps for which CVODE by itself keeps a
- * factorised system and a Jacobian cost more iterations than they save. */
+/* CVODE by itself keeps a factorised system for 20 steps and a Jacobian for 51, as suits dearer
+ * ones than ours. With 5 the circle at rtol 1e-12 took 3269 steps instead of 3609. */
 static const struct option_spec options[] = {
     [METHOD] = {.name = "method",
                 .help = "family of multistep formulas",

@@ -31,9 +31,6 @@ const struct linear_method *linear_find(const char *name) {
 
 int stepper_refuse(const struct stepper_method *method, const struct stepper_settings *settings,
                    struct system *system) {
-    if ((method->capabilities & STEPPER_IMPLICIT) && !system->ops->linearise)
-        return system_fail(system, REFUSED, "%s needs Jacobians, and %s has none", method->name,
-                           system->name);
     return method->refuse ? method->refuse(settings, system) : 0;
 }
 

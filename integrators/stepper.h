@@ -46,9 +46,10 @@ struct stepper_method {
     const struct option_spec *options;       /* its own, or NULL */
     const struct butcher_table *table;       /* of Runge-Kutta methods, else NULL */
     const struct second_opinion *checked_by; /* or NULL */
+    double rtol, atol; /* of adaptive methods, where the user gives none; 0: the scene's */
 
     /* Why this pair of settings and system is not supported: REFUSED with system->reason, or 0.
-     * May be NULL. What holds for all steppers is asked by stepper_refuse. */
+     * May be NULL. */
     int (*refuse)(const struct stepper_settings *settings, struct system *system);
 
     /* A stepper for `system`, to be freed with free; NULL where memory cannot be had. */

@@ -41,20 +41,13 @@ void sundials_close(struct sundials *sundials) {
     SUNContext_Free(&sundials->context);
 }
 
-/* The vector operations. Debian compiles SUNDIALS without optimisation: with its own loops CVODE
- * spends four times as long on a step of 72 unknowns. Results may share their memory with an
- * operand, element for element: hence no restrict, and the pragma, which promises just that. */
-#ifdef __clang__
-#define ELEMENTWISE _Pragma("clang loop vectorize(assume_safety)")
-#else
-#define ELEMENTWISE _Pragma("GCC ivdep")
-#endif
-
+/* The vector operations. Debian compiles SUNDIALS without optimisation: a step of CVODE on 72
+ * unknowns took 7.5 us with the loops of the library and 1.5 us with these. A result may be one of
+ * the operands, hence no restrict; a pragma to vectorise regardless gained 5 % and is not here. */
 static void linear_sum(sunrealtype a, N_Vector x, sunrealtype b, N_Vector y, N_Vector z) {
     const sunrealtype *xs = NV_DATA_S(x), *ys = NV_DATA_S(y);
     sunrealtype *zs = NV_DATA_S(z);
     const sunindextype n = NV_LENGTH_S(z);
-    ELEMENTWISE
     for (sunindextype i = 0; i < n; i++)
         zs[i] = a * xs[i] + b * ys[i];
 }
@@ -70,7 +63,6 @@ static void product(N_Vector x, N_Vector y, N_Vector z) {
     const sunrealtype *xs = NV_DATA_S(x), *ys = NV_DATA_S(y);
     sunrealtype *zs = NV_DATA_S(z);
     const sunindextype n = NV_LENGTH_S(z);
-    ELEMENTWISE
     for (sunindextype i = 0; i < n; i++)
         zs[i] = xs[i] * ys[i];
 }
@@ -79,7 +71,6 @@ static void quotient(N_Vector x, N_Vector y, N_Vector z) {
     const sunrealtype *xs = NV_DATA_S(x), *ys = NV_DATA_S(y);
     sunrealtype *zs = NV_DATA_S(z);
     const sunindextype n = NV_LENGTH_S(z);
-    ELEMENTWISE
     for (sunindextype i = 0; i < n; i++)
         zs[i] = xs[i] / ys[i];
 }
@@ -88,7 +79,6 @@ static void scale(sunrealtype c, N_Vector x, N_Vector z) {
     const sunrealtype *xs = NV_DATA_S(x);
     sunrealtype *zs = NV_DATA_S(z);
     const sunindextype n = NV_LENGTH_S(z);
-    ELEMENTWISE
     for (sunindextype i = 0; i < n; i++)
         zs[i] = c * xs[i];
 }
@@ -97,7 +87,6 @@ static void absolute(N_Vector x, N_Vector z) {
     const sunrealtype *xs = NV_DATA_S(x);
     sunrealtype *zs = NV_DATA_S(z);
     const sunindextype n = NV_LENGTH_S(z);
-    ELEMENTWISE
     for (sunindextype i = 0; i < n; i++)
         zs[i] = fabs(xs[i]);
 }
@@ -106,7 +95,6 @@ static void inverse(N_Vector x, N_Vector z) {
     const sunrealtype *xs = NV_DATA_S(x);
     sunrealtype *zs = NV_DATA_S(z);
     const sunindextype n = NV_LENGTH_S(z);
-    ELEMENTWISE
     for (sunindextype i = 0; i < n; i++)
         zs[i] = 1 / xs[i];
 }
@@ -115,7 +103,6 @@ static void add_constant(N_Vector x, sunrealtype b, N_Vector z) {
     const sunrealtype *xs = NV_DATA_S(x);
     sunrealtype *zs = NV_DATA_S(z);
     const sunindextype n = NV_LENGTH_S(z);
-    ELEMENTWISE
     for (sunindextype i = 0; i < n; i++)
         zs[i] = xs[i] + b;
 }

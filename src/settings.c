@@ -78,7 +78,9 @@ static int resolve_steps(const struct scene *scene, const struct run_request *re
                          struct settings *settings, char *reason) {
     static const char *const names[] = {"step", "rtol", "atol"};
     const double asked[] = {request->step, request->rtol, request->atol};
-    const double defaults[] = {scene->run.step, scene->run.rtol, scene->run.atol};
+    const struct stepper_method *method = settings->method;
+    const double defaults[] = {scene->run.step, method->rtol > 0 ? method->rtol : scene->run.rtol,
+                               method->atol > 0 ? method->atol : scene->run.atol};
     double *const values[] = {&settings->step, &settings->stepper.rtol, &settings->stepper.atol};
     const int adaptive = (settings->method->capabilities & STEPPER_ADAPTIVE) != 0;
 

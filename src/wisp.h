@@ -1,0 +1,78 @@
+/* One deformable wisp and its surroundings, as numbers: what the scene says and every computation
+ * starts from (Plante 1999, section 4.1). SI units. */
+#ifndef WISPLAB_WISP_H
+#define WISPLAB_WISP_H
+
+enum { SAMPLES_MAX = 16 };
+
+enum bending { BENDING_NONE, BENDING_SKIP, BENDING_HINGE };
+
+/* How a sample of the envelope is kept on its half-line. */
+enum wisp_treatment { WISP_PROJECTION, WISP_PENALTY, WISP_GENERALISED };
+
+struct wisp {
+    int nodes;           /* n >= 3; nodes 0 and 1 belong to the head */
+    int samples;         /* M of the envelope, 3 to SAMPLES_MAX; 0: no envelope */
+    double root[3];      /* of node 0, m */
+    double direction[3]; /* of the wisp at rest, a unit vector */
+    double length;       /* m */
+
+    double hair_count;
+    double hair_density;      /* kg/m of one hair */
+    double stretch_stiffness; /* EA, N */
+    double stretch_time;      /* damping over stiffness, s */
+    enum bending bending;
+    double bending_stiffness; /* EI, N m^2 */
+    double bending_angle;     /* at which a skip spring's energy is the hinge's, rad */
+    double bending_time;      /* damping over stiffness, s */
+    double drag_rate;         /* 1/s */
+
+    double radius;        /* R, rest length of a sample's spring, m */
+    double mass_fraction; /* of a node's mass that is in its samples */
+    double frequency;     /* of a sample on its spring, Hz */
+    double damping_ratio; /* of a sample on its spring */
+    double penalty_ratio; /* k_p / k_e of the treatment `penalty` */
+};
+
+enum wind_kind { WIND_NONE, WIND_STEADY, WIND_GUST, WIND_IRREGULAR };
+
+enum { WIND_TERMS_MAX = 16 };
+
+struct wind {
+    enum wind_kind kind;
+    double velocity[3];                                          /* m/s */
+    double hold, decay;                                          /* of a gust, s */
+    int terms;                                                   /* of irregular wind */
+    double amplitude[WIND_TERMS_MAX], frequency[WIND_TERMS_MAX]; /* relative to velocity; Hz */
+};
+
+struct surroundings {
+    double gravity[3]; /* m/s^2 */
+    struct wind wind;
+};
+
+/* w(t): uniform in space. */
+void wind_velocity(const struct wind *wind, double t, double velocity[3]);
+
+/* Distance between nodes at rest, m. */
+double wisp_spacing(const struct wisp *wisp);
+
+/* What follows from the scene's numbers for node i >= 2: the node's own mass, and the mass of each
+ * of its samples, kg. */
+double wisp_node_mass(const struct wisp *wisp, int node);
+double wisp_sample_mass(const struct wisp *wisp, int node);
+
+/* Spring constants: N/m. The damping constants are these times stretch_time and bending_time. The
+ * bending one belongs to the law: of a skip spring N/m, of a hinge N m. */
+double wisp_stretch_constant(const struct wisp *wisp);
+double wisp_bending_constant(const struct wisp *wisp);
+
+/* Unknowns of one free node: 3 coordinates, then a distance r for each sample, or with `penalty`
+ * 3 coordinates for each sample. A wisp's vector has those of nodes 2, 3, ..., n-1 in turn. */
+int wisp_node_unknowns(const struct wisp *wisp, enum wisp_treatment treatment);
+
+/* The first normal u_0 = u_1 of the frames: h, the y axis, or the x axis where the tangent is
+ * within acos 0.9 of y, made perpendicular to the tangent. */
+void wisp_first_normal(const double tangent[3], double normal[3]);
+
+#endif
