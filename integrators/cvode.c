@@ -180,7 +180,9 @@ static int set_up(struct multistep *s, const struct stepper_settings *settings,
         CVodeSStolerances(s->cvode, settings->rtol, settings->atol) < 0 ||
         CVodeSetUserData(s->cvode, s) < 0)
         return -1;
-    if (option[MAX_ORDER] > 0 && CVodeSetMaxOrd(s->cvode, (int)option[MAX_ORDER]) < 0)
+    const double max_order =
+        option[MAX_ORDER] > 0 || option[METHOD] == ADAMS ? option[MAX_ORDER] : system->bdf_order;
+    if (max_order > 0 && CVodeSetMaxOrd(s->cvode, (int)max_order) < 0)
         return -1;
     const int nonlinear =
         option[NONLINEAR] == FIXED_POINT ? use_fixed_point(s) : use_newton(s, settings, system);
@@ -340,12 +342,13 @@ static const struct option_spec options[] = {
                 .kind = OPTION_CHOICE,
                 .initial = BDF,
                 .choices = methods},
-    [MAX_ORDER] = {.name = "max_order",
-                   .help = "highest order; 0 is the most the method has: bdf 5, adams 12",
-                   .kind = OPTION_COUNT,
-                   .initial = 0,
-                   .least = 0,
-                   .most = 12},
+    [MAX_ORDER] =
+        {.name = "max_order",
+         .help = "highest order; 0: what suits the problem, or the most there is: bdf 5, adams 12",
+         .kind = OPTION_COUNT,
+         .initial = 0,
+         .least = 0,
+         .most = 12},
     [NONLINEAR] = {.name = "nonlinear",
                    .help = "iteration of the implicit step",
                    .kind = OPTION_CHOICE,

@@ -187,7 +187,7 @@ static struct model *circle_create(const struct scene *scene, int treatment, int
         return NULL;
 
     const int angle = treatment == GENERALISED;
-    const unsigned always = MATRIX_AVAILABLE;
+    const unsigned always = MATRIX_AVAILABLE | MATRIX_FACTORABLE;
     circle->treatment = treatment;
     circle->pattern =
         (struct sparse_matrix){.size = angle ? 1 : 2,
@@ -207,8 +207,12 @@ static struct model *circle_create(const struct scene *scene, int treatment, int
         .q = circle->state,
         .v = circle->state + 2,
     };
-    circle->model = (struct model){
-        .problem = &circle_problem, .parts = &circle->part, .part_count = 1, .row_count = 1};
+    circle->model = (struct model){.problem = &circle_problem,
+                                   .parts = &circle->part,
+                                   .part_count = 1,
+                                   .row_count = 1,
+                                   .columns = columns,
+                                   .column_count = 8};
     if (angle) {
         circle->part.v[0] = -CIRCLE_RATE;
     } else {
@@ -238,8 +242,6 @@ static void circle_sample(const struct model *model, double *row) {
 const struct problem circle_problem = {
     .name = "circle",
     .treatments = treatments,
-    .columns = columns,
-    .column_count = 8,
     .default_treatment = circle_default_treatment,
     .default_linear = circle_default_linear,
     .create = circle_create,

@@ -139,29 +139,61 @@ static bool in_range(double x, enum config_range range) {
            (range != WHOLE || x == floor(x));
 }
 
+/* The value of a setting that holds a number, else NaN. */
+static double number_of(const config_setting_t *setting) {
+    switch (config_setting_type(setting)) {
+    case CONFIG_TYPE_INT:
+        return config_setting_get_int(setting);
+    case CONFIG_TYPE_INT64:
+        return (double)config_setting_get_int64(setting);
+    case CONFIG_TYPE_FLOAT:
+        return config_setting_get_float(setting);
+    default:
+        return NAN;
+    }
+}
+
 double config_number(struct config_reader *reader, config_setting_t *group, const char *name,
                      enum config_range range, double absent) {
     config_setting_t *setting = group ? config_setting_get_member(group, name) : NULL;
-    double x = NAN;
     if (!setting)
         return absent;
-    switch (config_setting_type(setting)) {
-    case CONFIG_TYPE_INT:
-        x = config_setting_get_int(setting);
-        break;
-    case CONFIG_TYPE_INT64:
-        x = (double)config_setting_get_int64(setting);
-        break;
-    case CONFIG_TYPE_FLOAT:
-        x = config_setting_get_float(setting);
-        break;
-    default:
+    const double x = number_of(setting);
+    if (!config_setting_is_number(setting))
         config_fail(reader, setting, "%s: must be %s", name, range_name(range));
-        return absent;
-    }
-    if (!in_range(x, range))
+    else if (!in_range(x, range))
         config_fail(reader, setting, "%s: %g is not %s", name, x, range_name(range));
     return x;
+}
+
+int config_numbers(struct config_reader *reader, config_setting_t *group, const char *name,
+                   int least, int count, double *values) {
+    config_setting_t *setting = group ? config_setting_get_member(group, name) : NULL;
+    if (!setting)
+        return 0;
+    const int length = config_setting_is_aggregate(setting) ? config_setting_length(setting) : -1;
+    if (config_setting_is_group(setting) || length < least || length > count) {
+        if (least == count)
+            config_fail(reader, setting, "%s: must be %d numbers in brackets", name, count);
+        else
+            config_fail(reader, setting, "%s: must be %d to %d numbers in brackets", name, least,
+                        count);
+        return 0;
+    }
+    for (int i = 0; i < length; i++) {
+        values[i] = number_of(config_setting_get_elem(setting, (unsigned)i));
+        if (!isfinite(values[i]))
+            config_fail(reader, setting, "%s: number %d of it is not a finite number", name, i + 1);
+    }
+    return length;
+}
+
+void config_vector(struct config_reader *reader, config_setting_t *group, const char *name,
+                   double vector[3]) {
+    if (group && !config_setting_get_member(group, name))
+        config_fail(reader, config_setting_is_root(group) ? NULL : group,
+                    "%s: missing; must be 3 numbers in brackets", name);
+    config_numbers(reader, group, name, 3, 3, vector);
 }
 
 double config_required(struct config_reader *reader, config_setting_t *group, const char *name,

@@ -39,6 +39,15 @@ double config_number(struct config_reader *reader, config_setting_t *group, cons
 const char *config_text(struct config_reader *reader, config_setting_t *group, const char *name,
                         const char *absent);
 
+/* `count` numbers in brackets; where `least` is less than `count`, that many will do. Returns how
+ * many there are, 0 where the setting is absent. */
+int config_numbers(struct config_reader *reader, config_setting_t *group, const char *name,
+                   int least, int count, double *values);
+
+/* Three numbers in brackets, which must be there. */
+void config_vector(struct config_reader *reader, config_setting_t *group, const char *name,
+                   double vector[3]);
+
 /* Refuses settings of `group` whose names are not in `known` (NULL-terminated). */
 void config_known(struct config_reader *reader, config_setting_t *group, const char *const *known);
 

@@ -19,7 +19,12 @@ struct model {
     const struct problem *problem;
     struct part *parts;
     int part_count;
-    int row_count; /* of a frame: one per wisp and node */
+    int row_count;              /* of a frame: one per wisp and node */
+    const char *const *columns; /* of a frame's rows, after `t`; NULL-terminated */
+    int column_count;
+    double collision_rate; /* Hz of ticks at which `tick` has work; 0: never */
+    const double *kinks;   /* times at which the forces have one, s, ascending */
+    int kink_count;
 };
 
 /* How a constraint is kept; an index into a problem's list. */
@@ -30,8 +35,6 @@ struct treatment {
 struct problem {
     const char *name;                   /* the scene's `problem` */
     const struct treatment *treatments; /* ends with a name of NULL */
-    const char *const *columns;         /* of a frame's rows, after `t`; NULL-terminated */
-    int column_count;
 
     /* What runs where nothing is said: an index of `treatments`, and the name of a linear solver.
      */
@@ -45,6 +48,13 @@ struct problem {
     /* Writes the current state as row_count rows of column_count numbers. */
     void (*sample)(const struct model *model, double *rows);
 
+    /* The reverse; NULL where states cannot be loaded. */
+    void (*restore)(struct model *model, const double *rows);
+
+    /* What happens at a stop besides the smooth motion; sets changed[i] where part i's state is no
+     * longer what its stepper left. NULL: nothing. */
+    void (*tick)(struct model *model, unsigned events, int *changed);
+
     /* FINISHED while a finite state is within what the model can mean, else DIVERGED and why.
      * NULL: every finite state is. */
     enum outcome (*check)(const struct model *model, char *reason, int reason_size);
@@ -57,6 +67,6 @@ const struct problem *problem_find(const char *name);
 /* Index of a treatment's name, or -1. */
 int treatment_find(const struct problem *problem, const char *name);
 
-extern const struct problem circle_problem;
+extern const struct problem circle_problem, wisp_problem;
 
 #endif

@@ -23,13 +23,23 @@ void write_provenance(FILE *stream, const char *what, const struct scene *scene)
 
 struct frame_writer {
     struct atomic_file file;
+    int named; /* the column names are written, with the first frame */
     int error; /* errno of the first failure, or 0 */
 };
+
+static void write_names(FILE *stream, const struct model *model) {
+    for (int i = 0; i < model->column_count; i++)
+        fprintf(stream, "\t%s", model->columns[i]);
+    fputc('\n', stream);
+}
 
 static int write_frame(void *ctx, const struct model *model, double t, const double *rows) {
     struct frame_writer *writer = ctx;
     FILE *stream = writer->file.stream;
-    const int columns = model->problem->column_count;
+    const int columns = model->column_count;
+    if (!writer->named)
+        write_names(stream, model);
+    writer->named = 1;
     for (int i = 0; i < model->row_count; i++) {
         fprintf(stream, "%.17g", t);
         for (int j = 0; j < columns; j++)
@@ -54,9 +64,7 @@ static int open_frames(struct frame_writer *writer, const struct scene *scene,
     fprintf(writer->file.stream, "# settings %s\nt", text);
     free(text);
     json_decref(json);
-    for (int i = 0; scene->problem->columns[i]; i++)
-        fprintf(writer->file.stream, "\t%s", scene->problem->columns[i]);
-    fputc('\n', writer->file.stream);
+    writer->named = 0;
     return 0;
 }
 
@@ -82,7 +90,7 @@ struct comparison {
 static int keep_frame(void *ctx, const struct model *model, double t, const double *rows) {
     (void)t;
     struct comparison *c = ctx;
-    c->size = (size_t)(model->row_count * model->problem->column_count);
+    c->size = (size_t)(model->row_count * model->column_count);
     if (c->used + c->size > c->capacity) {
         const size_t capacity = 2 * (c->used + c->size);
         double *frames = realloc(c->frames, capacity * sizeof *frames);
@@ -99,7 +107,7 @@ static int keep_frame(void *ctx, const struct model *model, double t, const doub
 static int compare_frame(void *ctx, const struct model *model, double t, const double *rows) {
     (void)t;
     struct comparison *c = ctx;
-    const int columns = model->problem->column_count;
+    const int columns = model->column_count;
     const double *kept = c->frames + c->used;
     for (int i = 0; i < model->row_count; i++) {
         const double *a = kept + i * columns + 2, *b = rows + i * columns + 2;

@@ -2,6 +2,7 @@
 
 #include "config.h"
 #include "model.h"
+#include "scene_wisps.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -51,12 +52,15 @@ static void read_scene(struct config_reader *reader, struct scene *scene) {
     scene->problem = problem_find(problem);
     if (!scene->problem)
         config_fail(reader, config_setting_get_member(top, "problem"),
-                    "problem: '%s' is not there; known: circle", problem);
+                    "problem: '%s' is not there; known: circle; none for wisps", problem);
     scene->duration = config_required(reader, top, "duration", POSITIVE);
     scene->frame_rate = config_number(reader, top, "frame_rate", POSITIVE, 0);
     scene->seed = config_number(reader, top, "seed", WHOLE, 1);
     read_run(reader, top, &scene->run);
-    read_circle(reader, top);
+    if (scene->problem == &circle_problem)
+        read_circle(reader, top);
+    else
+        scene_read_wisps(reader, top, scene);
     scene->source = config_to_json(top);
 }
 
@@ -81,7 +85,9 @@ struct scene *scene_load(const char *name, const char *const *sets, int set_coun
 }
 
 void scene_free(struct scene *scene) {
-    if (scene)
+    if (scene) {
         json_decref(scene->source);
+        free(scene->wisps);
+    }
     free(scene);
 }

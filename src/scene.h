@@ -3,6 +3,7 @@
 #define WISPLAB_SCENE_H
 
 #include "files.h"
+#include "wisp.h"
 
 #include <jansson.h>
 
@@ -19,6 +20,13 @@ struct scene {
     double frame_rate; /* Hz; 0: every step is a frame */
     double seed;       /* a whole number */
     struct run_defaults run;
+
+    /* of problem "wisps" */
+    struct surroundings around;
+    struct wisp *wisps; /* in the order of the file, grids spread out; owned */
+    int wisp_count;
+    double collision_rate; /* Hz */
+
     json_t *source; /* all settings as they were given, numbers as reals: what is hashed */
 };
 

@@ -17,6 +17,7 @@ struct simulation {
     struct model *model;
     struct stepper **steppers; /* one for each part */
     double *rows;              /* a frame */
+    int *changed;              /* by part: a tick changed its state */
     struct clock clock;
     double t;
 };
@@ -30,22 +31,29 @@ static int going(const struct simulation *sim) {
     return sim->result->outcome == FINISHED;
 }
 
+static void start_clock(struct simulation *sim) {
+    const double rate = sim->scene->frame_rate;
+    sim->clock = clock_start(sim->scene->duration);
+    clock_add(&sim->clock, STOP_FRAME, rate, rate > 0 ? 0 : sim->settings->frame_interval);
+    clock_add(&sim->clock, STOP_COLLISION, sim->model->collision_rate, 0);
+    sim->clock.kink = sim->model->kinks;
+    sim->clock.kink_count = sim->model->kink_count;
+}
+
 /* Scene -> model -> parts, each with its stepper; and the clock that will stop them. */
 static void open_simulation(struct simulation *sim) {
     const struct problem *problem = sim->scene->problem;
-    sim->clock = clock_start(sim->scene->duration);
-    clock_add(&sim->clock, STOP_FRAME, sim->scene->frame_rate,
-              sim->scene->frame_rate > 0 ? 0 : sim->settings->frame_interval);
-
     sim->model =
         problem->create(sim->scene, sim->settings->treatment, settings_lanes(sim->settings));
     if (!sim->model) {
         end_with(sim, OUT_OF_MEMORY, "no memory for the model");
         return;
     }
+    start_clock(sim);
     sim->steppers = calloc((size_t)sim->model->part_count, sizeof(struct stepper *));
-    sim->rows = calloc((size_t)(sim->model->row_count * problem->column_count), sizeof(double));
-    if (!sim->steppers || !sim->rows)
+    sim->rows = calloc((size_t)(sim->model->row_count * sim->model->column_count), sizeof(double));
+    sim->changed = calloc((size_t)sim->model->part_count, sizeof(int));
+    if (!sim->steppers || !sim->rows || !sim->changed)
         end_with(sim, OUT_OF_MEMORY, "no memory for the steppers");
     for (int i = 0; i < sim->model->part_count && going(sim); i++) {
         struct system *system = &sim->model->parts[i].system;
@@ -73,6 +81,7 @@ static void close_simulation(struct simulation *sim) {
     }
     free(sim->steppers);
     free(sim->rows);
+    free(sim->changed);
 }
 
 /* After each step: tells how far the run is, and asks whether it may go on. */
@@ -139,15 +148,31 @@ static int all_finite(const double *x, int n) {
     return sum == 0;
 }
 
-static void check_state(struct simulation *sim) {
-    const struct problem *problem = sim->scene->problem;
+static void check_finite(struct simulation *sim) {
     for (int i = 0; i < sim->model->part_count && going(sim); i++) {
         const struct part *part = &sim->model->parts[i];
         if (!all_finite(part->q, part->system.size) || !all_finite(part->v, part->system.size))
             end_with(sim, NOT_FINITE, "the state overflowed or became NaN");
     }
-    if (going(sim) && problem->check)
+}
+
+/* A finite state can still be wrong. */
+static void check_meaning(struct simulation *sim) {
+    const struct problem *problem = sim->scene->problem;
+    if (problem->check)
         sim->result->outcome = problem->check(sim->model, sim->result->reason, REASON_SIZE);
+}
+
+/* What happens at a stop; steppers with a history begin anew where it changed their part. */
+static void tick(struct simulation *sim, unsigned events) {
+    const struct problem *problem = sim->scene->problem;
+    if (!problem->tick)
+        return;
+    memset(sim->changed, 0, (size_t)sim->model->part_count * sizeof(int));
+    problem->tick(sim->model, events, sim->changed);
+    for (int i = 0; i < sim->model->part_count; i++)
+        if (sim->changed[i] && sim->settings->method->reset)
+            sim->settings->method->reset(sim->steppers[i]);
 }
 
 static void show_frame(struct simulation *sim) {
@@ -183,9 +208,13 @@ void simulate(const struct scene *scene, const struct settings *settings,
     while (going(&sim) && (sim.t < stop.t || clock_next(&sim.clock, &stop))) {
         advance_parts(&sim, stop.t);
         if (going(&sim))
-            check_state(&sim);
+            check_finite(&sim);
+        if (going(&sim) && sim.t == stop.t)
+            tick(&sim, stop.events);
         if (going(&sim) && (sim.t < stop.t || stop.events & STOP_FRAME))
             show_frame(&sim);
+        if (going(&sim) && stop.events & STOP_FRAME)
+            check_meaning(&sim);
     }
     result->cpu_seconds = cpu_now() - start;
     close_simulation(&sim);

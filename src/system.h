@@ -24,7 +24,8 @@ enum jacobian { JACOBIAN_EXACT, JACOBIAN_SPD, JACOBIAN_COUNT };
 enum matrix_property {
     MATRIX_AVAILABLE = 1, /* this kind of Jacobian exists */
     MATRIX_SYMMETRIC = 2,
-    MATRIX_DEFINITE = 4, /* positive */
+    MATRIX_DEFINITE = 4,   /* positive */
+    MATRIX_FACTORABLE = 8, /* the model's own factor and solve take it */
 };
 
 /* A square sparse matrix by columns, row indices ascending in each, diagonal always present. */
@@ -65,13 +66,14 @@ struct system_ops {
 
 struct system {
     const struct system_ops *ops;
-    void *ctx;                           /* owned by the model */
-    const char *name;                    /* for messages: "circle (free)" */
-    int size;                            /* doubles in q, in v, in a */
-    int lanes;                           /* wisps side by side, padding included */
-    int wisps;                           /* wisps that count: lanes without the padding */
-    unsigned matrix[JACOBIAN_COUNT];     /* enum matrix_property, by kind of Jacobian */
-    const char *matrix_note;             /* why the matrix is not symmetric, or NULL */
+    void *ctx;                       /* owned by the model */
+    const char *name;                /* for messages: "circle (free)" */
+    int size;                        /* doubles in q, in v, in a */
+    int lanes;                       /* wisps side by side, padding included */
+    int wisps;                       /* wisps that count: lanes without the padding */
+    unsigned matrix[JACOBIAN_COUNT]; /* enum matrix_property, by kind of Jacobian */
+    const char *matrix_note;         /* why the matrix is not symmetric, or NULL */
+    int bdf_order;                   /* highest order of BDF where nothing is said; 0: no opinion */
     const struct sparse_matrix *pattern; /* of assemble; values unused; NULL without assemble */
     struct counters counters;
     char reason[240]; /* of the last failure, for the user */

@@ -29,6 +29,7 @@ const struct linear_method direct = {
     .name = "direct",
     .summary = "the problem's own structured solver",
     .reference = "Golub & Van Loan, Matrix Computations, 4th ed., chapters 3 and 4",
+    .needs = MATRIX_FACTORABLE,
     .max_lanes = 4,
     .supports = direct_supports,
     .create = direct_create,

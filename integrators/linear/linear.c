@@ -23,6 +23,9 @@ int linear_choose(const struct linear_method *method, struct system *system, int
     if (!(system->matrix[*kind] & MATRIX_AVAILABLE))
         return system_fail(system, REFUSED, "%s has no %s Jacobian", system->name,
                            jacobian_choices[*kind]);
+    if (method->needs & ~system->matrix[*kind] & MATRIX_FACTORABLE)
+        return system_fail(system, REFUSED, "linear solver %s does not take the %s Jacobian of %s",
+                           method->name, jacobian_choices[*kind], system->name);
     const int symmetric = (system->matrix[*kind] & MATRIX_SYMMETRIC) != 0;
     return system_fail(system, REFUSED,
                        "linear solver %s needs a %s matrix, and the %s one of %s is not%s%s",

@@ -1,0 +1,180 @@
+/* The accelerations of a part: springs from the root to the tip, then frames and samples. */
+#include "frames.h"
+#include "part.h"
+#include "springs.h"
+
+/* Position or velocity of node i >= 2. */
+static inline struct vec node(const struct kernel_part *part, const double *x, int i) {
+    return vec_load(x, (i - 2) * part->node_unknowns);
+}
+
+/* Tangents and spring forces on all nodes. `bending` is a constant where this is inlined. Returns
+ * the lanes in which no segment and no spring has lost its direction. */
+static inline mask walk_springs(struct kernel_part *part, const double *q, const double *v,
+                                enum bending bending) {
+    const struct vec none = {lane_all(0), lane_all(0), lane_all(0)};
+    struct vec pa = part->p[0], va = part->v[0], pb = part->p[1], vb = part->v[1];
+    struct vec fa = none, fb = none; /* on nodes i - 2 and i - 1 so far */
+    mask sound = lane_all(0) == 0;
+    struct reach before = {part->tangent, part->spacing, sub(vb, va)};
+
+    part->t[0] = part->tangent;
+    for (int i = 2; i < part->nodes; i++) {
+        const struct vec p = node(part, q, i), pv = node(part, v, i);
+        const struct reach segment = reach(pb, p, vb, pv, &sound);
+        const struct vec pull = spring(&segment, part->spacing, part->stretch_k, part->stretch_c);
+        struct vec f = scale(lane_all(-1), pull);
+        fb = add(fb, pull);
+
+        if (bending == BENDING_SKIP) {
+            const struct reach skip = reach(pa, p, va, pv, &sound);
+            const struct vec bend = spring(&skip, part->skip_length, part->bend_k, part->bend_c);
+            fa = add(fa, bend);
+            f = sub(f, bend);
+        }
+        if (bending == BENDING_HINGE) {
+            const struct hinge bend = hinge(&before, &segment, part->bend_k, part->bend_c);
+            fa = sub(fa, bend.on_a);
+            fb = add(fb, sub(bend.on_a, bend.on_b));
+            f = add(f, bend.on_b);
+            before = segment;
+        }
+        part->t[i - 1] = segment.n;
+        part->force[i - 2] = fa;
+        pa = pb, va = vb, fa = fb;
+        pb = p, vb = pv, fb = f;
+    }
+    part->force[part->nodes - 2] = fa;
+    part->force[part->nodes - 1] = fb;
+    return sound;
+}
+
+/* What samples do to their node in the plane of the envelope, by its axes. */
+struct ring {
+    lane u, v;
+};
+
+/* The accelerations of a node and of its samples. `G` is gravity, air and style at the node's
+ * velocity: the outer acceleration. `ratio` is a sample's mass over the node's own. */
+
+/* 4.2.1 of the thesis: the line counts as fixed in space. Over its mass a sample feels the spring
+ * s and the outer force along its line, F.a = G.a - gamma rdot; the node feels -s. */
+static inline struct vec move_projection(const struct kernel_part *part, const struct frame *frame,
+                                         int samples, lane ratio, struct vec a, struct vec G,
+                                         const double *q, const double *v, double *to) {
+    const lane gu = dot(G, frame->u), gv = dot(G, frame->v);
+    struct ring sum = {lane_all(0), lane_all(0)};
+    for (int j = 0; j < samples; j++) {
+        const lane rate = load(v, 3 + j);
+        const lane s = part->spring_k * (part->radius - load(q, 3 + j)) - part->spring_c * rate;
+        sum.u += part->cosine[j] * s;
+        sum.v += part->sine[j] * s;
+        store(to, 3 + j, s + (part->cosine[j] * gu + part->sine[j] * gv) - part->drag * rate);
+    }
+    return sub(a, scale(ratio, add(scale(sum.u, frame->u), scale(sum.v, frame->v))));
+}
+
+/* Exact constraint: r and the node's coordinates are all the unknowns. With the samples' reaction
+ * across their lines, (m + mu sum P_j) a = f - sum s_j a_j + sum P_j F_j, and for M >= 3 evenly
+ * spread half-lines sum P_j = M/2 (1 + w w'). */
+static inline struct vec move_generalised(const struct kernel_part *part, const struct frame *frame,
+                                          int samples, lane ratio, struct vec a, struct vec G,
+                                          const double *q, const double *v, double *to) {
+    const lane half = 0.5 * samples * ratio;
+    const struct vec b = move_projection(part, frame, samples, ratio, a, G, q, v, to);
+    /* b / (1 + half) across w and b / (1 + 2 half) along it, where b has half (G + w w.G) more;
+     * `a` has G once already. */
+    const struct vec rhs = add_scaled(add_scaled(b, half, G), half * dot(frame->w, G), frame->w);
+    const lane across = 1 / (1 + half), along = 1 / (1 + 2 * half);
+    const struct vec result =
+        add_scaled(scale(across, rhs), (along - across) * dot(frame->w, rhs), frame->w);
+    const lane au = dot(result, frame->u), av = dot(result, frame->v);
+    for (int j = 0; j < samples; j++) /* mu (rddot + a.a_j) = s + F.a_j */
+        store(to, 3 + j, load(to, 3 + j) - (part->cosine[j] * au + part->sine[j] * av));
+    return result;
+}
+
+/* Samples as free particles: a spring along the half-line, a stiff one across it. */
+static inline struct vec move_penalty(const struct kernel_part *part, const struct frame *frame,
+                                      int samples, lane ratio, struct vec a, struct vec G,
+                                      const double *q, const double *v, double *to) {
+    const struct vec p = vec_load(q, 0), pv = vec_load(v, 0);
+    /* gravity, air and style at the sample's own velocity: G + gamma (v - edot) */
+    const struct vec still = add_scaled(G, part->drag, pv);
+    struct vec sum = {lane_all(0), lane_all(0), lane_all(0)};
+    for (int j = 0; j < samples; j++) {
+        const struct vec line = add(scale(lane_all(part->cosine[j]), frame->u),
+                                    scale(lane_all(part->sine[j]), frame->v));
+        const struct vec ev = vec_load(v, 3 + 3 * j);
+        const struct vec d = sub(vec_load(q, 3 + 3 * j), p), dv = sub(ev, pv);
+        const lane r = dot(d, line), rate = dot(dv, line);
+        const lane s = part->spring_k * (part->radius - r) - part->spring_c * rate;
+        struct vec pull = scale(s + part->penalty_k * r + part->penalty_c * rate, line);
+        pull = add_scaled(pull, -part->penalty_k, d);
+        pull = add_scaled(pull, -part->penalty_c, dv);
+        sum = add(sum, pull);
+        vec_store(to, 3 + 3 * j, add(pull, add_scaled(still, -part->drag, ev)));
+    }
+    return sub(a, scale(ratio, sum));
+}
+
+/* Frames along the wisp, and with them the accelerations of all unknowns. */
+static inline void walk_nodes(struct kernel_part *part, double t, const double *q, const double *v,
+                              double *acceleration, enum wisp_treatment treatment, int samples) {
+    double wind[3];
+    const double *g = part->surroundings->gravity;
+    wind_velocity(&part->surroundings->wind, t, wind);
+    struct frame frame = first_frame(part);
+    part->frames[0] = part->frames[1] = frame;
+
+    for (int i = 2; i < part->nodes; i++) {
+        const int at = (i - 2) * part->node_unknowns * LANES;
+        const struct vec pv = vec_load(v + at, 0);
+        const struct vec G = {g[0] + part->drag * (wind[0] - pv.x),
+                              g[1] + part->drag * (wind[1] - pv.y),
+                              g[2] + part->drag * (wind[2] - pv.z)};
+        struct vec a = add_scaled(G, part->inverse_mass[i], part->force[i]);
+        if (samples > 0) {
+            const lane ratio = part->sample_mass[i] * part->inverse_mass[i];
+            const double *qi = q + at, *vi = v + at;
+            frame = next_frame(part, i, &frame);
+            part->frames[i] = frame;
+            a = treatment == WISP_PROJECTION
+                    ? move_projection(part, &frame, samples, ratio, a, G, qi, vi, acceleration + at)
+                : treatment == WISP_PENALTY
+                    ? move_penalty(part, &frame, samples, ratio, a, G, qi, vi, acceleration + at)
+                    : move_generalised(part, &frame, samples, ratio, a, G, qi, vi,
+                                       acceleration + at);
+        }
+        vec_store(acceleration + at, 0, a);
+    }
+}
+
+/* A segment or a spring without direction: coinciding nodes, or a state that overflowed. */
+static int refuse_state(struct kernel_part *part, const double *q, const double *v) {
+    for (int i = 0; i < part->system->size; i++)
+        if (!isfinite(q[i]) || !isfinite(v[i]))
+            return system_fail(part->system, NOT_FINITE, "the state overflowed or became NaN");
+    return system_fail(part->system, MODEL_FAILED,
+                       "two nodes that a spring joins coincide: it has no direction");
+}
+
+int LANED(kernel_acceleration)(void *ctx, double t, const double *q, const double *v, double *a) {
+    struct kernel_part *part = ctx;
+    const mask sound = part->bending == BENDING_SKIP    ? walk_springs(part, q, v, BENDING_SKIP)
+                       : part->bending == BENDING_HINGE ? walk_springs(part, q, v, BENDING_HINGE)
+                                                        : walk_springs(part, q, v, BENDING_NONE);
+    if (!mask_all(sound))
+        return refuse_state(part, q, v);
+    if (part->samples == 0)
+        walk_nodes(part, t, q, v, a, WISP_PROJECTION, 0);
+    else if (part->treatment == WISP_PROJECTION && part->samples == 4)
+        walk_nodes(part, t, q, v, a, WISP_PROJECTION, 4);
+    else if (part->treatment == WISP_GENERALISED && part->samples == 4)
+        walk_nodes(part, t, q, v, a, WISP_GENERALISED, 4);
+    else if (part->treatment == WISP_PENALTY && part->samples == 4)
+        walk_nodes(part, t, q, v, a, WISP_PENALTY, 4);
+    else
+        walk_nodes(part, t, q, v, a, part->treatment, part->samples);
+    return 0;
+}

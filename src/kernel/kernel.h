@@ -1,0 +1,40 @@
+/* The wisp model at work on 1 or 4 wisps at once: what the rest of the program sees of this
+ * folder. The number at the end of a name is the number of lanes; a function of 1 and its twin of
+ * 4 are one source. */
+#ifndef WISPLAB_KERNEL_H
+#define WISPLAB_KERNEL_H
+
+#include "system.h"
+#include "wisp.h"
+
+#define KERNEL_DECLARE(lanes)                                                                      \
+    /* A part for `lanes` wisps that agree in nodes, samples and bending law; `around` and         \
+     * `system` must outlive it. NULL where memory cannot be had. */                               \
+    void *kernel_create_##lanes(const struct wisp *const *wisps,                                   \
+                                const struct surroundings *around, enum wisp_treatment treatment,  \
+                                struct system *system);                                            \
+    void kernel_free_##lanes(void *part);                                                          \
+                                                                                                   \
+    /* The start of a scene: rest shape, at rest, samples at r = R. */                             \
+    void kernel_rest_##lanes(void *part, double *q, double *v);                                    \
+                                                                                                   \
+    /* One lane as rows of a frame, for nodes 0 to n - 1, of 6 numbers and 2 or 6 for each sample; \
+     * the first row's first number goes to rows[0], the next row's to rows[stride]. */            \
+    void kernel_sample_##lanes(void *part, int which, const double *q, const double *v,            \
+                               double *rows, int stride);                                          \
+    /* The reverse. */                                                                             \
+    void kernel_restore_##lanes(void *part, int which, const double *rows, int stride, double *q,  \
+                                double *v);                                                        \
+                                                                                                   \
+    /* The clamp of section "clock": samples nearer to their node than 1e-3 R are put there and    \
+     * no longer move inwards. Returns whether any lane changed. */                                \
+    int kernel_clamp_##lanes(void *part, double *q, double *v);                                    \
+                                                                                                   \
+    /* Largest | L / rest length - 1 | over the segments of a lane. */                             \
+    double kernel_strain_##lanes(void *part, int which, const double *q);                          \
+                                                                                                   \
+    extern const struct system_ops kernel_ops_##lanes;
+KERNEL_DECLARE(1)
+KERNEL_DECLARE(4)
+
+#endif

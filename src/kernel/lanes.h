@@ -1,0 +1,139 @@
+/* Arithmetic on LANES wisps side by side. Every file of this folder is compiled twice, for parts
+ * of 1 and of 4 wisps: the same operations in the same order, so that a wisp's bits do not depend
+ * on how it is packed. Names that leave the folder carry the number of lanes. */
+#ifndef WISPLAB_LANES_H
+#define WISPLAB_LANES_H
+
+#include <math.h>
+#include <string.h>
+
+#ifndef LANES
+#define LANES 1 /* for editors; the build always says */
+#endif
+
+#define LANED_2(name, lanes) name##_##lanes
+#define LANED_1(name, lanes) LANED_2(name, lanes)
+#define LANED(name)          LANED_1(name, LANES)
+
+#if LANES == 1
+typedef double lane;
+typedef int mask;
+#else
+typedef double lane __attribute__((vector_size(8 * LANES)));
+typedef long long mask __attribute__((vector_size(8 * LANES)));
+#endif
+
+/* Unknown number i of every lane; vectors need only the alignment of a double. */
+static inline lane load(const double *x, int i) {
+    lane y;
+    memcpy(&y, x + LANES * i, sizeof y);
+    return y;
+}
+
+static inline void store(double *x, int i, lane y) {
+    memcpy(x + LANES * i, &y, sizeof y);
+}
+
+#if LANES == 1
+static inline lane lane_all(double x) {
+    return x;
+}
+static inline lane lane_sqrt(lane x) {
+    return sqrt(x);
+}
+static inline lane lane_select(mask m, lane yes, lane no) {
+    return m ? yes : no;
+}
+static inline int mask_all(mask m) {
+    return m != 0;
+}
+static inline int mask_none(mask m) {
+    return m == 0;
+}
+static inline double lane_get(lane x, int k) {
+    (void)k;
+    return x;
+}
+static inline void lane_set(lane *x, int k, double value) {
+    (void)k;
+    *x = value;
+}
+#else
+static inline lane lane_all(double x) {
+    return x - (lane){0};
+}
+static inline lane lane_sqrt(lane x) {
+    lane y;
+    for (int k = 0; k < LANES; k++)
+        y[k] = sqrt(x[k]);
+    return y;
+}
+static inline lane lane_select(mask m, lane yes, lane no) {
+    return (lane)((m & (mask)yes) | (~m & (mask)no));
+}
+static inline int mask_all(mask m) {
+    int all = 1;
+    for (int k = 0; k < LANES; k++)
+        all &= m[k] != 0;
+    return all;
+}
+static inline int mask_none(mask m) {
+    int none = 1;
+    for (int k = 0; k < LANES; k++)
+        none &= m[k] == 0;
+    return none;
+}
+static inline double lane_get(lane x, int k) {
+    return x[k];
+}
+static inline void lane_set(lane *x, int k, double value) {
+    (*x)[k] = value;
+}
+#endif
+
+/* Vectors in space. */
+struct vec {
+    lane x, y, z;
+};
+
+static inline struct vec vec_load(const double *x, int i) {
+    return (struct vec){load(x, i), load(x, i + 1), load(x, i + 2)};
+}
+
+static inline void vec_store(double *x, int i, struct vec a) {
+    store(x, i, a.x);
+    store(x, i + 1, a.y);
+    store(x, i + 2, a.z);
+}
+
+static inline struct vec add(struct vec a, struct vec b) {
+    return (struct vec){a.x + b.x, a.y + b.y, a.z + b.z};
+}
+
+static inline struct vec sub(struct vec a, struct vec b) {
+    return (struct vec){a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+static inline struct vec scale(lane s, struct vec a) {
+    return (struct vec){s * a.x, s * a.y, s * a.z};
+}
+
+/* a + s b */
+static inline struct vec add_scaled(struct vec a, lane s, struct vec b) {
+    return (struct vec){a.x + s * b.x, a.y + s * b.y, a.z + s * b.z};
+}
+
+static inline lane dot(struct vec a, struct vec b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+static inline struct vec cross(struct vec a, struct vec b) {
+    return (struct vec){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+static inline struct vec vec_select(mask m, struct vec yes, struct vec no) {
+    return (struct vec){lane_select(m, yes.x, no.x), lane_select(m, yes.y, no.y),
+                        lane_select(m, yes.z, no.z)};
+}
+
+#endif

@@ -1,0 +1,277 @@
+/* Stiffness and damping of the skeleton, block by block (section "derivatives" of the model). */
+#include "matrix.h"
+#include "springs.h"
+
+#include <stdlib.h>
+
+struct kernel_matrix *LANED(kernel_matrix_create)(const struct kernel_part *part) {
+    const size_t f = (size_t)free_nodes(part), block = sizeof(struct block) / sizeof(lane);
+    const size_t head = (sizeof(struct kernel_matrix) + sizeof(lane) - 1) / sizeof(lane);
+    const size_t lanes = head + f * block * 8 + (3 * f + BAND) * (BAND + 1);
+    struct kernel_matrix *matrix = aligned_alloc(64, (lanes * sizeof(lane) + 63) / 64 * 64);
+    if (!matrix)
+        return NULL;
+    memset(matrix, 0, lanes * sizeof(lane));
+    lane *at = (lane *)matrix + head;
+    matrix->stiffness = (struct block(*)[3])at;
+    matrix->damping = matrix->stiffness + f;
+    matrix->stiffness_above = (struct block(*)[2])(matrix->damping + f);
+    matrix->column = (lane(*)[BAND])(matrix->stiffness_above + f);
+    matrix->x = (lane *)(matrix->column + 3 * f + BAND);
+    return matrix;
+}
+
+void LANED(kernel_matrix_free)(struct kernel_matrix *matrix) {
+    free(matrix);
+}
+
+/* --- blocks --- */
+
+static inline struct block outer(lane s, struct vec a, struct vec b) {
+    const lane x[3] = {s * a.x, s * a.y, s * a.z}, y[3] = {b.x, b.y, b.z};
+    struct block c;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            c.m[i][j] = x[i] * y[j];
+    return c;
+}
+
+static inline void add_block(struct block *sum, lane s, const struct block *b) {
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            sum->m[i][j] += s * b->m[i][j];
+}
+
+static inline void add_diagonal(struct block *sum, lane s) {
+    for (int i = 0; i < 3; i++)
+        sum->m[i][i] += s;
+}
+
+/* s (1 - nn') */
+static inline struct block across(lane s, struct vec n) {
+    struct block b = outer(-s, n, n);
+    add_diagonal(&b, s);
+    return b;
+}
+
+static inline struct block multiply(const struct block *a, const struct block *b) {
+    struct block c;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            c.m[i][j] = a->m[i][0] * b->m[0][j] + a->m[i][1] * b->m[1][j] + a->m[i][2] * b->m[2][j];
+    return c;
+}
+
+static inline struct block transpose(const struct block *a) {
+    struct block b;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            b.m[i][j] = a->m[j][i];
+    return b;
+}
+
+static inline struct vec apply(const struct block *a, struct vec x) {
+    return (struct vec){a->m[0][0] * x.x + a->m[0][1] * x.y + a->m[0][2] * x.z,
+                        a->m[1][0] * x.x + a->m[1][1] * x.y + a->m[1][2] * x.z,
+                        a->m[2][0] * x.x + a->m[2][1] * x.y + a->m[2][2] * x.z};
+}
+
+/* Adds s B to row `row`, column `column` (nodes); what concerns nodes 0 and 1 falls away. */
+static inline void gather(struct block (*lower)[3], struct block (*above)[2], int row, int column,
+                          lane s, const struct block *b) {
+    if (row < 2 || column < 2)
+        return;
+    if (column <= row)
+        add_block(&lower[row - 2][row - column], s, b);
+    else if (above)
+        add_block(&above[column - 2][column - row - 1], s, b);
+}
+
+/* --- springs between two nodes --- */
+
+static inline void gather_spring(struct block (*lower)[3], struct block (*above)[2], int a, int b,
+                                 const struct block *block) {
+    const lane one = lane_all(1);
+    gather(lower, above, a, a, one, block);
+    gather(lower, above, b, b, one, block);
+    gather(lower, above, a, b, -one, block);
+    gather(lower, above, b, a, -one, block);
+}
+
+/* d f_a / d p_b = k [nn' + (1 - L0/L) P] + c/L [(dv.n) P + n (P dv)'], d f_a / d v_b = c nn';
+ * `spd`: 1 - L0/L not below 0, without the terms in c/L. */
+static inline void linearise_spring(struct kernel_matrix *m, int a, int b, const struct reach *r,
+                                    lane rest, lane k, lane c) {
+    const int exact = m->kind == JACOBIAN_EXACT;
+    lane geometric = 1 - rest / r->length;
+    if (!exact)
+        geometric = lane_select(geometric > 0, geometric, lane_all(0));
+    lane sideways = k * geometric;
+    struct block block = outer(k, r->n, r->n);
+    if (exact) {
+        const lane rate = dot(r->velocity, r->n), over_length = c / r->length;
+        const struct vec slip = add_scaled(r->velocity, -rate, r->n);
+        const struct block turning = outer(over_length, r->n, slip);
+        sideways += over_length * rate;
+        add_block(&block, lane_all(1), &turning);
+    }
+    const struct block stiff = across(sideways, r->n), damp = outer(c, r->n, r->n);
+    add_block(&block, lane_all(1), &stiff);
+    gather_spring(m->stiffness, exact ? m->stiffness_above : NULL, a, b, &block);
+    gather_spring(m->damping, NULL, a, b, &damp);
+}
+
+/* --- hinges --- */
+
+/* Derivatives by the two edges a and b: blocks aa, ab, ba, bb. */
+struct edge_blocks {
+    struct block m[2][2];
+};
+
+/* The square of the derivative of t_b - t_a: positive semidefinite, and at the straight shape what
+ * the second derivative of angle^2 / 2 becomes. This is the `spd` form of the elastic hinge
+ * (Gauss-Newton on the tangents' difference, whose length is 2 sin(angle / 2)). */
+static struct edge_blocks tangent_difference(const struct reach *a, const struct reach *b) {
+    const struct block pa = across(1 / a->length, a->n), pb = across(1 / b->length, b->n);
+    struct edge_blocks e = {
+        {{multiply(&pa, &pa), multiply(&pa, &pb)}, {multiply(&pb, &pa), multiply(&pb, &pb)}}};
+    for (int k = 0; k < 2; k++)
+        for (int i = 0; i < 3; i++)
+            for (int j = 0; j < 3; j++)
+                e.m[k][1 - k].m[i][j] = -e.m[k][1 - k].m[i][j];
+    return e;
+}
+
+/* Second derivative of the angle. In the plane of the edges the direction of e_a turns with e_a,
+ * out of it the angle shortens like that of a leaning triangle: with A = (b - cos a) / sin and
+ * B = (a - cos b) / sin, the unit vectors across a and b, and n out of the plane,
+ *   H_aa = [a A' + A a' + cot nn'] / L_a^2,  H_bb likewise,  H_ab = - nn' / (sin L_a L_b). */
+static struct edge_blocks angle_hessian(const struct reach *a, const struct reach *b,
+                                        const struct turn *turn) {
+    const struct vec axis = cross(a->n, b->n), n = scale(1 / turn->sine, axis);
+    const lane cotangent = dot(a->n, b->n) / turn->sine;
+    const struct reach *const edge[2] = {a, b};
+    const struct vec gradient[2] = {turn->along_a, turn->along_b};
+    struct edge_blocks h;
+    for (int k = 0; k < 2; k++) {
+        const lane over_length = 1 / edge[k]->length;
+        const struct block plane = outer(-over_length, edge[k]->n, gradient[k]);
+        const struct block turned = transpose(&plane);
+        h.m[k][k] = outer(cotangent * over_length * over_length, n, n);
+        add_block(&h.m[k][k], lane_all(1), &plane);
+        add_block(&h.m[k][k], lane_all(1), &turned);
+    }
+    h.m[0][1] = h.m[1][0] = outer(-1 / (turn->sine * a->length * b->length), n, n);
+    return h;
+}
+
+static struct block block_select(mask m, const struct block *yes, const struct block *no) {
+    struct block b;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            b.m[i][j] = lane_select(m, yes->m[i][j], no->m[i][j]);
+    return b;
+}
+
+/* -d(edge forces)/d(edges): forces are -(k angle + c rate) g with g the angle's gradient, so this
+ * is g (k g + c d rate)' + (k angle + c rate) H, with d rate = H (edges' velocities). */
+static struct edge_blocks hinge_stiffness(const struct reach *a, const struct reach *b,
+                                          const struct turn *turn, lane k, lane c) {
+    const struct edge_blocks h = angle_hessian(a, b, turn);
+    const struct vec g[2] = {turn->along_a, turn->along_b};
+    const lane rate = dot(g[0], a->velocity) + dot(g[1], b->velocity);
+    struct edge_blocks s;
+    for (int j = 0; j < 2; j++) {
+        const struct vec turning =
+            add(apply(&h.m[j][0], a->velocity), apply(&h.m[j][1], b->velocity));
+        const struct vec right = add_scaled(scale(k, g[j]), c, turning);
+        for (int i = 0; i < 2; i++) {
+            s.m[i][j] = outer(lane_all(1), g[i], right);
+            add_block(&s.m[i][j], k * turn->angle + c * rate, &h.m[i][j]);
+        }
+    }
+    return s;
+}
+
+/* From edges to the three nodes: edge a is node 1 - node 0, edge b node 2 - node 1. */
+static void gather_hinge(struct block (*lower)[3], struct block (*above)[2], int first,
+                         const struct edge_blocks *e) {
+    static const int sign[2][3] = {{-1, 1, 0}, {0, -1, 1}};
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            for (int x = 0; x < 2; x++)
+                for (int y = 0; y < 2; y++)
+                    if (sign[x][i] && sign[y][j])
+                        gather(lower, above, first + i, first + j,
+                               lane_all(sign[x][i] * sign[y][j]), &e->m[x][y]);
+}
+
+static void linearise_hinge(struct kernel_matrix *m, int first, const struct reach *a,
+                            const struct reach *b, lane k, lane c) {
+    const int exact = m->kind == JACOBIAN_EXACT;
+    const struct turn turn = turn_between(a, b);
+    const mask turned = turn.sine > 1e-12;
+    const struct vec g[2] = {turn.along_a, turn.along_b};
+    const struct edge_blocks straight = tangent_difference(a, b);
+    const struct edge_blocks bent = hinge_stiffness(a, b, &turn, k, c);
+    struct edge_blocks stiff, damp;
+    for (int i = 0; i < 2; i++)
+        for (int j = 0; j < 2; j++) {
+            struct block scaled = {0}, damped = {0};
+            const struct block turning = outer(c, g[i], g[j]);
+            add_block(&scaled, k, &straight.m[i][j]);
+            add_block(&damped, c, &straight.m[i][j]);
+            stiff.m[i][j] = exact ? block_select(turned, &bent.m[i][j], &scaled) : scaled;
+            damp.m[i][j] = block_select(turned, &turning, &damped);
+        }
+    gather_hinge(m->stiffness, exact ? m->stiffness_above : NULL, first, &stiff);
+    gather_hinge(m->damping, NULL, first, &damp);
+}
+
+/* --- the walk --- */
+
+static mask walk(struct kernel_part *part, const double *q, const double *v) {
+    struct kernel_matrix *m = part->matrix;
+    struct vec pa = part->p[0], va = part->v[0], pb = part->p[1], vb = part->v[1];
+    struct reach before = {part->tangent, part->spacing, sub(vb, va)};
+    mask sound = lane_all(0) == 0;
+    for (int i = 2; i < part->nodes; i++) {
+        const int at = (i - 2) * part->node_unknowns;
+        const struct vec p = vec_load(q, at), pv = vec_load(v, at);
+        const struct reach segment = reach(pb, p, vb, pv, &sound);
+        linearise_spring(m, i - 1, i, &segment, part->spacing, part->stretch_k, part->stretch_c);
+        if (part->bending == BENDING_SKIP) {
+            const struct reach skip = reach(pa, p, va, pv, &sound);
+            linearise_spring(m, i - 2, i, &skip, part->skip_length, part->bend_k, part->bend_c);
+        }
+        if (part->bending == BENDING_HINGE)
+            linearise_hinge(m, i - 2, &before, &segment, part->bend_k, part->bend_c);
+        before = segment;
+        pa = pb, va = vb;
+        pb = p, vb = pv;
+    }
+    return sound;
+}
+
+int LANED(kernel_linearise)(void *ctx, enum jacobian kind, double t, const double *q,
+                            const double *v) {
+    (void)t;
+    struct kernel_part *part = ctx;
+    if (!part->matrix)
+        part->matrix = LANED(kernel_matrix_create)(part);
+    if (!part->matrix)
+        return system_fail(part->system, -OUT_OF_MEMORY, "no memory for the Jacobians");
+    struct kernel_matrix *m = part->matrix;
+    const size_t f = (size_t)free_nodes(part);
+    m->kind = kind;
+    memset(m->stiffness, 0, f * sizeof *m->stiffness);
+    memset(m->damping, 0, f * sizeof *m->damping);
+    memset(m->stiffness_above, 0, f * sizeof *m->stiffness_above);
+    mask sound = walk(part, q, v);
+    if (part->samples > 0)
+        sound &= LANED(kernel_frames)(part, q);
+    if (!mask_all(sound))
+        return system_fail(part->system, MODEL_FAILED,
+                           "two nodes that a spring joins coincide: it has no direction");
+    return 0;
+}

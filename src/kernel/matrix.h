@@ -1,0 +1,56 @@
+/* The matrices of a part's equations M v' = f with frozen frames: M, C = -df/dv and S = -df/dq.
+ *
+ * Skeleton: block-pentadiagonal in the free nodes, 3x3 blocks; drag is apart from C. Samples: the
+ * same few numbers for all samples of a node, from which each place writes what it needs (section
+ * "treatments" below):
+ *
+ *   per sample mass mu, with a the half-line, P = 1 - aa', k and c of the spring over mu,
+ *                      node-node        node-sample      sample-node      sample-sample
+ *   projection    M    -                -                -                1
+ *                 C    -                -c a             gamma a'         c + gamma
+ *                 S    -                -k a             -                k
+ *   generalised   M    1                a                a'               1
+ *                 C    gamma            gamma a          gamma a'         c + gamma
+ *                 S    -                -                -                k
+ *   penalty       M    -                -                -                1
+ *                 C    c aa' + c_p P    minus that       minus that       that + gamma
+ *                 S    k aa' + k_p P    minus that       minus that       that
+ *
+ * For `generalised` the equations are those of the coordinates (p, r) as Lagrange has them, which
+ * are symmetric: the node's row is the row of the model plus the sum of a times the samples'. */
+#ifndef WISPLAB_KERNEL_MATRIX_H
+#define WISPLAB_KERNEL_MATRIX_H
+
+#include "part.h"
+
+enum { BAND = 9 }; /* lower half of a band of 2 + 2/3 blocks, diagonal included */
+
+struct kernel_matrix {
+    enum jacobian kind;
+    double alpha, beta; /* of the last factor */
+
+    /* by free node i, blocks (i, i), (i, i - 1), (i, i - 2); S of kind `exact` is not symmetric,
+     * its blocks (i - 1, i) and (i - 2, i) are apart */
+    struct block (*stiffness)[3], (*damping)[3], (*stiffness_above)[2];
+
+    /* The matrix of the nodes after the samples are eliminated, factorised as L D L' by columns:
+     * column k has 1/D_k, then L_(k+1)k, ..., L_(k+8)k; 8 more columns of zeros at the end. */
+    lane (*column)[BAND];
+    lane *x; /* right side and solution, 3 for each free node, and 8 zeros */
+};
+
+/* What eliminating the samples of a node does, for given alpha and beta: with A the sample's own
+ * diagonal over mu, along the half-line and across it. */
+struct elimination {
+    lane to_node_along, to_node_across;     /* adds (.) b_sample to the node's right side */
+    lane from_node_along, from_node_across; /* sample = b_sample / (mu A) + (.) v_node */
+    lane inverse_along, inverse_across;     /* 1 / A */
+    lane diagonal, diagonal_ww;             /* the node's matrix gains mu (diagonal 1 + ww w w') */
+};
+
+/* Number of free nodes. */
+static inline int free_nodes(const struct kernel_part *part) {
+    return part->nodes - 2;
+}
+
+#endif

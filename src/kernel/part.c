@@ -1,0 +1,273 @@
+/* A part's numbers, its start, and its state as the rest of the program sees it. */
+#include "part.h"
+
+#include "frames.h"
+#include "kernel.h"
+
+#include <stdlib.h>
+
+/* --- making one --- */
+
+/* Takes `count` lanes-wide numbers from a block; all members are made of whole lanes. */
+static void *take(lane **block, size_t count) {
+    void *taken = *block;
+    *block += count;
+    return taken;
+}
+
+static struct kernel_part *allocate(int nodes) {
+    const size_t n = (size_t)nodes;
+    const size_t head = (sizeof(struct kernel_part) + sizeof(lane) - 1) / sizeof(lane);
+    const size_t lanes = head + n * (3 + 3 + 3 + 9);
+    struct kernel_part *part = aligned_alloc(64, (lanes * sizeof(lane) + 63) / 64 * 64);
+    if (!part)
+        return NULL;
+    memset(part, 0, lanes * sizeof(lane));
+    lane *block = (lane *)part + head;
+    part->mass = take(&block, n);
+    part->inverse_mass = take(&block, n);
+    part->sample_mass = take(&block, n);
+    part->t = take(&block, 3 * n);
+    part->force = take(&block, 3 * n);
+    part->frames = take(&block, 9 * n);
+    return part;
+}
+
+static void set_vec(struct vec *vec, int k, const double x[3]) {
+    lane_set(&vec->x, k, x[0]);
+    lane_set(&vec->y, k, x[1]);
+    lane_set(&vec->z, k, x[2]);
+}
+
+/* Wisp k's numbers into lane k. */
+static void fill_lane(struct kernel_part *part, int k, const struct wisp *wisp) {
+    const double l = wisp_spacing(wisp), omega = 2 * M_PI * wisp->frequency;
+    const double stretch = wisp_stretch_constant(wisp), bend = wisp_bending_constant(wisp);
+    double normal[3], second[3];
+    wisp_first_normal(wisp->direction, normal);
+    for (int c = 0; c < 3; c++)
+        second[c] = wisp->root[c] + l * wisp->direction[c];
+    set_vec(&part->p[0], k, wisp->root);
+    set_vec(&part->p[1], k, second);
+    set_vec(&part->tangent, k, wisp->direction);
+    set_vec(&part->normal, k, normal);
+    lane_set(&part->spacing, k, l);
+    lane_set(&part->skip_length, k, 2 * l);
+    lane_set(&part->stretch_k, k, stretch);
+    lane_set(&part->stretch_c, k, wisp->stretch_time * stretch);
+    lane_set(&part->bend_k, k, bend);
+    lane_set(&part->bend_c, k, wisp->bending_time * bend);
+    lane_set(&part->drag, k, wisp->drag_rate);
+    lane_set(&part->radius, k, wisp->radius);
+    lane_set(&part->spring_k, k, omega * omega);
+    lane_set(&part->spring_c, k, 2 * wisp->damping_ratio * omega);
+    lane_set(&part->penalty_k, k, wisp->penalty_ratio * omega * omega);
+    lane_set(&part->penalty_c, k, 2 * sqrt(wisp->penalty_ratio) * omega);
+    for (int i = 2; i < wisp->nodes; i++) {
+        lane_set(&part->mass[i], k, wisp_node_mass(wisp, i));
+        lane_set(&part->inverse_mass[i], k, 1 / wisp_node_mass(wisp, i));
+        lane_set(&part->sample_mass[i], k, wisp_sample_mass(wisp, i));
+    }
+}
+
+void *LANED(kernel_create)(const struct wisp *const *wisps, const struct surroundings *around,
+                           enum wisp_treatment treatment, struct system *system) {
+    const struct wisp *first = wisps[0];
+    struct kernel_part *part = allocate(first->nodes);
+    if (!part)
+        return NULL;
+    part->nodes = first->nodes;
+    part->samples = first->samples;
+    part->node_unknowns = wisp_node_unknowns(first, treatment);
+    part->treatment = treatment;
+    part->bending = first->bending;
+    part->surroundings = around;
+    part->system = system;
+    for (int j = 0; j < part->samples; j++) {
+        part->cosine[j] = cos(2 * M_PI * j / part->samples);
+        part->sine[j] = sin(2 * M_PI * j / part->samples);
+    }
+    for (int k = 0; k < LANES; k++)
+        fill_lane(part, k, wisps[k]);
+    return part;
+}
+
+void LANED(kernel_free)(void *ctx) {
+    struct kernel_part *part = ctx;
+    if (part)
+        LANED(kernel_matrix_free)(part->matrix);
+    free(part);
+}
+
+/* --- states --- */
+
+static struct vec half_line(const struct kernel_part *part, const struct frame *frame, int j) {
+    return add(scale(lane_all(part->cosine[j]), frame->u),
+               scale(lane_all(part->sine[j]), frame->v));
+}
+
+void LANED(kernel_rest)(void *ctx, double *q, double *v) {
+    struct kernel_part *part = ctx;
+    const struct frame frame = first_frame(part); /* a straight wisp has one frame */
+    memset(v, 0, (size_t)part->system->size * sizeof(double));
+    for (int i = 2; i < part->nodes; i++) {
+        double *at = q + (i - 2) * part->node_unknowns * LANES;
+        const struct vec p = add_scaled(part->p[0], lane_all(i) * part->spacing, part->tangent);
+        vec_store(at, 0, p);
+        for (int j = 0; j < part->samples; j++) {
+            if (part->treatment == WISP_PENALTY)
+                vec_store(at, 3 + 3 * j, add_scaled(p, part->radius, half_line(part, &frame, j)));
+            else
+                store(at, 3 + j, part->radius);
+        }
+    }
+}
+
+/* Row of a node that follows the head, with its ring of fixed samples. */
+static void sample_prescribed(const struct kernel_part *part, int which, int i, double *row) {
+    const struct frame frame = first_frame(part);
+    const lane p[3] = {part->p[i].x, part->p[i].y, part->p[i].z};
+    const lane v[3] = {part->v[i].x, part->v[i].y, part->v[i].z};
+    for (int c = 0; c < 3; c++) {
+        row[c] = lane_get(p[c], which);
+        row[3 + c] = lane_get(v[c], which);
+    }
+    for (int j = 0; j < part->samples; j++) {
+        if (part->treatment == WISP_PENALTY) {
+            const struct vec e = add_scaled(part->p[i], part->radius, half_line(part, &frame, j));
+            const lane at[3] = {e.x, e.y, e.z};
+            for (int c = 0; c < 3; c++) {
+                row[6 + 6 * j + c] = lane_get(at[c], which);
+                row[6 + 6 * j + 3 + c] = row[3 + c];
+            }
+        } else {
+            row[6 + 2 * j] = lane_get(part->radius, which);
+            row[6 + 2 * j + 1] = 0;
+        }
+    }
+}
+
+/* Column of a row that holds unknown `u` of a node, its rate being `gap` columns further. */
+static int row_column(const struct kernel_part *part, int u, int *gap) {
+    *gap = u < 3 || part->treatment == WISP_PENALTY ? 3 : 1;
+    if (u < 3)
+        return u;
+    return part->treatment == WISP_PENALTY ? 6 + 6 * ((u - 3) / 3) + (u - 3) % 3 : 6 + 2 * (u - 3);
+}
+
+void LANED(kernel_sample)(void *ctx, int which, const double *q, const double *v, double *rows,
+                          int stride) {
+    const struct kernel_part *part = ctx;
+    for (int i = 0; i < 2; i++)
+        sample_prescribed(part, which, i, rows + i * stride);
+    for (int i = 2; i < part->nodes; i++) {
+        for (int u = 0; u < part->node_unknowns; u++) {
+            int gap;
+            const int at = ((i - 2) * part->node_unknowns + u) * LANES + which;
+            const int column = i * stride + row_column(part, u, &gap);
+            rows[column] = q[at];
+            rows[column + gap] = v[at];
+        }
+    }
+}
+
+void LANED(kernel_restore)(void *ctx, int which, const double *rows, int stride, double *q,
+                           double *v) {
+    const struct kernel_part *part = ctx;
+    for (int i = 2; i < part->nodes; i++) {
+        for (int u = 0; u < part->node_unknowns; u++) {
+            int gap;
+            const int at = ((i - 2) * part->node_unknowns + u) * LANES + which;
+            const int column = i * stride + row_column(part, u, &gap);
+            q[at] = rows[column];
+            v[at] = rows[column + gap];
+        }
+    }
+}
+
+mask LANED(kernel_frames)(struct kernel_part *part, const double *q) {
+    mask sound = lane_all(0) == 0;
+    struct vec before = part->p[1];
+    part->t[0] = part->tangent;
+    for (int i = 2; i < part->nodes; i++) {
+        const struct vec p = vec_load(q, (i - 2) * part->node_unknowns), d = sub(p, before);
+        const lane square = dot(d, d);
+        sound &= square > 0;
+        part->t[i - 1] = scale(1 / lane_sqrt(square), d);
+        before = p;
+    }
+    part->frames[0] = part->frames[1] = first_frame(part);
+    for (int i = 2; i < part->nodes; i++)
+        part->frames[i] = next_frame(part, i, &part->frames[i - 1]);
+    return sound;
+}
+
+double LANED(kernel_strain)(void *ctx, int which, const double *q) {
+    const struct kernel_part *part = ctx;
+    struct vec before = part->p[1];
+    double most = 0;
+    for (int i = 2; i < part->nodes; i++) {
+        const struct vec p = vec_load(q, (i - 2) * part->node_unknowns), d = sub(p, before);
+        const lane strain = lane_sqrt(dot(d, d)) / part->spacing - 1;
+        most = fmax(most, fabs(lane_get(strain, which)));
+        before = p;
+    }
+    return most;
+}
+
+/* Distance and rate of a sample on its half-line: unknowns themselves, or of a free particle. */
+static int clamp_distances(const struct kernel_part *part, double *q, double *v) {
+    int changed = 0;
+    for (int i = 2; i < part->nodes; i++) {
+        const int at = (i - 2) * part->node_unknowns;
+        for (int j = at + 3; j < at + part->node_unknowns; j++) {
+            const lane least = 1e-3 * part->radius, r = load(q, j), rate = load(v, j);
+            const mask inside = r < least;
+            if (mask_none(inside))
+                continue;
+            store(q, j, lane_select(inside, least, r));
+            store(v, j, lane_select(inside & (rate < 0), lane_all(0), rate));
+            changed = 1;
+        }
+    }
+    return changed;
+}
+
+static int clamp_particles(struct kernel_part *part, double *q, double *v) {
+    int changed = 0;
+    LANED(kernel_frames)(part, q);
+    for (int i = 2; i < part->nodes; i++) {
+        double *qi = q + (i - 2) * part->node_unknowns * LANES;
+        double *vi = v + (i - 2) * part->node_unknowns * LANES;
+        for (int j = 0; j < part->samples; j++) {
+            const struct vec line = half_line(part, &part->frames[i], j);
+            const struct vec e = vec_load(qi, 3 + 3 * j), ev = vec_load(vi, 3 + 3 * j);
+            const lane least = 1e-3 * part->radius, r = dot(sub(e, vec_load(qi, 0)), line);
+            const lane rate = dot(sub(ev, vec_load(vi, 0)), line);
+            const mask inside = r < least;
+            if (mask_none(inside))
+                continue;
+            vec_store(qi, 3 + 3 * j, vec_select(inside, add_scaled(e, least - r, line), e));
+            vec_store(vi, 3 + 3 * j,
+                      vec_select(inside & (rate < 0), add_scaled(ev, -rate, line), ev));
+            changed = 1;
+        }
+    }
+    return changed;
+}
+
+int LANED(kernel_clamp)(void *ctx, double *q, double *v) {
+    struct kernel_part *part = ctx;
+    return part->treatment == WISP_PENALTY ? clamp_particles(part, q, v)
+                                           : clamp_distances(part, q, v);
+}
+
+const struct system_ops LANED(kernel_ops) = {
+    .acceleration = LANED(kernel_acceleration),
+    .linearise = LANED(kernel_linearise),
+    .product = LANED(kernel_product),
+    .factor = LANED(kernel_factor),
+    .solve = LANED(kernel_solve),
+    .assemble = LANED(kernel_assemble),
+    .energy = LANED(kernel_energy),
+};

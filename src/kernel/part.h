@@ -1,0 +1,69 @@
+/* A batch of LANES wisps with equal numbers of nodes and samples and one treatment, laid out for
+ * the kernel: lane k of every number belongs to wisp k. */
+#ifndef WISPLAB_KERNEL_PART_H
+#define WISPLAB_KERNEL_PART_H
+
+#include "lanes.h"
+#include "system.h"
+#include "wisp.h"
+
+/* Material axes and the envelope's plane at a node (section 4.1.2 of the thesis). */
+struct frame {
+    struct vec u, v, w;
+};
+
+/* Symmetric and general 3x3 blocks. */
+struct block {
+    lane m[3][3];
+};
+
+struct kernel_part {
+    int nodes, samples;
+    int node_unknowns; /* of one free node */
+    enum wisp_treatment treatment;
+    enum bending bending;
+    const struct surroundings *surroundings;
+    struct system *system; /* whose ctx this is; for reasons of failure */
+
+    struct vec p[2], v[2];      /* nodes 0 and 1: they follow the head */
+    struct vec tangent, normal; /* t_0 and u_0 = u_1 */
+    lane spacing, skip_length;  /* rest lengths, m */
+    lane stretch_k, stretch_c;  /* N/m, N s/m */
+    lane bend_k, bend_c;        /* of the law in use */
+    lane drag;                  /* 1/s */
+    lane radius;                /* m */
+    lane spring_k, spring_c;    /* of a sample along its line, over its mass: 1/s^2, 1/s */
+    lane penalty_k, penalty_c;  /* the same across it */
+    double cosine[SAMPLES_MAX], sine[SAMPLES_MAX]; /* directions of the samples */
+
+    /* by node, 0 and 1 unused */
+    lane *mass, *inverse_mass; /* a node's own, kg and 1/kg */
+    lane *sample_mass;         /* of each of its samples, kg */
+
+    /* work space, by node */
+    struct vec *t;        /* unit tangents of the segments (i, i + 1) */
+    struct vec *force;    /* springs on a node, N */
+    struct frame *frames; /* of the last acceleration or linearisation */
+
+    struct kernel_matrix *matrix; /* Jacobians and factors; made by the first linearisation */
+};
+
+/* The operations of a struct system, by the rest of the folder; `ctx` is a struct kernel_part. */
+int LANED(kernel_acceleration)(void *ctx, double t, const double *q, const double *v, double *a);
+double LANED(kernel_energy)(void *ctx, double t, const double *q, const double *v);
+int LANED(kernel_linearise)(void *ctx, enum jacobian kind, double t, const double *q,
+                            const double *v);
+void LANED(kernel_product)(void *ctx, double m, double d, double k, const double *x, double *y);
+int LANED(kernel_factor)(void *ctx, double alpha, double beta);
+void LANED(kernel_solve)(void *ctx, const double *b, double *x);
+void LANED(kernel_assemble)(void *ctx, double alpha, double beta, double *values);
+
+/* Tangents and frames of a state, into part->t and part->frames; the lanes in which every segment
+ * has a direction. */
+mask LANED(kernel_frames)(struct kernel_part *part, const double *q);
+
+/* Room for Jacobians and factors; NULL where memory cannot be had. */
+struct kernel_matrix *LANED(kernel_matrix_create)(const struct kernel_part *part);
+void LANED(kernel_matrix_free)(struct kernel_matrix *matrix);
+
+#endif

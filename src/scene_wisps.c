@@ -1,0 +1,244 @@
+#include "scene_wisps.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Groups of later chapters, which would otherwise be passed over in silence. */
+static void refuse_absent_features(struct config_reader *reader, config_setting_t *top) {
+    static const char *const absent[] = {"body", "contacts", "subdivision", "style",
+                                         "head", "start",    "render",      NULL};
+    for (int i = 0; absent[i]; i++) {
+        config_setting_t *group = config_setting_get_member(top, absent[i]);
+        if (group)
+            config_fail(reader, group, "%s: this version has no %s yet; leave it out", absent[i],
+                        absent[i]);
+    }
+}
+
+static void read_material(struct config_reader *reader, config_setting_t *top, struct wisp *wisp) {
+    static const char *const known[] = {
+        "hair_count", "hair_density",      "stretch_stiffness", "stretch_time", "bending",
+        "drag_rate",  "bending_stiffness", "bending_angle",     "bending_time", NULL};
+    static const char *const laws[] = {"none", "skip", "hinge"};
+    config_setting_t *group = config_group(reader, top, "material");
+    if (!group)
+        config_fail(reader, NULL, "material: missing; write material = { }; for the defaults");
+    config_known(reader, group, known);
+    wisp->hair_count = config_number(reader, group, "hair_count", POSITIVE, 1000);
+    wisp->hair_density = config_number(reader, group, "hair_density", POSITIVE, 5.7e-6);
+    wisp->stretch_stiffness = config_number(reader, group, "stretch_stiffness", NOT_NEGATIVE, 90);
+    wisp->stretch_time = config_number(reader, group, "stretch_time", NOT_NEGATIVE, 1.2e-4);
+    wisp->bending_stiffness = config_number(reader, group, "bending_stiffness", NOT_NEGATIVE, 1e-5);
+    wisp->bending_angle = config_number(reader, group, "bending_angle", POSITIVE, 0.3);
+    wisp->bending_time = config_number(reader, group, "bending_time", NOT_NEGATIVE, 1e-3);
+    wisp->drag_rate = config_number(reader, group, "drag_rate", NOT_NEGATIVE, 4);
+
+    const char *law = config_text(reader, group, "bending", "skip");
+    int i = 0;
+    while (i < 3 && strcmp(laws[i], law) != 0)
+        i++;
+    wisp->bending = (enum bending)i;
+    if (i == 3)
+        config_fail(reader, config_setting_get_member(group, "bending"),
+                    "bending: '%s' is not one of skip, hinge, none", law);
+}
+
+static void read_envelope(struct config_reader *reader, config_setting_t *top, struct wisp *wisp) {
+    static const char *const known[] = {
+        "samples", "radius", "mass_fraction", "frequency", "damping_ratio", "penalty_ratio", NULL};
+    config_setting_t *group = config_group(reader, top, "envelope");
+    if (!group)
+        return;
+    config_known(reader, group, known);
+    const double samples = config_number(reader, group, "samples", WHOLE, 4);
+    if (samples < 3 || samples > SAMPLES_MAX)
+        config_fail(reader, config_setting_get_member(group, "samples"),
+                    "samples: %g is not a whole number from 3 to %d", samples, SAMPLES_MAX);
+    else
+        wisp->samples = (int)samples;
+    wisp->radius = config_number(reader, group, "radius", POSITIVE, 0.02);
+    wisp->mass_fraction = config_number(reader, group, "mass_fraction", POSITIVE, 0.15);
+    if (wisp->mass_fraction >= 1)
+        config_fail(reader, config_setting_get_member(group, "mass_fraction"),
+                    "mass_fraction: %g is not between 0 and 1", wisp->mass_fraction);
+    wisp->frequency = config_number(reader, group, "frequency", NOT_NEGATIVE, 10);
+    wisp->damping_ratio = config_number(reader, group, "damping_ratio", NOT_NEGATIVE, 1);
+    wisp->penalty_ratio = config_number(reader, group, "penalty_ratio", NOT_NEGATIVE, 100);
+}
+
+static void read_gust(struct config_reader *reader, config_setting_t *group, struct wind *wind) {
+    static const char *const known[] = {"kind", "velocity", "hold", "decay", NULL};
+    config_known(reader, group, known);
+    wind->hold = config_required(reader, group, "hold", NOT_NEGATIVE);
+    wind->decay = config_required(reader, group, "decay", POSITIVE);
+}
+
+static void read_irregular(struct config_reader *reader, config_setting_t *group,
+                           struct wind *wind) {
+    static const char *const known[] = {"kind", "velocity", "amplitudes", "frequencies", NULL};
+    config_known(reader, group, known);
+    wind->terms = config_numbers(reader, group, "amplitudes", 1, WIND_TERMS_MAX, wind->amplitude);
+    const int frequencies =
+        config_numbers(reader, group, "frequencies", 1, WIND_TERMS_MAX, wind->frequency);
+    if (wind->terms == 0 || wind->terms != frequencies)
+        config_fail(reader, group,
+                    "wind: amplitudes and frequencies must be there, and equally many");
+}
+
+static void read_wind(struct config_reader *reader, config_setting_t *top, struct wind *wind) {
+    static const char *const steady[] = {"kind", "velocity", NULL};
+    config_setting_t *group = config_group(reader, top, "wind");
+    if (!group)
+        return;
+    const char *kind = config_text(reader, group, "kind", "");
+    config_vector(reader, group, "velocity", wind->velocity);
+    if (strcmp(kind, "steady") == 0) {
+        wind->kind = WIND_STEADY;
+        config_known(reader, group, steady);
+    } else if (strcmp(kind, "gust") == 0) {
+        wind->kind = WIND_GUST;
+        read_gust(reader, group, wind);
+    } else if (strcmp(kind, "irregular") == 0) {
+        wind->kind = WIND_IRREGULAR;
+        read_irregular(reader, group, wind);
+    } else {
+        config_fail(reader, group, "wind: kind '%s' is not one of steady, gust, irregular", kind);
+    }
+}
+
+/* Scales to length 1; a zero vector is refused. */
+static void normalise(struct config_reader *reader, config_setting_t *group, const char *name,
+                      double x[3]) {
+    const double most = fmax(fabs(x[0]), fmax(fabs(x[1]), fabs(x[2])));
+    double length = 0;
+    if (most == 0) {
+        config_fail(reader, config_setting_get_member(group, name), "%s: has no length", name);
+        return;
+    }
+    for (int k = 0; k < 3; k++) /* first by the largest, so that no square overflows or vanishes */
+        length += (x[k] / most) * (x[k] / most);
+    for (int k = 0; k < 3; k++)
+        x[k] = x[k] / most / sqrt(length);
+}
+
+/* Where the wisps of an entry are: one, or a grid along two directions. */
+struct grid {
+    int count[2];
+    double spacing; /* m */
+    double across[2][3];
+};
+
+static void read_grid(struct config_reader *reader, config_setting_t *entry, struct grid *grid) {
+    double count[2] = {1, 1};
+    *grid = (struct grid){.count = {1, 1}};
+    if (config_numbers(reader, entry, "grid", 2, 2, count) == 0) {
+        static const char *const only_grids[] = {"spacing", "across", NULL};
+        for (int i = 0; only_grids[i]; i++)
+            if (config_setting_get_member(entry, only_grids[i]))
+                config_fail(reader, entry, "%s: belongs to a grid; give grid = [columns, rows]",
+                            only_grids[i]);
+        return;
+    }
+    config_setting_t *across = config_setting_get_member(entry, "across");
+    grid->spacing = config_required(reader, entry, "spacing", POSITIVE);
+    for (int d = 0; d < 2; d++) {
+        if (count[d] < 1 || count[d] > 1000 || count[d] != floor(count[d])) {
+            config_fail(reader, config_setting_get_member(entry, "grid"),
+                        "grid: %g is not a whole number from 1 to 1000", count[d]);
+            return;
+        }
+        grid->count[d] = (int)count[d];
+    }
+    if (!across || !config_setting_is_list(across) || config_setting_length(across) != 2) {
+        config_fail(reader, across ? across : entry,
+                    "across: must be the grid's two directions, ([x, y, z], [x, y, z])");
+        return;
+    }
+    for (int d = 0; d < 2; d++) {
+        config_setting_t *direction = config_setting_get_elem(across, (unsigned)d);
+        for (int k = 0; k < 3; k++) {
+            const config_setting_t *number = config_setting_length(direction) == 3
+                                                 ? config_setting_get_elem(direction, (unsigned)k)
+                                                 : NULL;
+            if (!number || !config_setting_is_number(number)) {
+                config_fail(reader, across, "across: direction %d must be 3 numbers", d + 1);
+                return;
+            }
+            grid->across[d][k] = config_setting_type(number) == CONFIG_TYPE_FLOAT
+                                     ? config_setting_get_float(number)
+                                     : (double)config_setting_get_int64(number);
+        }
+        normalise(reader, entry, "across", grid->across[d]);
+    }
+}
+
+/* Adds an entry's wisps: along the grid's first direction fastest. */
+static void add_wisps(struct config_reader *reader, struct scene *scene, const struct wisp *first,
+                      const struct grid *grid) {
+    const int count = grid->count[0] * grid->count[1];
+    struct wisp *wisps = realloc(scene->wisps, (size_t)(scene->wisp_count + count) * sizeof *wisps);
+    if (!wisps) {
+        config_fail(reader, NULL, "no memory for %d wisps", scene->wisp_count + count);
+        return;
+    }
+    scene->wisps = wisps;
+    for (int i = 0; i < count; i++) {
+        struct wisp *wisp = &wisps[scene->wisp_count++];
+        *wisp = *first;
+        for (int k = 0; k < 3; k++)
+            wisp->root[k] += grid->spacing * (i % grid->count[0] * grid->across[0][k] +
+                                              i / grid->count[0] * grid->across[1][k]);
+    }
+}
+
+static void read_entry(struct config_reader *reader, config_setting_t *entry,
+                       const struct wisp *material, struct scene *scene) {
+    static const char *const known[] = {"root", "direction", "length", "nodes",
+                                        "grid", "spacing",   "across", NULL};
+    struct wisp wisp = *material;
+    struct grid grid;
+    if (!config_setting_is_group(entry)) {
+        config_fail(reader, entry, "wisps: each entry must be a group in braces");
+        return;
+    }
+    if (config_setting_get_member(entry, "scalp"))
+        config_fail(reader, entry, "scalp: this version places wisps one by one or in grids");
+    config_known(reader, entry, known);
+    config_vector(reader, entry, "root", wisp.root);
+    config_vector(reader, entry, "direction", wisp.direction);
+    wisp.length = config_required(reader, entry, "length", POSITIVE);
+    const double nodes = config_required(reader, entry, "nodes", WHOLE);
+    if (nodes < 3 || nodes > 10000)
+        config_fail(reader, config_setting_get_member(entry, "nodes"),
+                    "nodes: %g is not a whole number from 3 to 10000", nodes);
+    read_grid(reader, entry, &grid);
+    if (reader->failed)
+        return;
+    wisp.nodes = (int)nodes;
+    normalise(reader, entry, "direction", wisp.direction);
+    if (!reader->failed)
+        add_wisps(reader, scene, &wisp, &grid);
+}
+
+void scene_read_wisps(struct config_reader *reader, config_setting_t *top, struct scene *scene) {
+    static const char *const known[] = {"name",     "problem", "duration", "frame_rate",
+                                        "seed",     "run",     "gravity",  "material",
+                                        "envelope", "wisps",   "wind",     NULL};
+    struct wisp material = {0};
+    refuse_absent_features(reader, top);
+    config_known(reader, top, known);
+    config_vector(reader, top, "gravity", scene->around.gravity);
+    read_material(reader, top, &material);
+    read_envelope(reader, top, &material);
+    read_wind(reader, top, &scene->around.wind);
+    scene->collision_rate = 300;
+
+    config_setting_t *wisps = config_setting_get_member(top, "wisps");
+    if (!wisps || !config_setting_is_list(wisps) || config_setting_length(wisps) == 0) {
+        config_fail(reader, wisps, "wisps: must be a list of groups, ( { root = ...; }, ... )");
+        return;
+    }
+    for (int i = 0; i < config_setting_length(wisps) && !reader->failed; i++)
+        read_entry(reader, config_setting_get_elem(wisps, (unsigned)i), &material, scene);
+}

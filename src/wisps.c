@@ -1,0 +1,296 @@
+/* The problem of wisps: a scene's wisps, gathered into parts for the kernel. */
+#include "clock.h"
+#include "kernel/kernel.h"
+#include "kernel/sparse.h"
+#include "model.h"
+#include "scene.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { LANES_MAX = 4 };
+
+static const struct treatment treatments[] = {
+    [WISP_PROJECTION] = {"projection", "the sample's line counts as fixed in space (the thesis)"},
+    [WISP_PENALTY] = {"penalty", "samples are free particles held to their lines by springs"},
+    [WISP_GENERALISED] = {"generalised", "the distance along the line is the sample's coordinate"},
+    {0},
+};
+
+/* The kernel for a number of lanes. */
+static const struct kernel {
+    int lanes;
+    void *(*create)(const struct wisp *const *, const struct surroundings *, enum wisp_treatment,
+                    struct system *);
+    void (*free)(void *);
+    void (*rest)(void *, double *, double *);
+    void (*sample)(void *, int, const double *, const double *, double *, int);
+    void (*restore)(void *, int, const double *, int, double *, double *);
+    int (*clamp)(void *, double *, double *);
+    double (*strain)(void *, int, const double *);
+    const struct system_ops *ops;
+} kernels[] = {
+    {1, kernel_create_1, kernel_free_1, kernel_rest_1, kernel_sample_1, kernel_restore_1,
+     kernel_clamp_1, kernel_strain_1, &kernel_ops_1},
+    {4, kernel_create_4, kernel_free_4, kernel_rest_4, kernel_sample_4, kernel_restore_4,
+     kernel_clamp_4, kernel_strain_4, &kernel_ops_4},
+};
+
+/* Which wisps of the scene a part holds, by lane; padding lanes repeat the first. */
+struct batch {
+    int wisp[LANES_MAX];
+    int count;
+    struct sparse_matrix *pattern; /* owned; of parts of one wisp */
+};
+
+struct wisp_model {
+    struct model model;
+    const struct scene *scene;
+    const struct kernel *kernel;
+    enum wisp_treatment treatment;
+    struct batch *batches; /* one for each part */
+    int *first_row;        /* by wisp: its first row of a frame */
+    char **columns;
+    char name[64];
+};
+
+/* --- parts --- */
+
+/* Fills batches with wisps of equal node counts, in the order of the scene. */
+static int gather_batches(struct wisp_model *m) {
+    const struct scene *scene = m->scene;
+    int parts = 0;
+    for (int i = 0; i < scene->wisp_count; i++) {
+        int b = parts - 1;
+        while (b >= 0 && (m->batches[b].count == m->kernel->lanes ||
+                          scene->wisps[m->batches[b].wisp[0]].nodes != scene->wisps[i].nodes))
+            b--;
+        struct batch *batch = &m->batches[b >= 0 ? b : parts++];
+        batch->wisp[batch->count++] = i;
+        for (int k = batch->count; k < LANES_MAX; k++)
+            batch->wisp[k] = batch->wisp[0];
+    }
+    return parts;
+}
+
+/* What the matrices are, see kernel/matrix.h. */
+static void declare_matrix(struct system *system, const struct wisp *wisp,
+                           enum wisp_treatment treatment) {
+    const int one_sided = treatment == WISP_PROJECTION && wisp->samples > 0;
+    system->matrix[JACOBIAN_EXACT] = MATRIX_AVAILABLE;
+    system->matrix[JACOBIAN_SPD] =
+        MATRIX_AVAILABLE | MATRIX_FACTORABLE | (one_sided ? 0 : MATRIX_SYMMETRIC | MATRIX_DEFINITE);
+    if (one_sided)
+        system->matrix_note = "the air on a sample does not act back on its node; with the samples "
+                              "eliminated (--linear direct) it is, as it is in penalty";
+}
+
+static int create_part(struct wisp_model *m, int i) {
+    struct part *part = &m->model.parts[i];
+    struct batch *batch = &m->batches[i];
+    const struct wisp *wisps[LANES_MAX];
+    for (int k = 0; k < LANES_MAX; k++)
+        wisps[k] = &m->scene->wisps[batch->wisp[k]];
+
+    const int lanes = m->kernel->lanes;
+    const int size = (wisps[0]->nodes - 2) * wisp_node_unknowns(wisps[0], m->treatment) * lanes;
+    part->system = (struct system){.ops = m->kernel->ops,
+                                   .name = m->name,
+                                   .size = size,
+                                   .lanes = lanes,
+                                   .wisps = batch->count,
+                                   .bdf_order = 2};
+    declare_matrix(&part->system, wisps[0], m->treatment);
+    part->system.ctx = m->kernel->create(wisps, &m->scene->around, m->treatment, &part->system);
+    part->q = aligned_alloc(64, ((size_t)size * sizeof(double) + 63) / 64 * 64);
+    part->v = aligned_alloc(64, ((size_t)size * sizeof(double) + 63) / 64 * 64);
+    if (!part->system.ctx || !part->q || !part->v)
+        return -1;
+    if (lanes == 1) {
+        batch->pattern = kernel_pattern_1(part->system.ctx);
+        part->system.pattern = batch->pattern;
+        if (!batch->pattern)
+            return -1;
+    }
+    m->kernel->rest(part->system.ctx, part->q, part->v);
+    return 0;
+}
+
+/* --- frames --- */
+
+static char *text(const char *format, ...) __attribute__((format(printf, 1, 2)));
+static char *text(const char *format, ...) {
+    char *made = NULL;
+    va_list arguments;
+    va_start(arguments, format);
+    const int length = vasprintf(&made, format, arguments);
+    va_end(arguments);
+    return length < 0 ? NULL : made;
+}
+
+/* wisp node x y z vx vy vz, then r0 rd0 ... or e0x e0y e0z e0vx e0vy e0vz ... */
+static int name_columns(struct wisp_model *m) {
+    static const char *const fixed[] = {"wisp", "node", "x", "y", "z", "vx", "vy", "vz"};
+    static const char *const particle[] = {"x", "y", "z", "vx", "vy", "vz"};
+    const int samples = m->scene->wisps[0].samples, penalty = m->treatment == WISP_PENALTY;
+    const int count = 8 + samples * (penalty ? 6 : 2);
+    m->columns = calloc((size_t)count + 1, sizeof *m->columns);
+    if (!m->columns)
+        return -1;
+    for (int i = 0; i < count; i++) {
+        const int k = i - 8;
+        m->columns[i] = i < 8     ? text("%s", fixed[i])
+                        : penalty ? text("e%d%s", k / 6, particle[k % 6])
+                                  : text("r%s%d", k % 2 ? "d" : "", k / 2);
+        if (!m->columns[i])
+            return -1;
+    }
+    m->model.columns = (const char *const *)m->columns;
+    m->model.column_count = count;
+    return 0;
+}
+
+static int count_rows(struct wisp_model *m) {
+    m->first_row = calloc((size_t)m->scene->wisp_count, sizeof(int));
+    for (int i = 0; m->first_row && i < m->scene->wisp_count; i++) {
+        m->first_row[i] = m->model.row_count;
+        m->model.row_count += m->scene->wisps[i].nodes;
+    }
+    return m->first_row ? 0 : -1;
+}
+
+static void wisps_sample(const struct model *model, double *rows) {
+    const struct wisp_model *m = (const struct wisp_model *)model;
+    const int stride = model->column_count;
+    for (int i = 0; i < model->part_count; i++) {
+        const struct part *part = &model->parts[i];
+        for (int k = 0; k < m->batches[i].count; k++) {
+            const int wisp = m->batches[i].wisp[k];
+            double *first = rows + m->first_row[wisp] * stride;
+            for (int node = 0; node < m->scene->wisps[wisp].nodes; node++) {
+                first[node * stride] = wisp;
+                first[node * stride + 1] = node;
+            }
+            m->kernel->sample(part->system.ctx, k, part->q, part->v, first + 2, stride);
+        }
+    }
+}
+
+static void wisps_restore(struct model *model, const double *rows) {
+    const struct wisp_model *m = (const struct wisp_model *)model;
+    for (int i = 0; i < model->part_count; i++) {
+        struct part *part = &model->parts[i];
+        for (int k = 0; k < m->kernel->lanes; k++) {
+            const int wisp = m->batches[i].wisp[k];
+            m->kernel->restore(part->system.ctx, k,
+                               rows + m->first_row[wisp] * model->column_count + 2,
+                               model->column_count, part->q, part->v);
+        }
+    }
+}
+
+/* --- the clock --- */
+
+static void wisps_tick(struct model *model, unsigned events, int *changed) {
+    const struct wisp_model *m = (const struct wisp_model *)model;
+    for (int i = 0; i < model->part_count && events & STOP_COLLISION; i++) {
+        struct part *part = &model->parts[i];
+        changed[i] = m->kernel->clamp(part->system.ctx, part->q, part->v);
+    }
+}
+
+/* Stable runs stay below 0.01 at the default material, and Runge-Kutta 4 just past its limit of
+ * stability is at 0.2 and stays there. */
+static const double largest_strain = 0.1;
+
+static enum outcome wisps_check(const struct model *model, char *reason, int reason_size) {
+    const struct wisp_model *m = (const struct wisp_model *)model;
+    for (int i = 0; i < model->part_count; i++)
+        for (int k = 0; k < m->batches[i].count; k++) {
+            const double strain =
+                m->kernel->strain(model->parts[i].system.ctx, k, model->parts[i].q);
+            if (strain <= largest_strain)
+                continue;
+            snprintf(reason, (size_t)reason_size,
+                     "wisp %d: a segment is %.3g of its length away from it, more than %g",
+                     m->batches[i].wisp[k], strain, largest_strain);
+            return DIVERGED;
+        }
+    return FINISHED;
+}
+
+/* --- the problem --- */
+
+/* The thesis's pairs: its explicit Euler with projection, and Baraff & Witkin's implicit Euler with
+ * penalty springs and conjugate gradients. */
+static int wisps_default_treatment(const struct stepper_method *method) {
+    return strcmp(method->name, "euler") == 0            ? WISP_PROJECTION
+           : strcmp(method->name, "implicit-euler") == 0 ? WISP_PENALTY
+                                                         : WISP_GENERALISED;
+}
+
+static const char *wisps_default_linear(const struct stepper_method *method) {
+    return strcmp(method->name, "implicit-euler") == 0 ? "cg" : "direct";
+}
+
+static void wisps_free(struct model *model) {
+    struct wisp_model *m = (struct wisp_model *)model;
+    for (int i = 0; i < model->part_count; i++) {
+        m->kernel->free(model->parts[i].system.ctx);
+        free(m->batches[i].pattern);
+        free(model->parts[i].q);
+        free(model->parts[i].v);
+    }
+    for (int i = 0; m->columns && m->columns[i]; i++)
+        free(m->columns[i]);
+    free(m->columns);
+    free(m->first_row);
+    free(m->batches);
+    free(model->parts);
+    free(m);
+}
+
+static struct model *wisps_create(const struct scene *scene, int treatment, int lanes) {
+    struct wisp_model *m = calloc(1, sizeof *m);
+    const size_t wisps = (size_t)scene->wisp_count;
+    if (!m)
+        return NULL;
+    m->scene = scene;
+    m->kernel = &kernels[lanes >= 4];
+    m->treatment = (enum wisp_treatment)treatment;
+    snprintf(m->name, sizeof m->name, "the wisps (%s)", treatments[treatment].name);
+    m->model.problem = &wisp_problem;
+    m->batches = calloc(wisps, sizeof *m->batches);
+    m->model.parts = calloc(wisps, sizeof *m->model.parts);
+    int code = m->batches && m->model.parts ? 0 : -1;
+    if (!code)
+        m->model.part_count = gather_batches(m);
+    for (int i = 0; i < m->model.part_count && !code; i++)
+        code = create_part(m, i);
+    if (code || name_columns(m) || count_rows(m)) {
+        wisps_free(&m->model);
+        return NULL;
+    }
+    if (scene->wisps[0].samples > 0)
+        m->model.collision_rate = scene->collision_rate;
+    if (scene->around.wind.kind == WIND_GUST) {
+        m->model.kinks = &scene->around.wind.hold;
+        m->model.kink_count = 1;
+    }
+    return &m->model;
+}
+
+const struct problem wisp_problem = {
+    .name = "wisps",
+    .treatments = treatments,
+    .default_treatment = wisps_default_treatment,
+    .default_linear = wisps_default_linear,
+    .create = wisps_create,
+    .free = wisps_free,
+    .sample = wisps_sample,
+    .restore = wisps_restore,
+    .tick = wisps_tick,
+    .check = wisps_check,
+};
