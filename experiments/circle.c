@@ -277,6 +277,8 @@ static struct point read_point(const struct labelled_case *labelled, const struc
     p.steps = run_number(run, "counters.steps");
     p.failure_time = run_number(run, "failure_time");
     p.cpu = run_cpu_time(run);
+    if (run->outcome != FINISHED) /* is not repeated: its place in the chart is its own time */
+        p.cpu.median = p.cpu.least = p.cpu.greatest = run_number(run, "cpu_seconds");
     const struct table *states = &run->states;
     if (run->outcome == FINISHED) {
         p.error = 0;
@@ -302,14 +304,16 @@ static void slope_add(struct slope *slope, const struct point *p) {
     }
 }
 
-static void write_slope(FILE *stream, const char *name, const struct slope *slope) {
+static void write_slope(FILE *stream, const struct contestant *contestant,
+                        const struct slope *slope) {
     double c0, c1, cov00, cov01, cov11, sum;
     if (slope->count < 3)
         return;
     gsl_fit_linear(slope->x, 1, slope->y, 1, slope->count, &c0, &c1, &cov00, &cov01, &cov11, &sum);
     const size_t last = slope->count - 1;
-    fprintf(stream, "%s\t%.3f\t%zu\t%.17g\t%.17g\n", name, c1, slope->count,
-            pow(10, slope->x[last]), pow(10, slope->y[last]));
+    fprintf(stream, "%s\t%s\t%.3f\t%zu\t%.17g\t%.17g\n", contestant->name,
+            contestant->adaptive ? "adaptive" : "fixed", c1, slope->count, pow(10, slope->x[last]),
+            pow(10, slope->y[last]));
 }
 
 /* |R(-i omega h)|^n, the radius after n steps over the first, where there is a table. */
@@ -334,7 +338,7 @@ static int open_work_tables(struct work_tables *tables, struct plan *plan, const
         return -1;
     if (open_table(&tables->slopes, plan, folder, "work-precision-slopes",
                    "slopes of log error over log evaluations; position: the last point used",
-                   "method\tslope\tpoints\tforce_evaluations\terror")) {
+                   "method\tsteps\tslope\tpoints\tforce_evaluations\terror")) {
         atomic_discard(&tables->work);
         return -1;
     }
@@ -376,7 +380,7 @@ static int write_contestant(struct plan *plan, int c, const struct work_tables *
         slope_add(&slope, &point);
         run_free(&run);
     }
-    write_slope(tables->slopes.stream, contestants[c].name, &slope);
+    write_slope(tables->slopes.stream, &contestants[c], &slope);
     fprintf(tables->work.stream, "\n\n");
     fprintf(tables->radius.stream, "\n\n");
     return 0;

@@ -1,0 +1,117 @@
+# The one style of every figure. Each script loads it first; wisplab sets `plots` (this folder),
+# `data` (the experiment's tables), `out` and `format` (svg or png).
+#
+#   eval require('one two')              stops with one message unless data/one.tsv, two.tsv are there
+#   eval figure('name', 900, 600)        begins out/name.format of that many pixels
+#   eval heading('title', 'subtitle')    its title, top left, on the next plot
+#   eval panel(70, 60, 380, 300)         the next plot's axes: left, top, width, height in pixels
+#   eval names_of('one')                 `names`: what is in the first column of data/one.tsv
+#   plot ... lt style_of('cvode adams')  colour, dash and mark of a stepper or of its variant
+
+set encoding utf8
+set minussign
+set datafile separator "\t"
+table(name) = data.'/'.name.'.tsv'
+
+# --- tables ---
+
+shell(s) = strstrt(s, "'") ? s[1:strstrt(s, "'") - 1]."'\\''".shell(s[strstrt(s, "'") + 1:*]) : s
+readable(path) = system("test -r '".shell(path)."' && echo yes") eq 'yes'
+first_missing(list, i) = i > words(list) ? '' \
+    : readable(table(word(list, i))) ? first_missing(list, i + 1) : table(word(list, i))
+require(list) = first_missing(list, 1) eq '' ? 'missing = ""' \
+    : 'exit error first_missing("'.list.'", 1).": no such table; run the experiment first"'
+
+# Lists hold quoted words: a name may have spaces.
+place(list, name) = sum [i = 1:words(list)] (word(list, i) eq name ? i : 0)
+quoted(name) = ' "'.name.'"'
+with_name(list, name) = name eq '' || place(list, name) ? list : list.quoted(name)
+heads = '"method" "stepper" "name"' # the column's own name is no row
+names_of(name) = 'names = ""; stats table("'.name.'") using ' \
+    .'(names = place(heads, strcol(1)) ? names : with_name(names, strcol(1)), 0) nooutput'
+
+# --- colour, dash and mark ---
+
+# A stepper's colour is everywhere the same (Okabe and Ito's palette: doi 10.1038/nmeth.1618);
+# its variants ('cvode adams') differ in dash and mark, and so do steppers, for print in grey.
+# To give a new stepper a style of its own, put its name into the list. One that is not there, or
+# a variant that is not, takes the next free style in the order of appearance.
+steppers = '"euler" "midpoint" "rk4" "implicit-euler" "cvode" "reference"'
+variants = '"euler" "midpoint" "rk4" "implicit-euler" "implicit-euler newton"' \
+    .' "cvode" "cvode bdf" "cvode adams" "reference"'
+same_as = '"cvode bdf"'; same_as_what = '"cvode"' # bdf is what plain cvode is
+
+FAMILIES = 9; VARIANTS = 4
+array colour[FAMILIES] = ['#D55E00', '#E69F00', '#0072B2', '#009E73', '#CC79A7', '#000000', \
+                          '#56B4E9', '#8C8C00', '#7F7F7F']
+# The same, dark enough for text on white.
+array ink[FAMILIES] = ['#A84A00', '#8A5F00', '#005A8C', '#006B4E', '#96417A', '#000000', \
+                       '#226E99', '#5F5F00', '#5A5A5A']
+array mark[FAMILIES] = [7, 5, 9, 13, 11, 15, 7, 5, 9]
+array open_mark[FAMILIES] = [6, 4, 8, 12, 10, 14, 6, 4, 8]
+array dash[FAMILIES] = ['solid', '(12,4)', '(10,3,2,3)', '(6,3)', '(2.5,2.5)', '(14,3,2,3,2,3)', \
+                        '(20,4)', '(4,2,4,6)', '(1.5,4)']
+array open_dash[FAMILIES] = ['(5,3)', '(4,3)', '(5,2,1,2)', '(2,3)', '(8,3,2,3)', '(6,3)', \
+                             '(8,4)', '(2,2)', '(3,4)']
+do for [f = 1:FAMILIES] {
+    do for [v = 0:VARIANTS - 1] {
+        dt = v == 0 ? dash[f] : v == 1 ? open_dash[f] : v == 2 ? '(12,3,3,3,3,3)' : '(1.5,2.5)'
+        pt = v == 0 ? mark[f] : v == 1 ? open_mark[f] : v == 2 ? 1 : 3
+        eval sprintf('set linetype %d lc rgb "%s" dt %s pt %d ps 0.85 lw 1.7', \
+                     100 + 10 * f + v, colour[f], dt, pt)
+    }
+}
+
+family(name) = (steppers = with_name(steppers, word(name, 1)), \
+                name eq '' ? 1 : (place(steppers, word(name, 1)) - 1) % FAMILIES + 1)
+canonical(name) = place(same_as, name) ? word(same_as_what, place(same_as, name)) : name
+variant(name) = (variants = with_name(variants, name), \
+    (sum [i = 1:place(variants, name) - 1] (word(word(variants, i), 1) eq word(name, 1) \
+     && !place(same_as, word(variants, i)))) % VARIANTS)
+style_of(name) = 100 + 10 * family(canonical(name)) + variant(canonical(name))
+mark_of(name) = variant(canonical(name)) == 0 ? mark[family(name)] : open_mark[family(name)]
+colour_of(name) = colour[family(name)]
+ink_of(name) = ink[family(name)]
+
+FAILED = 2          # mark of a run that failed: a cross, no stepper's mark
+GREY = '#666666'    # words and lines that belong to no stepper
+set linetype 1 lc rgb GREY dt solid pt 7 ps 0.85 lw 1.2
+set linetype 2 lc rgb '#000000' dt (1.5,2.5) pt 6 ps 0.85 lw 1.5 # what is exact
+
+# --- the page ---
+
+WIDTH = 900; HEIGHT = 600
+FONT = 'sans-serif' # DejaVu Sans here, the reader's own sans in an svg
+# A png has the geometry of the svg at twice its pixels: sharp on paper and on fine screens.
+# (Its points of 1/72 inch are 4/3 pixels, hence the 1.5; its marks are smaller, hence the 3.)
+figure(name, width, height) = sprintf('reset; unset multiplot; WIDTH = %d; HEIGHT = %d; ', \
+        width, height) \
+    .(format eq 'svg' \
+      ? sprintf('set terminal svg size %d,%d fixed enhanced font "%s,13" background "white"; ', \
+                width, height, FONT) \
+      : sprintf('set terminal pngcairo size %d,%d enhanced font "%s,13" fontscale 1.5 ' \
+                .'linewidth 2 dashlength 2 pointscale 3 background "white"; ', 2 * width, 2 * height, FONT)) \
+    .sprintf('set output out."/%s.%s"; ', name, format).page
+page = 'set border 3 lc rgb "#444444" lw 1; set tics nomirror out scale 0.6; ' \
+    .'set grid lc rgb "#E2E2E2" lw 0.8 dt solid, lc rgb "#E2E2E2" lw 0.8 dt solid; ' \
+    .'set key noautotitle noenhanced; set minussign; ' \
+    .'set datafile separator "\t"; set encoding utf8'
+
+heading(title, subtitle) = (TITLE = title, SUBTITLE = subtitle, \
+    'set label 1 "{/=16:Bold ".TITLE."}" at screen 12./WIDTH, screen 1 - 20./HEIGHT left; ' \
+    .'set label 2 SUBTITLE at screen 12./WIDTH, screen 1 - 43./HEIGHT left textcolor rgb GREY')
+heading_done = 'unset label 1; unset label 2' # in a multiplot, after the first panel
+panel(left, top, width, height) = sprintf( \
+    'set lmargin at screen %.6f; set rmargin at screen %.6f; ' \
+    .'set tmargin at screen %.6f; set bmargin at screen %.6f', left / (1. * WIDTH), \
+    (left + width) / (1. * WIDTH), 1 - top / (1. * HEIGHT), 1 - (top + height) / (1. * HEIGHT))
+# A panel that holds only a legend: eval legend(...), then plot @BLANK, keyentry ...; gnuplot wants
+# something to plot besides.
+BLANK = '0 with dots lc bgnd'
+legend(left, top, width, height, rows) = panel(left, top, width, height) \
+    .'; unset border; unset tics; unset grid; unset logscale; unset label; unset arrow; unset title; ' \
+    .'unset xlabel; unset ylabel; unset object; set size noratio; set xrange [0:1]; set yrange [0:1]; ' \
+    .sprintf('set key at screen %.6f, %.6f center center horizontal Left reverse maxrows %d ', \
+             (left + width / 2.) / WIDTH, 1 - (top + height / 2.) / HEIGHT, rows) \
+    .'samplen 3 spacing 1.15 width 1'
+powers(axis) = sprintf('set logscale %s; set format %s "10^{%%T}"; set m%stics default', axis, axis, axis)
