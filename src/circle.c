@@ -15,6 +15,8 @@ static const struct treatment treatments[] = {
     {0},
 };
 
+static const char *const rate_columns[] = {"wisp", "node", "ax", "ay", "az", NULL};
+
 static const char *const columns[] = {"wisp", "node", "x", "y", "z", "vx", "vy", "vz", NULL};
 
 struct circle {
@@ -212,7 +214,9 @@ static struct model *circle_create(const struct scene *scene, int treatment, int
                                    .part_count = 1,
                                    .row_count = 1,
                                    .columns = columns,
-                                   .column_count = 8};
+                                   .column_count = 8,
+                                   .rate_columns = rate_columns,
+                                   .rate_column_count = 5};
     if (angle) {
         circle->part.v[0] = -CIRCLE_RATE;
     } else {
@@ -239,6 +243,37 @@ static void circle_sample(const struct model *model, double *row) {
     memcpy(row, (double[]){0, 0, p[0], p[1], 0, velocity[0], velocity[1], 0}, 8 * sizeof *row);
 }
 
+/* In `generalised` the particle has the centripetal acceleration that the angle does not see. */
+static void circle_sample_accelerations(const struct model *model, double *const *a, double *row) {
+    const struct circle *circle = (const struct circle *)model;
+    const double *q = circle->part.q, *v = circle->part.v;
+    double x = a[0][0], y = a[0][circle->part.system.size - 1];
+    if (circle->treatment == GENERALISED) {
+        const double c = CIRCLE_RADIUS * cos(q[0]), s = CIRCLE_RADIUS * sin(q[0]);
+        x = -a[0][0] * s - v[0] * v[0] * c;
+        y = a[0][0] * c - v[0] * v[0] * s;
+    }
+    memcpy(row, (double[]){0, 0, x, y, 0}, 5 * sizeof *row);
+}
+
+static void circle_restore(struct model *model, const double *row) {
+    struct circle *circle = (struct circle *)model;
+    double *q = circle->part.q, *v = circle->part.v;
+    if (circle->treatment == GENERALISED) {
+        q[0] = atan2(row[3], row[2]);
+        v[0] = (row[2] * row[6] - row[3] * row[5]) / (row[2] * row[2] + row[3] * row[3]);
+        return;
+    }
+    memcpy(q, row + 2, 2 * sizeof *q);
+    memcpy(v, row + 5, 2 * sizeof *v);
+}
+
+static int circle_terms(const struct scene *scene, const char **names, int most) {
+    (void)scene, (void)most;
+    names[0] = "centripetal";
+    return 1;
+}
+
 const struct problem circle_problem = {
     .name = "circle",
     .treatments = treatments,
@@ -247,4 +282,7 @@ const struct problem circle_problem = {
     .create = circle_create,
     .free = circle_free,
     .sample = circle_sample,
+    .restore = circle_restore,
+    .sample_accelerations = circle_sample_accelerations,
+    .terms = circle_terms,
 };

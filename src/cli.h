@@ -36,7 +36,8 @@ struct command {
     int (*run)(const struct arguments *arguments); /* returns the exit code */
 };
 
-extern const struct command list_command, run_command, experiment_command, plot_command;
+extern const struct command list_command, run_command, eval_command, experiment_command,
+    plot_command;
 
 /* The last value of an option, or NULL; all of a repeated one; whether a flag was given. */
 const char *argument_text(const struct arguments *arguments, const char *name);

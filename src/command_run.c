@@ -38,8 +38,9 @@ static int read_request(const struct arguments *arguments, struct run_request *r
         argument_positive(arguments, "atol", 0, &request->atol) ||
         argument_positive(arguments, "threads", 1, &threads))
         return -1;
-    if (threads != floor(threads))
-        return complain(-1, "--threads %g: must be a whole number", threads);
+    if (threads != floor(threads) || threads > 1024)
+        return complain(-1, "--threads %g: must be a whole number up to 1024", threads);
+    request->threads = (int)threads;
     if (rate > 0 && request->step > 0)
         return complain(-1, "--step and --rate say the same thing; give one of them");
     if (rate > 0)
@@ -67,6 +68,17 @@ static struct scene *load(const struct arguments *arguments, char *reason) {
         sets[count++] = duration;
     }
     return scene_load(arguments->words[0], sets, count, reason);
+}
+
+/* What is about to be computed: the size of the problem and its forces. */
+static void announce(const struct run_case *run) {
+    const char *names[16];
+    const int count = run->scene->problem->terms(run->scene, names, 16);
+    printf("%s with %s (%s): %d unknowns;", run->scene->name, run->settings.method->name,
+           run->scene->problem->treatments[run->settings.treatment].name, run->settings.unknowns);
+    for (int i = 0; i < count; i++)
+        printf("%s %s", i ? "," : "", names[i]);
+    putchar('\n');
 }
 
 static int report(const struct run_case *run, enum outcome outcome, const char *reason) {
@@ -99,6 +111,7 @@ static int run_scene(const struct arguments *arguments) {
         settings_resolve(scene, &request, &run.settings, reason)) {
         complain(1, "%s", reason);
     } else {
+        announce(&run);
         const enum outcome outcome =
             runs_do_one(&run, &limits, !argument_given(arguments, "no-progress"), reason);
         code = report(&run, outcome, reason);

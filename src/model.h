@@ -22,6 +22,8 @@ struct model {
     int row_count;              /* of a frame: one per wisp and node */
     const char *const *columns; /* of a frame's rows, after `t`; NULL-terminated */
     int column_count;
+    const char *const *rate_columns; /* of the accelerations, likewise */
+    int rate_column_count;
     double collision_rate; /* Hz of ticks at which `tick` has work; 0: never */
     const double *kinks;   /* times at which the forces have one, s, ascending */
     int kink_count;
@@ -50,6 +52,13 @@ struct problem {
 
     /* The reverse; NULL where states cannot be loaded. */
     void (*restore)(struct model *model, const double *rows);
+
+    /* Writes accelerations, given by part in the layout of v, as row_count rows of
+     * rate_column_count numbers. */
+    void (*sample_accelerations)(const struct model *model, double *const *a, double *rows);
+
+    /* The force terms that a scene has, by name, at most `most` of them; returns their number. */
+    int (*terms)(const struct scene *scene, const char **names, int most);
 
     /* What happens at a stop besides the smooth motion; sets changed[i] where part i's state is no
      * longer what its stepper left. NULL: nothing. */

@@ -183,6 +183,15 @@ static json_t *counters_to_json(const struct counters *counters) {
     return json;
 }
 
+static json_t *terms_to_json(const struct scene *scene) {
+    const char *names[16];
+    json_t *json = json_array();
+    const int count = scene->problem->terms(scene, names, 16);
+    for (int i = 0; i < count; i++)
+        json_array_append_new(json, json_string(names[i]));
+    return json;
+}
+
 static json_t *result_to_json(const struct scene *scene, const struct settings *settings,
                               const struct run_result *result) {
     char scene_text[HASH_SIZE], run_text[HASH_SIZE];
@@ -190,10 +199,10 @@ static json_t *result_to_json(const struct scene *scene, const struct settings *
     run_hash(scene, settings, run_text);
     const int failed = result->outcome != FINISHED;
     return json_pack(
-        "{s:s, s:s, s:o, s:f, s:i, s:i, s:o, s:f, s:s, s:s, s:O, s:o, s:o, s:o}", "status",
+        "{s:s, s:s, s:o, s:f, s:i, s:i, s:o, s:o, s:f, s:s, s:s, s:O, s:o, s:o, s:o}", "status",
         outcome_name(result->outcome), "reason", result->reason, "failure_time",
         failed ? json_real(result->time) : json_null(), "simulated_time", result->time, "frames",
-        result->frames, "unknowns", result->unknowns, "counters",
+        result->frames, "unknowns", settings->unknowns, "terms", terms_to_json(scene), "counters",
         counters_to_json(&result->counters), "cpu_seconds", result->cpu_seconds, "run_hash",
         run_text, "scene_hash", scene_text, "scene", scene->source, "settings",
         settings_to_json(scene, settings), "build", build_to_json(), "machine", machine_to_json());

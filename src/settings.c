@@ -101,8 +101,7 @@ static int resolve_steps(const struct scene *scene, const struct run_request *re
 }
 
 /* Asks the stepper itself, on a model that is thrown away. */
-static int refuse_combination(const struct scene *scene, const struct settings *settings,
-                              char *reason) {
+static int refuse_combination(const struct scene *scene, struct settings *settings, char *reason) {
     struct model *model =
         scene->problem->create(scene, settings->treatment, settings_lanes(settings));
     int code = 0;
@@ -112,6 +111,7 @@ static int refuse_combination(const struct scene *scene, const struct settings *
     }
     for (int i = 0; i < model->part_count && !code; i++) {
         struct system *system = &model->parts[i].system;
+        settings->unknowns += system->size / system->lanes * system->wisps;
         code = stepper_refuse(settings->method, &settings->stepper, system);
         if (code)
             snprintf(reason, REASON_SIZE, "%s", system->reason);
@@ -127,7 +127,8 @@ static int refuse_combination(const struct scene *scene, const struct settings *
 
 int settings_resolve(const struct scene *scene, const struct run_request *request,
                      struct settings *settings, char *reason) {
-    *settings = (struct settings){.timings = request->timings};
+    *settings = (struct settings){.timings = request->timings,
+                                  .threads = request->threads > 0 ? request->threads : 1};
     const char *name = request->stepper ? request->stepper : "rk4";
     settings->method = stepper_find(name);
     if (!settings->method)
@@ -152,6 +153,7 @@ int settings_second_opinion(const struct scene *scene, const struct settings *se
         .rtol = settings->stepper.rtol * opinion->rtol_ratio,
         .atol = settings->stepper.atol * opinion->rtol_ratio,
         .options = opinion->options,
+        .threads = settings->threads,
     };
     while (request.options && request.options[request.option_count])
         request.option_count++;

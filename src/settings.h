@@ -14,6 +14,7 @@ struct run_request {
     const char *const *options; /* "key=value" */
     int option_count;
     int timings; /* how often the run is repeated for its CPU time */
+    int threads; /* that share out a scene's parts; 0: one */
 };
 
 struct settings {
@@ -23,6 +24,8 @@ struct settings {
     double step;           /* s, of fixed-step methods */
     double frame_interval; /* s, where the scene has no frame rate; 0: every accepted step */
     int timings;
+    int threads;  /* results do not depend on it */
+    int unknowns; /* of the whole model: coordinates, not counting velocities */
 };
 
 /* Completes a request for a scene. Returns 0, or -1 with one line in `reason` (REASON_SIZE) where

@@ -1,12 +1,19 @@
 #include "simulation.h"
 
 #include "clock.h"
+#include "workers.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+
+/* What a thread says of a part it has advanced. */
+struct progress_of_part {
+    double reached; /* s */
+    int code;       /* of the step that failed, or 0 */
+};
 
 struct simulation {
     const struct scene *scene;
@@ -18,6 +25,8 @@ struct simulation {
     struct stepper **steppers; /* one for each part */
     double *rows;              /* a frame */
     int *changed;              /* by part: a tick changed its state */
+    struct progress_of_part *progress;
+    struct workers *workers;
     struct clock clock;
     double t;
 };
@@ -53,11 +62,12 @@ static void open_simulation(struct simulation *sim) {
     sim->steppers = calloc((size_t)sim->model->part_count, sizeof(struct stepper *));
     sim->rows = calloc((size_t)(sim->model->row_count * sim->model->column_count), sizeof(double));
     sim->changed = calloc((size_t)sim->model->part_count, sizeof(int));
-    if (!sim->steppers || !sim->rows || !sim->changed)
+    sim->progress = calloc((size_t)sim->model->part_count, sizeof *sim->progress);
+    sim->workers = workers_create(sim->settings->threads);
+    if (!sim->steppers || !sim->rows || !sim->changed || !sim->progress || !sim->workers)
         end_with(sim, OUT_OF_MEMORY, "no memory for the steppers");
     for (int i = 0; i < sim->model->part_count && going(sim); i++) {
         struct system *system = &sim->model->parts[i].system;
-        sim->result->unknowns += system->size / system->lanes * system->wisps;
         sim->steppers[i] = stepper_create(sim->settings->method, &sim->settings->stepper, system);
         if (!sim->steppers[i])
             end_with(sim, OUT_OF_MEMORY, "no memory for a stepper");
@@ -82,6 +92,8 @@ static void close_simulation(struct simulation *sim) {
     free(sim->steppers);
     free(sim->rows);
     free(sim->changed);
+    free(sim->progress);
+    workers_free(sim->workers);
 }
 
 /* After each step: tells how far the run is, and asks whether it may go on. */
@@ -120,23 +132,39 @@ static int advance_adaptive(struct simulation *sim, int i, double *t, double to,
     return 0;
 }
 
+/* An interval to be advanced over, and how far each part has come. */
+struct interval {
+    struct simulation *sim;
+    double to;
+    int once; /* every accepted step is a frame */
+};
+
+static void advance_part(void *ctx, int i) {
+    const struct interval *interval = ctx;
+    struct simulation *sim = interval->sim;
+    struct progress_of_part *part = &sim->progress[i];
+    part->reached = sim->t;
+    part->code = sim->settings->method->advance
+                     ? advance_adaptive(sim, i, &part->reached, interval->to, interval->once)
+                     : advance_fixed(sim, i, &part->reached, interval->to);
+}
+
 /* The smooth advance of every part to the stop at `to`, or by one step of the only part where
- * every accepted step is a frame. */
+ * every accepted step is a frame. Parts do not see each other: threads share them out. */
 static void advance_parts(struct simulation *sim, double to) {
     const int every_step = sim->scene->frame_rate == 0 && sim->settings->frame_interval == 0;
+    struct interval interval = {sim, to, every_step};
     double reached = to;
 
-    for (int i = 0; i < sim->model->part_count && going(sim); i++) {
-        double t = sim->t;
-        const int code = sim->settings->method->advance
-                             ? advance_adaptive(sim, i, &t, to, every_step)
-                             : advance_fixed(sim, i, &t, to);
-        if (code)
-            end_with(sim, (enum outcome)abs(code), sim->model->parts[i].system.reason);
-        else if (interrupted(sim, t))
-            end_with(sim, (enum outcome) * sim->watch->stop, "stopped from outside");
-        reached = fmin(reached, t);
+    workers_run(sim->workers, advance_part, &interval, sim->model->part_count);
+    for (int i = 0; i < sim->model->part_count; i++) {
+        const struct progress_of_part *part = &sim->progress[i];
+        if (part->code && going(sim))
+            end_with(sim, (enum outcome)abs(part->code), sim->model->parts[i].system.reason);
+        reached = fmin(reached, part->reached);
     }
+    if (going(sim) && interrupted(sim, reached))
+        end_with(sim, (enum outcome) * sim->watch->stop, "stopped from outside");
     sim->t = reached;
     sim->result->time = reached;
 }

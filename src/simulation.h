@@ -12,7 +12,6 @@ struct run_result {
     char reason[REASON_SIZE]; /* one line; empty where finished */
     double time;              /* simulated time reached, s; of a failure: where it showed */
     int frames;
-    int unknowns; /* of the whole model: coordinates, not counting velocities */
     struct counters counters;
     double cpu_seconds; /* of the process, from the first step to the last */
 };

@@ -52,7 +52,7 @@ struct wisp_model {
     enum wisp_treatment treatment;
     struct batch *batches; /* one for each part */
     int *first_row;        /* by wisp: its first row of a frame */
-    char **columns;
+    char **columns, **rate_columns;
     char name[64];
 };
 
@@ -152,6 +152,27 @@ static int name_columns(struct wisp_model *m) {
     return 0;
 }
 
+/* wisp node ax ay az, then rdd0 ... or e0ax e0ay e0az ... */
+static int name_rate_columns(struct wisp_model *m) {
+    static const char *const fixed[] = {"wisp", "node", "ax", "ay", "az"};
+    const int samples = m->scene->wisps[0].samples, penalty = m->treatment == WISP_PENALTY;
+    const int count = 5 + samples * (penalty ? 3 : 1);
+    m->rate_columns = calloc((size_t)count + 1, sizeof *m->rate_columns);
+    if (!m->rate_columns)
+        return -1;
+    for (int i = 0; i < count; i++) {
+        const int k = i - 5;
+        m->rate_columns[i] = i < 5     ? text("%s", fixed[i])
+                             : penalty ? text("e%d%s", k / 3, fixed[2 + k % 3])
+                                       : text("rdd%d", k);
+        if (!m->rate_columns[i])
+            return -1;
+    }
+    m->model.rate_columns = (const char *const *)m->rate_columns;
+    m->model.rate_column_count = count;
+    return 0;
+}
+
 static int count_rows(struct wisp_model *m) {
     m->first_row = calloc((size_t)m->scene->wisp_count, sizeof(int));
     for (int i = 0; m->first_row && i < m->scene->wisp_count; i++) {
@@ -189,6 +210,47 @@ static void wisps_restore(struct model *model, const double *rows) {
                                model->column_count, part->q, part->v);
         }
     }
+}
+
+/* A node's unknowns stand in the order of the columns; prescribed nodes and their rings are at
+ * rest. */
+static void wisps_sample_accelerations(const struct model *model, double *const *a, double *rows) {
+    const struct wisp_model *m = (const struct wisp_model *)model;
+    const int stride = model->rate_column_count, unknowns = stride - 2, lanes = m->kernel->lanes;
+    memset(rows, 0, (size_t)(model->row_count * stride) * sizeof *rows);
+    for (int i = 0; i < model->part_count; i++) {
+        for (int k = 0; k < m->batches[i].count; k++) {
+            const int wisp = m->batches[i].wisp[k];
+            for (int node = 0; node < m->scene->wisps[wisp].nodes; node++) {
+                double *row = rows + (m->first_row[wisp] + node) * stride;
+                row[0] = wisp;
+                row[1] = node;
+                for (int u = 0; u < unknowns && node >= 2; u++)
+                    row[2 + u] = a[i][((node - 2) * unknowns + u) * lanes + k];
+            }
+        }
+    }
+}
+
+static int wisps_terms(const struct scene *scene, const char **names, int most) {
+    static const char *const bending[] = {NULL, "bending (skip springs)", "bending (hinges)"};
+    static const char *const wind[] = {NULL, "steady wind", "gust", "irregular wind"};
+    const struct wisp *wisp = &scene->wisps[0];
+    const double *g = scene->around.gravity;
+    const int windy = wisp->drag_rate > 0 ? (int)scene->around.wind.kind : 0;
+    const char *const all[] = {
+        g[0] != 0 || g[1] != 0 || g[2] != 0 ? "gravity" : NULL,
+        wisp->drag_rate > 0 ? "air" : NULL,
+        wind[windy],
+        wisp->stretch_stiffness > 0 ? "stretch" : NULL,
+        wisp->bending_stiffness > 0 ? bending[wisp->bending] : NULL,
+        wisp->samples > 0 ? "envelope" : NULL,
+    };
+    int count = 0;
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++)
+        if (all[i] && count < most)
+            names[count++] = all[i];
+    return count;
 }
 
 /* --- the clock --- */
@@ -235,6 +297,12 @@ static const char *wisps_default_linear(const struct stepper_method *method) {
     return strcmp(method->name, "implicit-euler") == 0 ? "cg" : "direct";
 }
 
+static void free_names(char **names) {
+    for (int i = 0; names && names[i]; i++)
+        free(names[i]);
+    free(names);
+}
+
 static void wisps_free(struct model *model) {
     struct wisp_model *m = (struct wisp_model *)model;
     for (int i = 0; i < model->part_count; i++) {
@@ -243,9 +311,8 @@ static void wisps_free(struct model *model) {
         free(model->parts[i].q);
         free(model->parts[i].v);
     }
-    for (int i = 0; m->columns && m->columns[i]; i++)
-        free(m->columns[i]);
-    free(m->columns);
+    free_names(m->columns);
+    free_names(m->rate_columns);
     free(m->first_row);
     free(m->batches);
     free(model->parts);
@@ -269,7 +336,7 @@ static struct model *wisps_create(const struct scene *scene, int treatment, int 
         m->model.part_count = gather_batches(m);
     for (int i = 0; i < m->model.part_count && !code; i++)
         code = create_part(m, i);
-    if (code || name_columns(m) || count_rows(m)) {
+    if (code || name_columns(m) || name_rate_columns(m) || count_rows(m)) {
         wisps_free(&m->model);
         return NULL;
     }
@@ -291,6 +358,8 @@ const struct problem wisp_problem = {
     .free = wisps_free,
     .sample = wisps_sample,
     .restore = wisps_restore,
+    .sample_accelerations = wisps_sample_accelerations,
+    .terms = wisps_terms,
     .tick = wisps_tick,
     .check = wisps_check,
 };

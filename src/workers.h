@@ -1,0 +1,16 @@
+/* Threads that share out independent tasks. Which thread does which task is left to chance: a
+ * task's result must not depend on it. */
+#ifndef WISPLAB_WORKERS_H
+#define WISPLAB_WORKERS_H
+
+struct workers;
+
+/* `threads` in all, the caller's included; NULL where they cannot be had. With 1, no thread is
+ * started. */
+struct workers *workers_create(int threads);
+void workers_free(struct workers *workers);
+
+/* Calls task(ctx, 0), ..., task(ctx, count - 1), each once, and returns when all are done. */
+void workers_run(struct workers *workers, void (*task)(void *ctx, int index), void *ctx, int count);
+
+#endif
