@@ -13,7 +13,7 @@ static lane square(struct vec a) {
 static lane elastic_energy(const struct kernel_part *part, const double *q) {
     const struct vec none = {lane_all(0), lane_all(0), lane_all(0)};
     struct vec pa = part->p[0], pb = part->p[1];
-    struct reach before = {part->tangent, part->spacing, none};
+    struct reach before = first_segment(part);
     mask sound = lane_all(0) == 0;
     lane energy = lane_all(0);
     for (int i = 2; i < part->nodes; i++) {
@@ -37,8 +37,7 @@ static lane elastic_energy(const struct kernel_part *part, const double *q) {
 static lane sample_energy(const struct kernel_part *part, int i, int j, const double *q,
                           const double *v, struct vec gravity) {
     const struct frame *frame = &part->frames[i];
-    const struct vec line =
-        add(scale(lane_all(part->cosine[j]), frame->u), scale(lane_all(part->sine[j]), frame->v));
+    const struct vec line = half_line(part, frame, j, part->samples);
     const struct vec p = vec_load(q, 0), pv = vec_load(v, 0);
     struct vec e, ev;
     lane across = lane_all(0);

@@ -10,13 +10,13 @@ static inline struct vec node(const struct kernel_part *part, const double *x, i
 
 /* Tangents and spring forces on all nodes. `bending` is a constant where this is inlined. Returns
  * the lanes in which no segment and no spring has lost its direction. */
-static inline mask walk_springs(struct kernel_part *part, const double *q, const double *v,
-                                enum bending bending) {
+SPECIALISED mask walk_springs(struct kernel_part *part, const double *q, const double *v,
+                              enum bending bending) {
     const struct vec none = {lane_all(0), lane_all(0), lane_all(0)};
     struct vec pa = part->p[0], va = part->v[0], pb = part->p[1], vb = part->v[1];
     struct vec fa = none, fb = none; /* on nodes i - 2 and i - 1 so far */
     mask sound = lane_all(0) == 0;
-    struct reach before = {part->tangent, part->spacing, sub(vb, va)};
+    struct reach before = first_segment(part);
 
     part->t[0] = part->tangent;
     for (int i = 2; i < part->nodes; i++) {
@@ -49,27 +49,36 @@ static inline mask walk_springs(struct kernel_part *part, const double *q, const
     return sound;
 }
 
-/* What samples do to their node in the plane of the envelope, by its axes. */
+/* A vector in the plane of the envelope. */
 struct ring {
     lane u, v;
 };
+
+SPECIALISED void ring_add(struct ring *sum, const struct kernel_part *part, int j, int samples,
+                          lane s) {
+    if (samples == 4) {
+        *(j % 2 ? &sum->v : &sum->u) += j < 2 ? s : -s;
+        return;
+    }
+    sum->u += part->cosine[j] * s;
+    sum->v += part->sine[j] * s;
+}
 
 /* The accelerations of a node and of its samples. `G` is gravity, air and style at the node's
  * velocity: the outer acceleration. `ratio` is a sample's mass over the node's own. */
 
 /* 4.2.1 of the thesis: the line counts as fixed in space. Over its mass a sample feels the spring
  * s and the outer force along its line, F.a = G.a - gamma rdot; the node feels -s. */
-static inline struct vec move_projection(const struct kernel_part *part, const struct frame *frame,
-                                         int samples, lane ratio, struct vec a, struct vec G,
-                                         const double *q, const double *v, double *to) {
+SPECIALISED struct vec move_projection(const struct kernel_part *part, const struct frame *frame,
+                                       int samples, lane ratio, struct vec a, struct vec G,
+                                       const double *q, const double *v, double *to) {
     const lane gu = dot(G, frame->u), gv = dot(G, frame->v);
     struct ring sum = {lane_all(0), lane_all(0)};
     for (int j = 0; j < samples; j++) {
         const lane rate = load(v, 3 + j);
         const lane s = part->spring_k * (part->radius - load(q, 3 + j)) - part->spring_c * rate;
-        sum.u += part->cosine[j] * s;
-        sum.v += part->sine[j] * s;
-        store(to, 3 + j, s + (part->cosine[j] * gu + part->sine[j] * gv) - part->drag * rate);
+        ring_add(&sum, part, j, samples, s);
+        store(to, 3 + j, s + along(part, j, samples, gu, gv) - part->drag * rate);
     }
     return sub(a, scale(ratio, add(scale(sum.u, frame->u), scale(sum.v, frame->v))));
 }
@@ -77,55 +86,58 @@ static inline struct vec move_projection(const struct kernel_part *part, const s
 /* Exact constraint: r and the node's coordinates are all the unknowns. With the samples' reaction
  * across their lines, (m + mu sum P_j) a = f - sum s_j a_j + sum P_j F_j, and for M >= 3 evenly
  * spread half-lines sum P_j = M/2 (1 + w w'). */
-static inline struct vec move_generalised(const struct kernel_part *part, const struct frame *frame,
-                                          int samples, lane ratio, struct vec a, struct vec G,
-                                          const double *q, const double *v, double *to) {
+SPECIALISED struct vec move_generalised(const struct kernel_part *part, const struct frame *frame,
+                                        int samples, lane ratio, struct vec a, struct vec G,
+                                        const double *q, const double *v, double *to) {
     const lane half = 0.5 * samples * ratio;
     const struct vec b = move_projection(part, frame, samples, ratio, a, G, q, v, to);
     /* b / (1 + half) across w and b / (1 + 2 half) along it, where b has half (G + w w.G) more;
      * `a` has G once already. */
     const struct vec rhs = add_scaled(add_scaled(b, half, G), half * dot(frame->w, G), frame->w);
-    const lane across = 1 / (1 + half), along = 1 / (1 + 2 * half);
+    const lane across_w = 1 / (1 + half), along_w = 1 / (1 + 2 * half);
     const struct vec result =
-        add_scaled(scale(across, rhs), (along - across) * dot(frame->w, rhs), frame->w);
+        add_scaled(scale(across_w, rhs), (along_w - across_w) * dot(frame->w, rhs), frame->w);
     const lane au = dot(result, frame->u), av = dot(result, frame->v);
     for (int j = 0; j < samples; j++) /* mu (rddot + a.a_j) = s + F.a_j */
-        store(to, 3 + j, load(to, 3 + j) - (part->cosine[j] * au + part->sine[j] * av));
+        store(to, 3 + j, load(to, 3 + j) - along(part, j, samples, au, av));
     return result;
 }
 
-/* Samples as free particles: a spring along the half-line, a stiff one across it. */
-static inline struct vec move_penalty(const struct kernel_part *part, const struct frame *frame,
-                                      int samples, lane ratio, struct vec a, struct vec G,
-                                      const double *q, const double *v, double *to) {
+/* Samples as free particles: a spring s along the half-line, a stiff one across it,
+ *   s a - k_p (d - r a) - c_p (d' - r' a) = (k R + (k_p - k) r + (c_p - c) r') a - k_p d - c_p d'
+ * with d and d' the sample's position and velocity from its node's; gravity and air at its own
+ * velocity are G - gamma d'. The node has the sum of the springs with the other sign, which is what
+ * the samples' accelerations have besides the outer ones. */
+SPECIALISED struct vec move_penalty(const struct kernel_part *part, const struct frame *frame,
+                                    int samples, lane ratio, struct vec a, struct vec G,
+                                    const double *q, const double *v, double *to) {
     const struct vec p = vec_load(q, 0), pv = vec_load(v, 0);
-    /* gravity, air and style at the sample's own velocity: G + gamma (v - edot) */
-    const struct vec still = add_scaled(G, part->drag, pv);
-    struct vec sum = {lane_all(0), lane_all(0), lane_all(0)};
+    const lane push = part->spring_k * part->radius, k = part->penalty_k - part->spring_k;
+    const lane c = part->penalty_c - part->spring_c, damping = part->penalty_c + part->drag;
+    struct vec sum = {lane_all(0), lane_all(0), lane_all(0)}, drift = sum;
     for (int j = 0; j < samples; j++) {
-        const struct vec line = add(scale(lane_all(part->cosine[j]), frame->u),
-                                    scale(lane_all(part->sine[j]), frame->v));
-        const struct vec ev = vec_load(v, 3 + 3 * j);
-        const struct vec d = sub(vec_load(q, 3 + 3 * j), p), dv = sub(ev, pv);
-        const lane r = dot(d, line), rate = dot(dv, line);
-        const lane s = part->spring_k * (part->radius - r) - part->spring_c * rate;
-        struct vec pull = scale(s + part->penalty_k * r + part->penalty_c * rate, line);
-        pull = add_scaled(pull, -part->penalty_k, d);
-        pull = add_scaled(pull, -part->penalty_c, dv);
-        sum = add(sum, pull);
-        vec_store(to, 3 + 3 * j, add(pull, add_scaled(still, -part->drag, ev)));
+        const struct vec line = half_line(part, frame, j, samples);
+        const struct vec d = sub(vec_load(q, 3 + 3 * j), p), dv = sub(vec_load(v, 3 + 3 * j), pv);
+        struct vec rate = add_scaled(G, push + k * dot(d, line) + c * dot(dv, line), line);
+        rate = add_scaled(rate, -part->penalty_k, d);
+        rate = add_scaled(rate, -damping, dv);
+        vec_store(to, 3 + 3 * j, rate);
+        sum = add(sum, rate);
+        drift = add(drift, dv);
     }
-    return sub(a, scale(ratio, sum));
+    const struct vec springs =
+        add_scaled(add_scaled(sum, lane_all(-samples), G), part->drag, drift);
+    return add_scaled(a, -ratio, springs);
 }
 
 /* Frames along the wisp, and with them the accelerations of all unknowns. */
-static inline void walk_nodes(struct kernel_part *part, double t, const double *q, const double *v,
-                              double *acceleration, enum wisp_treatment treatment, int samples) {
+SPECIALISED void walk_nodes(struct kernel_part *part, double t, const double *q, const double *v,
+                            double *acceleration, enum wisp_treatment treatment, int samples) {
     double wind[3];
     const double *g = part->surroundings->gravity;
     wind_velocity(&part->surroundings->wind, t, wind);
-    struct frame frame = first_frame(part);
-    part->frames[0] = part->frames[1] = frame;
+    if (samples > 0)
+        plane_normals(part);
 
     for (int i = 2; i < part->nodes; i++) {
         const int at = (i - 2) * part->node_unknowns * LANES;
@@ -137,13 +149,13 @@ static inline void walk_nodes(struct kernel_part *part, double t, const double *
         if (samples > 0) {
             const lane ratio = part->sample_mass[i] * part->inverse_mass[i];
             const double *qi = q + at, *vi = v + at;
-            frame = next_frame(part, i, &frame);
-            part->frames[i] = frame;
+            const struct frame *frame = &part->frames[i];
+            carry_frame(part, i);
             a = treatment == WISP_PROJECTION
-                    ? move_projection(part, &frame, samples, ratio, a, G, qi, vi, acceleration + at)
+                    ? move_projection(part, frame, samples, ratio, a, G, qi, vi, acceleration + at)
                 : treatment == WISP_PENALTY
-                    ? move_penalty(part, &frame, samples, ratio, a, G, qi, vi, acceleration + at)
-                    : move_generalised(part, &frame, samples, ratio, a, G, qi, vi,
+                    ? move_penalty(part, frame, samples, ratio, a, G, qi, vi, acceleration + at)
+                    : move_generalised(part, frame, samples, ratio, a, G, qi, vi,
                                        acceleration + at);
         }
         vec_store(acceleration + at, 0, a);

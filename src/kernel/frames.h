@@ -13,28 +13,51 @@ static inline struct vec bisector(struct vec before, struct vec after, struct ve
     return vec_select(length > 1e-9, scale(1 / length, sum), last);
 }
 
-/* The least rotation that takes w_before to w takes u_before to this. */
-static inline struct vec transport(struct vec u_before, struct vec w_before, struct vec w) {
-    const struct vec sum = add(w_before, w);
-    const lane denominator = 1 + dot(w_before, w);
-    const lane factor = -dot(u_before, w) / denominator;
-    return vec_select(denominator > 1e-9, add_scaled(u_before, factor, sum), u_before);
-}
-
-/* The frame of free node i from that of node i - 1 and the tangents. */
-static inline struct frame next_frame(const struct kernel_part *part, int i,
-                                      const struct frame *before) {
-    struct frame frame;
-    frame.w =
-        i == part->nodes - 1 ? part->t[i - 1] : bisector(part->t[i - 1], part->t[i], before->w);
-    frame.u = transport(before->u, before->w, frame.w);
-    frame.v = cross(frame.w, frame.u);
-    return frame;
-}
-
 /* The frame of nodes 0 and 1. */
 static inline struct frame first_frame(const struct kernel_part *part) {
     return (struct frame){part->normal, cross(part->tangent, part->normal), part->tangent};
+}
+
+/* The plane normals w of all nodes from the tangents; and for each free node what the least
+ * rotation from w_(i-1) to w_i adds to a normal u for each unit of u.w_i: -(w_(i-1) + w_i) over
+ * 1 + w_(i-1).w_i, nothing where that vanishes. This much does not wait for the last node's u, so
+ * that square roots and divisions of all nodes overlap. */
+static inline void plane_normals(struct kernel_part *part) {
+    part->frames[0] = part->frames[1] = first_frame(part);
+    struct vec last = part->tangent;
+    for (int i = 2; i < part->nodes; i++) {
+        const struct vec w =
+            i == part->nodes - 1 ? part->t[i - 1] : bisector(part->t[i - 1], part->t[i], last);
+        const lane denominator = 1 + dot(last, w);
+        const lane factor = lane_select(denominator > 1e-9, -1 / denominator, lane_all(0));
+        part->swing[i] = scale(factor, add(last, w));
+        part->frames[i].w = last = w;
+    }
+}
+
+/* u and v of node i from u of node i - 1, after plane_normals. */
+static inline void carry_frame(struct kernel_part *part, int i) {
+    struct frame *frame = &part->frames[i];
+    const struct vec u = part->frames[i - 1].u;
+    frame->u = add_scaled(u, dot(u, frame->w), part->swing[i]);
+    frame->v = cross(frame->w, frame->u);
+}
+
+/* Sample j of `samples` lies along cos u + sin v; with four of them that is u, v, -u, -v, which
+ * needs no multiplication where `samples` is known to the compiler. */
+
+/* Component along the half-line of a vector whose components along u and v are given. */
+SPECIALISED lane along(const struct kernel_part *part, int j, int samples, lane on_u, lane on_v) {
+    if (samples == 4)
+        return j == 0 ? on_u : j == 1 ? on_v : j == 2 ? -on_u : -on_v;
+    return part->cosine[j] * on_u + part->sine[j] * on_v;
+}
+
+SPECIALISED struct vec half_line(const struct kernel_part *part, const struct frame *f, int j,
+                                 int samples) {
+    return (struct vec){along(part, j, samples, f->u.x, f->v.x),
+                        along(part, j, samples, f->u.y, f->v.y),
+                        along(part, j, samples, f->u.z, f->v.z)};
 }
 
 #endif

@@ -15,6 +15,10 @@
 #define LANED_1(name, lanes) LANED_2(name, lanes)
 #define LANED(name)          LANED_1(name, LANES)
 
+/* For functions whose arguments become constants where they are inlined: the compiler makes one
+ * body for all otherwise. */
+#define SPECIALISED static inline __attribute__((always_inline))
+
 #if LANES == 1
 typedef double lane;
 typedef int mask;

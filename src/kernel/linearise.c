@@ -103,13 +103,13 @@ static inline void gather_spring(struct block (*lower)[3], struct block (*above)
 static inline void linearise_spring(struct kernel_matrix *m, int a, int b, const struct reach *r,
                                     lane rest, lane k, lane c) {
     const int exact = m->kind == JACOBIAN_EXACT;
-    lane geometric = 1 - rest / r->length;
+    lane geometric = 1 - rest * r->inverse;
     if (!exact)
         geometric = lane_select(geometric > 0, geometric, lane_all(0));
     lane sideways = k * geometric;
     struct block block = outer(k, r->n, r->n);
     if (exact) {
-        const lane rate = dot(r->velocity, r->n), over_length = c / r->length;
+        const lane rate = dot(r->velocity, r->n), over_length = c * r->inverse;
         const struct vec slip = add_scaled(r->velocity, -rate, r->n);
         const struct block turning = outer(over_length, r->n, slip);
         sideways += over_length * rate;
@@ -132,7 +132,7 @@ struct edge_blocks {
  * the second derivative of angle^2 / 2 becomes. This is the `spd` form of the elastic hinge
  * (Gauss-Newton on the tangents' difference, whose length is 2 sin(angle / 2)). */
 static struct edge_blocks tangent_difference(const struct reach *a, const struct reach *b) {
-    const struct block pa = across(1 / a->length, a->n), pb = across(1 / b->length, b->n);
+    const struct block pa = across(a->inverse, a->n), pb = across(b->inverse, b->n);
     struct edge_blocks e = {
         {{multiply(&pa, &pa), multiply(&pa, &pb)}, {multiply(&pb, &pa), multiply(&pb, &pb)}}};
     for (int k = 0; k < 2; k++)
@@ -154,14 +154,14 @@ static struct edge_blocks angle_hessian(const struct reach *a, const struct reac
     const struct vec gradient[2] = {turn->along_a, turn->along_b};
     struct edge_blocks h;
     for (int k = 0; k < 2; k++) {
-        const lane over_length = 1 / edge[k]->length;
+        const lane over_length = edge[k]->inverse;
         const struct block plane = outer(-over_length, edge[k]->n, gradient[k]);
         const struct block turned = transpose(&plane);
         h.m[k][k] = outer(cotangent * over_length * over_length, n, n);
         add_block(&h.m[k][k], lane_all(1), &plane);
         add_block(&h.m[k][k], lane_all(1), &turned);
     }
-    h.m[0][1] = h.m[1][0] = outer(-1 / (turn->sine * a->length * b->length), n, n);
+    h.m[0][1] = h.m[1][0] = outer(-a->inverse * b->inverse / turn->sine, n, n);
     return h;
 }
 
@@ -233,7 +233,7 @@ static void linearise_hinge(struct kernel_matrix *m, int first, const struct rea
 static mask walk(struct kernel_part *part, const double *q, const double *v) {
     struct kernel_matrix *m = part->matrix;
     struct vec pa = part->p[0], va = part->v[0], pb = part->p[1], vb = part->v[1];
-    struct reach before = {part->tangent, part->spacing, sub(vb, va)};
+    struct reach before = first_segment(part);
     mask sound = lane_all(0) == 0;
     for (int i = 2; i < part->nodes; i++) {
         const int at = (i - 2) * part->node_unknowns;

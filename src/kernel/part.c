@@ -18,7 +18,7 @@ static void *take(lane **block, size_t count) {
 static struct kernel_part *allocate(int nodes) {
     const size_t n = (size_t)nodes;
     const size_t head = (sizeof(struct kernel_part) + sizeof(lane) - 1) / sizeof(lane);
-    const size_t lanes = head + n * (3 + 3 + 3 + 9);
+    const size_t lanes = head + n * (3 + 3 + 3 + 3 + 9);
     struct kernel_part *part = aligned_alloc(64, (lanes * sizeof(lane) + 63) / 64 * 64);
     if (!part)
         return NULL;
@@ -29,6 +29,7 @@ static struct kernel_part *allocate(int nodes) {
     part->sample_mass = take(&block, n);
     part->t = take(&block, 3 * n);
     part->force = take(&block, 3 * n);
+    part->swing = take(&block, 3 * n);
     part->frames = take(&block, 9 * n);
     return part;
 }
@@ -70,6 +71,18 @@ static void fill_lane(struct kernel_part *part, int k, const struct wisp *wisp) 
     }
 }
 
+/* Quarter turns are exact. */
+static void set_directions(struct kernel_part *part) {
+    static const double quarter[] = {1, 0, -1, 0, 1};
+    for (int j = 0; j < part->samples; j++) {
+        const int exact = 4 * j % part->samples == 0;
+        const double angle = 2 * M_PI * j / part->samples;
+        const int q = 4 * j / part->samples;
+        part->cosine[j] = exact ? quarter[q] : cos(angle);
+        part->sine[j] = exact ? quarter[(q + 3) % 4] : sin(angle);
+    }
+}
+
 void *LANED(kernel_create)(const struct wisp *const *wisps, const struct surroundings *around,
                            enum wisp_treatment treatment, struct system *system) {
     const struct wisp *first = wisps[0];
@@ -83,10 +96,7 @@ void *LANED(kernel_create)(const struct wisp *const *wisps, const struct surroun
     part->bending = first->bending;
     part->surroundings = around;
     part->system = system;
-    for (int j = 0; j < part->samples; j++) {
-        part->cosine[j] = cos(2 * M_PI * j / part->samples);
-        part->sine[j] = sin(2 * M_PI * j / part->samples);
-    }
+    set_directions(part);
     for (int k = 0; k < LANES; k++)
         fill_lane(part, k, wisps[k]);
     return part;
@@ -101,11 +111,6 @@ void LANED(kernel_free)(void *ctx) {
 
 /* --- states --- */
 
-static struct vec half_line(const struct kernel_part *part, const struct frame *frame, int j) {
-    return add(scale(lane_all(part->cosine[j]), frame->u),
-               scale(lane_all(part->sine[j]), frame->v));
-}
-
 void LANED(kernel_rest)(void *ctx, double *q, double *v) {
     struct kernel_part *part = ctx;
     const struct frame frame = first_frame(part); /* a straight wisp has one frame */
@@ -116,7 +121,8 @@ void LANED(kernel_rest)(void *ctx, double *q, double *v) {
         vec_store(at, 0, p);
         for (int j = 0; j < part->samples; j++) {
             if (part->treatment == WISP_PENALTY)
-                vec_store(at, 3 + 3 * j, add_scaled(p, part->radius, half_line(part, &frame, j)));
+                vec_store(at, 3 + 3 * j,
+                          add_scaled(p, part->radius, half_line(part, &frame, j, part->samples)));
             else
                 store(at, 3 + j, part->radius);
         }
@@ -134,7 +140,8 @@ static void sample_prescribed(const struct kernel_part *part, int which, int i, 
     }
     for (int j = 0; j < part->samples; j++) {
         if (part->treatment == WISP_PENALTY) {
-            const struct vec e = add_scaled(part->p[i], part->radius, half_line(part, &frame, j));
+            const struct vec e =
+                add_scaled(part->p[i], part->radius, half_line(part, &frame, j, part->samples));
             const lane at[3] = {e.x, e.y, e.z};
             for (int c = 0; c < 3; c++) {
                 row[6 + 6 * j + c] = lane_get(at[c], which);
@@ -196,9 +203,9 @@ mask LANED(kernel_frames)(struct kernel_part *part, const double *q) {
         part->t[i - 1] = scale(1 / lane_sqrt(square), d);
         before = p;
     }
-    part->frames[0] = part->frames[1] = first_frame(part);
+    plane_normals(part);
     for (int i = 2; i < part->nodes; i++)
-        part->frames[i] = next_frame(part, i, &part->frames[i - 1]);
+        carry_frame(part, i);
     return sound;
 }
 
@@ -240,7 +247,7 @@ static int clamp_particles(struct kernel_part *part, double *q, double *v) {
         double *qi = q + (i - 2) * part->node_unknowns * LANES;
         double *vi = v + (i - 2) * part->node_unknowns * LANES;
         for (int j = 0; j < part->samples; j++) {
-            const struct vec line = half_line(part, &part->frames[i], j);
+            const struct vec line = half_line(part, &part->frames[i], j, part->samples);
             const struct vec e = vec_load(qi, 3 + 3 * j), ev = vec_load(vi, 3 + 3 * j);
             const lane least = 1e-3 * part->radius, r = dot(sub(e, vec_load(qi, 0)), line);
             const lane rate = dot(sub(ev, vec_load(vi, 0)), line);

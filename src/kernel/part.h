@@ -43,6 +43,7 @@ struct kernel_part {
     /* work space, by node */
     struct vec *t;        /* unit tangents of the segments (i, i + 1) */
     struct vec *force;    /* springs on a node, N */
+    struct vec *swing;    /* what carries u from one node to the next, see frames.h */
     struct frame *frames; /* of the last acceleration or linearisation */
 
     struct kernel_matrix *matrix; /* Jacobians and factors; made by the first linearisation */

@@ -1,5 +1,6 @@
 /* Products with the matrices of a part, and the direct solver of M + alpha C + beta S: samples
  * eliminated node by node, then L D L' of the block-pentadiagonal matrix of the nodes. */
+#include "frames.h"
 #include "matrix.h"
 
 /* --- samples --- */
@@ -41,12 +42,6 @@ static inline struct elimination eliminate(const struct kernel_part *part, lane 
     }
     }
     return e;
-}
-
-static inline struct vec half_line(const struct kernel_part *part, const struct frame *frame,
-                                   int j) {
-    return add(scale(lane_all(part->cosine[j]), frame->u),
-               scale(lane_all(part->sine[j]), frame->v));
 }
 
 /* s_along times the part of x along a, s_across times the rest. */
@@ -102,7 +97,7 @@ static struct vec samples_times(const struct kernel_part *part, int i, lane m, l
     const struct vec node = vec_load(x, 0);
     struct vec sum = {lane_all(0), lane_all(0), lane_all(0)};
     for (int j = 0; j < part->samples; j++) {
-        const struct vec a = half_line(part, frame, j);
+        const struct vec a = half_line(part, frame, j, part->samples);
         if (part->treatment == WISP_PENALTY) {
             const struct vec e = vec_load(x, 3 + 3 * j);
             const lane across = d * part->penalty_c + k * part->penalty_k;
@@ -229,7 +224,7 @@ static struct vec gather_samples(const struct kernel_part *part, const struct el
                                  const struct frame *frame, const double *b) {
     struct vec sum = {lane_all(0), lane_all(0), lane_all(0)};
     for (int j = 0; j < part->samples; j++) {
-        const struct vec a = half_line(part, frame, j);
+        const struct vec a = half_line(part, frame, j, part->samples);
         sum = part->treatment == WISP_PENALTY
                   ? add(sum, split(e->to_node_along, e->to_node_across, a, vec_load(b, 3 + 3 * j)))
                   : add_scaled(sum, e->to_node_along * load(b, 3 + j), a);
@@ -242,7 +237,7 @@ static void scatter_samples(const struct kernel_part *part, const struct elimina
                             const double *b, struct vec node, double *x) {
     const lane inverse_mass = 1 / part->sample_mass[i];
     for (int j = 0; j < part->samples; j++) {
-        const struct vec a = half_line(part, &part->frames[i], j);
+        const struct vec a = half_line(part, &part->frames[i], j, part->samples);
         if (part->treatment == WISP_PENALTY) {
             const struct vec own =
                 split(e->inverse_along * inverse_mass, e->inverse_across * inverse_mass, a,

@@ -1,6 +1,7 @@
 /* The same matrix for general sparse solvers: every unknown kept, samples too. */
 #include "sparse.h"
 
+#include "frames.h"
 #include "matrix.h"
 
 #include <stdlib.h>
@@ -80,8 +81,7 @@ static lane node_entry(const struct kernel_part *part, lane alpha, lane beta, st
 static lane sample_entry(const struct kernel_part *part, lane alpha, lane beta, struct place row,
                          struct place column, int j) {
     const struct frame *frame = &part->frames[row.node + 2];
-    const struct vec a =
-        add(scale(lane_all(part->cosine[j]), frame->u), scale(lane_all(part->sine[j]), frame->v));
+    const struct vec a = half_line(part, frame, j, part->samples);
     const int row_node = row.unknown < 3, column_node = column.unknown < 3;
     const lane g = 1 + alpha * part->drag, h = alpha * part->spring_c + beta * part->spring_k;
     if (part->treatment == WISP_PENALTY) {
