@@ -19,6 +19,10 @@
  * body for all otherwise. */
 #define SPECIALISED static inline __attribute__((always_inline))
 
+/* Loops with constant bounds over arrays that are to live in registers. */
+#define EACH(i, from, to)      _Pragma("GCC unroll 16") for (int i = (from); i < (to); i++)
+#define EACH_DOWN(i, from, to) _Pragma("GCC unroll 16") for (int i = (from); i >= (to); i--)
+
 #if LANES == 1
 typedef double lane;
 typedef int mask;

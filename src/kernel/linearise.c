@@ -7,7 +7,7 @@
 struct kernel_matrix *LANED(kernel_matrix_create)(const struct kernel_part *part) {
     const size_t f = (size_t)free_nodes(part), block = sizeof(struct block) / sizeof(lane);
     const size_t head = (sizeof(struct kernel_matrix) + sizeof(lane) - 1) / sizeof(lane);
-    const size_t lanes = head + f * block * 8 + (3 * f + BAND) * (BAND + 1);
+    const size_t lanes = head + f * block * 8 + (f + 2) * (3 * PANEL_ROWS + 3);
     struct kernel_matrix *matrix = aligned_alloc(64, (lanes * sizeof(lane) + 63) / 64 * 64);
     if (!matrix)
         return NULL;
@@ -16,8 +16,8 @@ struct kernel_matrix *LANED(kernel_matrix_create)(const struct kernel_part *part
     matrix->stiffness = (struct block(*)[3])at;
     matrix->damping = matrix->stiffness + f;
     matrix->stiffness_above = (struct block(*)[2])(matrix->damping + f);
-    matrix->column = (lane(*)[BAND])(matrix->stiffness_above + f);
-    matrix->x = (lane *)(matrix->column + 3 * f + BAND);
+    matrix->panel = (struct panel *)(matrix->stiffness_above + f);
+    matrix->x = (lane *)(matrix->panel + f + 2);
     return matrix;
 }
 

@@ -23,7 +23,13 @@
 
 #include "part.h"
 
-enum { BAND = 9 }; /* lower half of a band of 2 + 2/3 blocks, diagonal included */
+enum { PANEL_ROWS = 9 };
+
+/* The three columns of a node in the lower half of the nodes' matrix: row r of column c, r >= c,
+ * is row r of the node for r < 3, then of the next node, and of the one after. */
+struct panel {
+    lane m[3][PANEL_ROWS];
+};
 
 struct kernel_matrix {
     enum jacobian kind;
@@ -33,10 +39,10 @@ struct kernel_matrix {
      * its blocks (i - 1, i) and (i - 2, i) are apart */
     struct block (*stiffness)[3], (*damping)[3], (*stiffness_above)[2];
 
-    /* The matrix of the nodes after the samples are eliminated, factorised as L D L' by columns:
-     * column k has 1/D_k, then L_(k+1)k, ..., L_(k+8)k; 8 more columns of zeros at the end. */
-    lane (*column)[BAND];
-    lane *x; /* right side and solution, 3 for each free node, and 8 zeros */
+    /* The matrix of the nodes after the samples are eliminated, factorised as L D L': 1 / D on the
+     * diagonal, L below; two panels of zeros behind the last */
+    struct panel *panel;
+    lane *x; /* right side and solution, 3 for each free node, and two nodes of zeros */
 };
 
 /* What eliminating the samples of a node does, for given alpha and beta: with A the sample's own

@@ -144,61 +144,107 @@ void LANED(kernel_product)(void *ctx, double m, double d, double k, const double
 
 /* --- factorisation --- */
 
-/* Entry (i, j) of the matrix of node i + 2 itself, c >= e, without the skeleton's springs. */
-static inline lane own_entry(const struct kernel_part *part, const struct elimination *e, int i,
-                             int row, int column, lane air) {
-    const struct vec w = part->frames[i + 2].w;
-    const lane ww[3] = {w.x, w.y, w.z};
-    lane entry = row == column ? part->mass[i + 2] * (1 + air) : lane_all(0);
-    if (part->samples > 0) {
-        const lane mu = part->sample_mass[i + 2];
-        entry += mu * e->diagonal_ww * ww[row] * ww[column];
-        if (row == column)
-            entry += mu * e->diagonal;
-    }
-    return entry;
+/* Rows first_row to first_row + 2 of a panel: alpha C + beta S, or nothing beyond the tip. The
+ * node's own block is wanted below its diagonal only, but all of it is written. */
+static inline void combine_blocks(struct panel *panel, int first_row, lane alpha, lane beta,
+                                  const struct block *C, const struct block *S) {
+    EACH (c, 0, 3)
+        EACH (r, 0, 3)
+            panel->m[c][first_row + r] = alpha * C->m[r][c] + beta * S->m[r][c];
 }
 
-/* The lower half of the nodes' matrix, by columns: the blocks (i, i - b) of S and C. */
-static void fill_columns(const struct kernel_part *part, lane alpha, lane beta) {
-    struct kernel_matrix *m = part->matrix;
-    const struct elimination e = eliminate(part, alpha, beta);
-    const int f = free_nodes(part);
-    memset(m->column, 0, (size_t)(3 * f + BAND) * sizeof *m->column);
-    for (int i = 0; i < f; i++)
-        for (int b = 0; b <= 2 && b <= i; b++)
-            for (int row = 0; row < 3; row++)
-                for (int column = 0; column < (b == 0 ? row + 1 : 3); column++) {
-                    lane entry = alpha * m->damping[i][b].m[row][column] +
-                                 beta * m->stiffness[i][b].m[row][column];
-                    if (b == 0)
-                        entry += own_entry(part, &e, i, row, column, alpha * part->drag);
-                    m->column[3 * (i - b) + column][3 * b + row - column] = entry;
-                }
+static inline void clear_rows(struct panel *panel, int first_row) {
+    EACH (c, 0, 3)
+        EACH (r, 0, 3)
+            panel->m[c][first_row + r] = lane_all(0);
+}
+
+/* Mass, drag and the samples of node i + 2: mu (diagonal + ww w w') + m (1 + alpha gamma). */
+static inline void add_own(const struct kernel_part *part, const struct elimination *e, int i,
+                           lane air, struct panel *panel) {
+    lane diagonal = part->mass[i + 2] * (1 + air);
+    if (part->samples > 0) {
+        const struct vec w = part->frames[i + 2].w;
+        const lane mu = part->sample_mass[i + 2], ww[3] = {w.x, w.y, w.z};
+        const lane factor = mu * e->diagonal_ww;
+        diagonal += mu * e->diagonal;
+        EACH (c, 0, 3)
+            EACH (r, c, 3)
+                panel->m[c][r] += factor * ww[r] * ww[c];
+    }
+    EACH (c, 0, 3)
+        panel->m[c][c] += diagonal;
+}
+
+/* The columns of a node, as assembled; rows beyond the tip are zero. */
+static inline void assemble_panel(const struct kernel_part *part, const struct elimination *e,
+                                  int i, lane alpha, lane beta) {
+    const struct kernel_matrix *m = part->matrix;
+    const int left = free_nodes(part) - i;
+    struct panel *panel = &m->panel[i];
+    combine_blocks(panel, 0, alpha, beta, &m->damping[i][0], &m->stiffness[i][0]);
+    add_own(part, e, i, alpha * part->drag, panel);
+    if (left > 1)
+        combine_blocks(panel, 3, alpha, beta, &m->damping[i + 1][1], &m->stiffness[i + 1][1]);
+    else
+        clear_rows(panel, 3);
+    if (left > 2)
+        combine_blocks(panel, 6, alpha, beta, &m->damping[i + 2][2], &m->stiffness[i + 2][2]);
+    else
+        clear_rows(panel, 6);
+}
+
+/* Takes the products of a factorised panel off the columns of a later node, which has its rows from
+ * `from` on: A_rs -= sum_c (L D)_rc L_sc. */
+SPECIALISED void take_products(struct panel *later, int from, const struct panel *l,
+                               const struct panel *ld) {
+    EACH (d, 0, 3)
+        EACH (r, from + d, PANEL_ROWS) {
+            lane sum = later->m[d][r - from];
+            EACH (c, 0, 3)
+                sum -= l->m[c][from + d] * ld->m[c][r];
+            later->m[d][r - from] = sum;
+        }
+}
+
+/* Factorises a node's columns and takes their products off the next two nodes'. */
+SPECIALISED mask factor_panel(struct panel *panel) {
+    mask positive = lane_all(0) == 0;
+    struct panel l, ld;
+    EACH (c, 0, 3) /* by lanes: a wider copy would wait for the narrower stores before it */
+        EACH (r, c, PANEL_ROWS)
+            ld.m[c][r] = panel[0].m[c][r];
+    EACH (c, 0, 3) {
+        positive &= ld.m[c][c] > 0;
+        const lane inverse = 1 / ld.m[c][c];
+        EACH (r, c + 1, PANEL_ROWS)
+            l.m[c][r] = ld.m[c][r] * inverse;
+        EACH (d, c + 1, 3)
+            EACH (r, d, PANEL_ROWS)
+                ld.m[d][r] -= l.m[c][d] * ld.m[c][r];
+        panel[0].m[c][c] = inverse;
+        EACH (r, c + 1, PANEL_ROWS)
+            panel[0].m[c][r] = l.m[c][r];
+    }
+    take_products(&panel[1], 3, &l, &ld);
+    take_products(&panel[2], 6, &l, &ld);
+    return positive;
 }
 
 int LANED(kernel_factor)(void *ctx, double alpha, double beta) {
     struct kernel_part *part = ctx;
     struct kernel_matrix *m = part->matrix;
-    const int rows = 3 * free_nodes(part);
+    const lane a = lane_all(alpha), b = lane_all(beta);
+    const struct elimination e = eliminate(part, a, b);
+    const int f = free_nodes(part);
     mask positive = lane_all(0) == 0;
     m->alpha = alpha;
     m->beta = beta;
-    fill_columns(part, lane_all(alpha), lane_all(beta));
-    for (int k = 0; k < rows; k++) {
-        lane *column = m->column[k];
-        positive &= column[0] > 0;
-        const lane inverse = 1 / column[0];
-        for (int j = 1; j < BAND; j++) {
-            const lane l = column[j] * inverse;
-            lane *to = m->column[k + j];
-            for (int i = j; i < BAND; i++)
-                to[i - j] -= l * column[i];
-        }
-        for (int j = 1; j < BAND; j++)
-            column[j] *= inverse;
-        column[0] = inverse;
-    }
+    for (int i = 0; i < f; i++)
+        assemble_panel(part, &e, i, a, b);
+    /* two panels of zeros stand behind the last */
+    for (int i = 0; i < f; i++)
+        positive &= factor_panel(&m->panel[i]);
     if (mask_all(positive))
         return 0;
     return system_fail(part->system, SOLVER_STALLED,
@@ -207,15 +253,35 @@ int LANED(kernel_factor)(void *ctx, double alpha, double beta) {
 
 /* --- solution --- */
 
-static void solve_nodes(const struct kernel_matrix *m, int rows) {
-    lane *x = m->x;
-    for (int k = 0; k < rows; k++)
-        for (int j = 1; j < BAND; j++)
-            x[k + j] -= m->column[k][j] * x[k];
-    for (int k = rows - 1; k >= 0; k--) {
-        x[k] *= m->column[k][0];
-        for (int j = 1; j < BAND; j++)
-            x[k] -= m->column[k][j] * x[k + j];
+/* L D L' x = b in place, a window of three nodes at a time. */
+static void solve_nodes(const struct kernel_matrix *m, int nodes) {
+    lane *x = m->x, window[PANEL_ROWS];
+    EACH (r, 0, 6)
+        window[r] = x[r];
+    for (int i = 0; i < nodes; i++) {
+        const struct panel *p = &m->panel[i];
+        EACH (r, 6, PANEL_ROWS)
+            window[r] = x[3 * i + r];
+        EACH (c, 0, 3)
+            EACH (r, c + 1, PANEL_ROWS)
+                window[r] -= p->m[c][r] * window[c];
+        EACH (c, 0, 3)
+            x[3 * i + c] = window[c] * p->m[c][c];
+        EACH (r, 0, 6)
+            window[r] = window[r + 3];
+    }
+    EACH (r, 3, PANEL_ROWS)
+        window[r] = lane_all(0);
+    for (int i = nodes - 1; i >= 0; i--) {
+        const struct panel *p = &m->panel[i];
+        EACH_DOWN (c, 2, 0) {
+            lane sum = x[3 * i + c];
+            EACH_DOWN (r, PANEL_ROWS - 1, c + 1)
+                sum -= p->m[c][r] * window[r];
+            x[3 * i + c] = window[c] = sum;
+        }
+        EACH_DOWN (r, PANEL_ROWS - 1, 3)
+            window[r] = window[r - 3];
     }
 }
 
@@ -264,9 +330,9 @@ void LANED(kernel_solve)(void *ctx, const double *b, double *x) {
             rhs = add(rhs, gather_samples(part, &e, &part->frames[i + 2], b + i * stride));
         m->x[3 * i] = rhs.x, m->x[3 * i + 1] = rhs.y, m->x[3 * i + 2] = rhs.z;
     }
-    for (int j = 0; j < BAND; j++)
+    for (int j = 0; j < 6; j++) /* the window reaches two nodes beyond the tip */
         m->x[3 * f + j] = lane_all(0);
-    solve_nodes(m, 3 * f);
+    solve_nodes(m, f);
     for (int i = 0; i < f; i++) {
         const struct vec node = {m->x[3 * i], m->x[3 * i + 1], m->x[3 * i + 2]};
         vec_store(x + i * stride, 0, node);

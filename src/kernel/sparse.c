@@ -42,8 +42,8 @@ struct sparse_matrix *LANED(kernel_pattern)(const void *ctx) {
     const struct kernel_part *part = ctx;
     const int size = free_nodes(part) * part->node_unknowns;
     int count = 0;
-    FOR_EACH_ENTRY(part, row, column)
-    count++;
+    FOR_EACH_ENTRY (part, row, column)
+        count++;
     struct sparse_matrix *pattern =
         malloc(sizeof *pattern + (size_t)(size + 1 + count) * sizeof(int));
     if (!pattern)
@@ -52,7 +52,7 @@ struct sparse_matrix *LANED(kernel_pattern)(const void *ctx) {
     pattern->row = pattern->column_start + size + 1;
     count = 0;
     pattern->column_start[0] = 0;
-    FOR_EACH_ENTRY(part, row, column) {
+    FOR_EACH_ENTRY (part, row, column) {
         pattern->row[count++] = row.node * part->node_unknowns + row.unknown;
         pattern->column_start[column.node * part->node_unknowns + column.unknown + 1] = count;
     }
@@ -123,6 +123,6 @@ static lane entry(const struct kernel_part *part, lane alpha, lane beta, struct 
 void LANED(kernel_assemble)(void *ctx, double alpha, double beta, double *values) {
     const struct kernel_part *part = ctx;
     int at = 0;
-    FOR_EACH_ENTRY(part, row, column)
-    store(values, at++, entry(part, lane_all(alpha), lane_all(beta), row, column));
+    FOR_EACH_ENTRY (part, row, column)
+        store(values, at++, entry(part, lane_all(alpha), lane_all(beta), row, column));
 }
