@@ -10,6 +10,7 @@ const struct stepper_method euler = {
     .summary = "explicit Euler, with the constraint projection of the treatment",
     .reference = "Plante 1999, eq. 2.1; Hairer, Norsett & Wanner, Solving ODEs I, section I.7",
     .order = 1,
+    .capabilities = STEPPER_PROJECTS,
     .table = &table,
     .create = explicit_rk_create,
     .step = explicit_rk_step,

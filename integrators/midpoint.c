@@ -12,6 +12,7 @@ const struct stepper_method midpoint = {
     .summary = "explicit midpoint rule of order 2",
     .reference = "Runge 1895, doi:10.1007/BF01446807",
     .order = 2,
+    .capabilities = STEPPER_PROJECTS,
     .table = &table,
     .create = explicit_rk_create,
     .step = explicit_rk_step,

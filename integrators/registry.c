@@ -31,6 +31,9 @@ const struct linear_method *linear_find(const char *name) {
 
 int stepper_refuse(const struct stepper_method *method, const struct stepper_settings *settings,
                    struct system *system) {
+    if (system_has_projection(system) && !(method->capabilities & STEPPER_PROJECTS))
+        return system_fail(system, REFUSED, "%s does not keep the constraint of %s", method->name,
+                           system->name);
     return method->refuse ? method->refuse(settings, system) : 0;
 }
 

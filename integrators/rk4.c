@@ -14,6 +14,7 @@ const struct stepper_method rk4 = {
     .summary = "classical Runge-Kutta method of order 4",
     .reference = "Kutta 1901; Hairer, Norsett & Wanner, Solving ODEs I, table II.1.2",
     .order = 4,
+    .capabilities = STEPPER_PROJECTS,
     .table = &table,
     .create = explicit_rk_create,
     .step = explicit_rk_step,

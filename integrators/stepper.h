@@ -12,6 +12,7 @@
 enum stepper_capability {
     STEPPER_IMPLICIT = 1, /* solves M - alpha D - beta K: takes a linear solver, needs Jacobians */
     STEPPER_ADAPTIVE = 2, /* chooses its own steps: takes tolerances instead of a step */
+    STEPPER_PROJECTS = 4, /* puts the state back onto a system's constraint after each step */
 };
 
 /* What a stepper is made with. */

@@ -27,28 +27,34 @@ void LANED(kernel_matrix_free)(struct kernel_matrix *matrix) {
 
 /* --- blocks --- */
 
-static inline struct block outer(lane s, struct vec a, struct vec b) {
+SPECIALISED struct block outer(lane s, struct vec a, struct vec b) {
     const lane x[3] = {s * a.x, s * a.y, s * a.z}, y[3] = {b.x, b.y, b.z};
     struct block c;
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
+    EACH (i, 0, 3)
+        EACH (j, 0, 3)
             c.m[i][j] = x[i] * y[j];
     return c;
 }
 
-static inline void add_block(struct block *sum, lane s, const struct block *b) {
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
+SPECIALISED void add_scaled_block(struct block *sum, lane s, const struct block *b) {
+    EACH (i, 0, 3)
+        EACH (j, 0, 3)
             sum->m[i][j] += s * b->m[i][j];
 }
 
-static inline void add_diagonal(struct block *sum, lane s) {
-    for (int i = 0; i < 3; i++)
+SPECIALISED void add_block(struct block *sum, const struct block *b) {
+    EACH (i, 0, 3)
+        EACH (j, 0, 3)
+            sum->m[i][j] += b->m[i][j];
+}
+
+SPECIALISED void add_diagonal(struct block *sum, lane s) {
+    EACH (i, 0, 3)
         sum->m[i][i] += s;
 }
 
 /* s (1 - nn') */
-static inline struct block across(lane s, struct vec n) {
+SPECIALISED struct block across(lane s, struct vec n) {
     struct block b = outer(-s, n, n);
     add_diagonal(&b, s);
     return b;
@@ -56,16 +62,16 @@ static inline struct block across(lane s, struct vec n) {
 
 static inline struct block multiply(const struct block *a, const struct block *b) {
     struct block c;
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
+    EACH (i, 0, 3)
+        EACH (j, 0, 3)
             c.m[i][j] = a->m[i][0] * b->m[0][j] + a->m[i][1] * b->m[1][j] + a->m[i][2] * b->m[2][j];
     return c;
 }
 
 static inline struct block transpose(const struct block *a) {
     struct block b;
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
+    EACH (i, 0, 3)
+        EACH (j, 0, 3)
             b.m[i][j] = a->m[j][i];
     return b;
 }
@@ -82,26 +88,32 @@ static inline void gather(struct block (*lower)[3], struct block (*above)[2], in
     if (row < 2 || column < 2)
         return;
     if (column <= row)
-        add_block(&lower[row - 2][row - column], s, b);
+        add_scaled_block(&lower[row - 2][row - column], s, b);
     else if (above)
-        add_block(&above[column - 2][column - row - 1], s, b);
+        add_scaled_block(&above[column - 2][column - row - 1], s, b);
 }
 
 /* --- springs between two nodes --- */
 
-static inline void gather_spring(struct block (*lower)[3], struct block (*above)[2], int a, int b,
-                                 const struct block *block) {
-    const lane one = lane_all(1);
-    gather(lower, above, a, a, one, block);
-    gather(lower, above, b, b, one, block);
-    gather(lower, above, a, b, -one, block);
-    gather(lower, above, b, a, -one, block);
+/* The pair's own two blocks are written, for springs come first; the diagonal's are added to. */
+SPECIALISED void gather_spring(struct block (*lower)[3], struct block (*above)[2], int a, int b,
+                               const struct block *block) {
+    add_block(&lower[b - 2][0], block);
+    if (a < 2)
+        return;
+    add_block(&lower[a - 2][0], block);
+    EACH (i, 0, 3)
+        EACH (j, 0, 3) {
+            lower[b - 2][b - a].m[i][j] = -block->m[i][j];
+            if (above)
+                above[b - 2][b - a - 1].m[i][j] = -block->m[i][j];
+        }
 }
 
 /* d f_a / d p_b = k [nn' + (1 - L0/L) P] + c/L [(dv.n) P + n (P dv)'], d f_a / d v_b = c nn';
  * `spd`: 1 - L0/L not below 0, without the terms in c/L. */
-static inline void linearise_spring(struct kernel_matrix *m, int a, int b, const struct reach *r,
-                                    lane rest, lane k, lane c) {
+SPECIALISED void linearise_spring(struct kernel_matrix *m, int a, int b, const struct reach *r,
+                                  lane rest, lane k, lane c) {
     const int exact = m->kind == JACOBIAN_EXACT;
     lane geometric = 1 - rest * r->inverse;
     if (!exact)
@@ -113,10 +125,10 @@ static inline void linearise_spring(struct kernel_matrix *m, int a, int b, const
         const struct vec slip = add_scaled(r->velocity, -rate, r->n);
         const struct block turning = outer(over_length, r->n, slip);
         sideways += over_length * rate;
-        add_block(&block, lane_all(1), &turning);
+        add_block(&block, &turning);
     }
     const struct block stiff = across(sideways, r->n), damp = outer(c, r->n, r->n);
-    add_block(&block, lane_all(1), &stiff);
+    add_block(&block, &stiff);
     gather_spring(m->stiffness, exact ? m->stiffness_above : NULL, a, b, &block);
     gather_spring(m->damping, NULL, a, b, &damp);
 }
@@ -136,8 +148,8 @@ static struct edge_blocks tangent_difference(const struct reach *a, const struct
     struct edge_blocks e = {
         {{multiply(&pa, &pa), multiply(&pa, &pb)}, {multiply(&pb, &pa), multiply(&pb, &pb)}}};
     for (int k = 0; k < 2; k++)
-        for (int i = 0; i < 3; i++)
-            for (int j = 0; j < 3; j++)
+        EACH (i, 0, 3)
+            EACH (j, 0, 3)
                 e.m[k][1 - k].m[i][j] = -e.m[k][1 - k].m[i][j];
     return e;
 }
@@ -158,8 +170,8 @@ static struct edge_blocks angle_hessian(const struct reach *a, const struct reac
         const struct block plane = outer(-over_length, edge[k]->n, gradient[k]);
         const struct block turned = transpose(&plane);
         h.m[k][k] = outer(cotangent * over_length * over_length, n, n);
-        add_block(&h.m[k][k], lane_all(1), &plane);
-        add_block(&h.m[k][k], lane_all(1), &turned);
+        add_block(&h.m[k][k], &plane);
+        add_block(&h.m[k][k], &turned);
     }
     h.m[0][1] = h.m[1][0] = outer(-a->inverse * b->inverse / turn->sine, n, n);
     return h;
@@ -167,8 +179,8 @@ static struct edge_blocks angle_hessian(const struct reach *a, const struct reac
 
 static struct block block_select(mask m, const struct block *yes, const struct block *no) {
     struct block b;
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
+    EACH (i, 0, 3)
+        EACH (j, 0, 3)
             b.m[i][j] = lane_select(m, yes->m[i][j], no->m[i][j]);
     return b;
 }
@@ -187,7 +199,7 @@ static struct edge_blocks hinge_stiffness(const struct reach *a, const struct re
         const struct vec right = add_scaled(scale(k, g[j]), c, turning);
         for (int i = 0; i < 2; i++) {
             s.m[i][j] = outer(lane_all(1), g[i], right);
-            add_block(&s.m[i][j], k * turn->angle + c * rate, &h.m[i][j]);
+            add_scaled_block(&s.m[i][j], k * turn->angle + c * rate, &h.m[i][j]);
         }
     }
     return s;
@@ -197,8 +209,8 @@ static struct edge_blocks hinge_stiffness(const struct reach *a, const struct re
 static void gather_hinge(struct block (*lower)[3], struct block (*above)[2], int first,
                          const struct edge_blocks *e) {
     static const int sign[2][3] = {{-1, 1, 0}, {0, -1, 1}};
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
+    EACH (i, 0, 3)
+        EACH (j, 0, 3)
             for (int x = 0; x < 2; x++)
                 for (int y = 0; y < 2; y++)
                     if (sign[x][i] && sign[y][j])
@@ -219,8 +231,8 @@ static void linearise_hinge(struct kernel_matrix *m, int first, const struct rea
         for (int j = 0; j < 2; j++) {
             struct block scaled = {0}, damped = {0};
             const struct block turning = outer(c, g[i], g[j]);
-            add_block(&scaled, k, &straight.m[i][j]);
-            add_block(&damped, c, &straight.m[i][j]);
+            add_scaled_block(&scaled, k, &straight.m[i][j]);
+            add_scaled_block(&damped, c, &straight.m[i][j]);
             stiff.m[i][j] = exact ? block_select(turned, &bent.m[i][j], &scaled) : scaled;
             damp.m[i][j] = block_select(turned, &turning, &damped);
         }
@@ -229,6 +241,21 @@ static void linearise_hinge(struct kernel_matrix *m, int first, const struct rea
 }
 
 /* --- the walk --- */
+
+static void clear_all(struct kernel_matrix *m, int nodes) {
+    const size_t f = (size_t)nodes;
+    memset(m->stiffness, 0, f * sizeof *m->stiffness);
+    memset(m->damping, 0, f * sizeof *m->damping);
+    memset(m->stiffness_above, 0, f * sizeof *m->stiffness_above);
+}
+
+/* Enough where every pair of nodes within reach has its spring. */
+static void clear_diagonals(struct kernel_matrix *m, int nodes) {
+    for (int i = 0; i < nodes; i++) {
+        memset(&m->stiffness[i][0], 0, sizeof(struct block));
+        memset(&m->damping[i][0], 0, sizeof(struct block));
+    }
+}
 
 static mask walk(struct kernel_part *part, const double *q, const double *v) {
     struct kernel_matrix *m = part->matrix;
@@ -262,11 +289,11 @@ int LANED(kernel_linearise)(void *ctx, enum jacobian kind, double t, const doubl
     if (!part->matrix)
         return system_fail(part->system, -OUT_OF_MEMORY, "no memory for the Jacobians");
     struct kernel_matrix *m = part->matrix;
-    const size_t f = (size_t)free_nodes(part);
     m->kind = kind;
-    memset(m->stiffness, 0, f * sizeof *m->stiffness);
-    memset(m->damping, 0, f * sizeof *m->damping);
-    memset(m->stiffness_above, 0, f * sizeof *m->stiffness_above);
+    if (part->bending == BENDING_SKIP)
+        clear_diagonals(m, free_nodes(part));
+    else
+        clear_all(m, free_nodes(part));
     mask sound = walk(part, q, v);
     if (part->samples > 0)
         sound &= LANED(kernel_frames)(part, q);
