@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 void write_provenance(FILE *stream, const char *what, const struct scene *scene) {
@@ -223,6 +224,14 @@ static int write_json(const json_t *json, const char *folder, char *reason) {
     return atomic_commit(&file, reason);
 }
 
+/* A run that took all the memory it may have left none to write that down with. */
+static void lift_memory_limit(void) {
+    struct rlimit limit;
+    getrlimit(RLIMIT_AS, &limit);
+    limit.rlim_cur = limit.rlim_max;
+    setrlimit(RLIMIT_AS, &limit);
+}
+
 enum outcome record_run(const struct scene *scene, const struct settings *settings,
                         const char *folder, const struct watch *watch, char *reason) {
     struct frame_writer writer;
@@ -235,6 +244,8 @@ enum outcome record_run(const struct scene *scene, const struct settings *settin
     if (open_frames(&writer, scene, settings, folder, reason))
         return OUTPUT_FAILED;
     simulate(scene, settings, checked ? &write_and_keep : &write_only, watch, &result);
+    if (result.outcome == OUT_OF_MEMORY)
+        lift_memory_limit();
     if (close_frames(&writer, &result, reason)) {
         free(comparison.frames);
         return OUTPUT_FAILED;

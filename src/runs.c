@@ -65,7 +65,10 @@ static void limit_memory(double bytes) {
     if (file)
         fclose(file);
     const rlim_t limit = (rlim_t)(bytes + (double)pages * (double)sysconf(_SC_PAGESIZE));
-    setrlimit(RLIMIT_AS, &(struct rlimit){limit, limit});
+    struct rlimit limits;
+    getrlimit(RLIMIT_AS, &limits);
+    limits.rlim_cur = limit < limits.rlim_max ? limit : limits.rlim_max;
+    setrlimit(RLIMIT_AS, &limits); /* the soft one: record_run lifts it to say that it was hit */
 #else
     (void)bytes;
 #endif

@@ -1,0 +1,211 @@
+/* Memory that cannot be had: what is made says so, and leaves nothing behind.
+ *
+ * malloc and its kin are replaced in the whole test program, libraries included, and do what
+ * glibc's do except for one call that is told to fail. Under sanitizers, which replace them too,
+ * this file has no tests. */
+#include "fixture.h"
+#include "support.h"
+
+#include <criterion/criterion.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#ifndef __SANITIZE_ADDRESS__
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define __SANITIZE_ADDRESS__
+#endif
+#endif
+#endif
+
+#ifndef __SANITIZE_ADDRESS__
+
+extern void *__libc_malloc(size_t size);
+extern void *__libc_calloc(size_t count, size_t size);
+extern void *__libc_realloc(void *old, size_t size);
+extern void __libc_free(void *memory);
+
+static long counted, failing, fail_after; /* calls; whether calls are counted; which fails, or 0 */
+static long held;                         /* blocks got and not given back while counting */
+
+static int refuse(void) {
+    if (!failing)
+        return 0;
+    counted++;
+    return fail_after > 0 && counted >= fail_after;
+}
+
+void *malloc(size_t size) {
+    if (refuse())
+        return NULL;
+    held += failing;
+    return __libc_malloc(size);
+}
+
+void *calloc(size_t count, size_t size) {
+    if (refuse())
+        return NULL;
+    held += failing;
+    return __libc_calloc(count, size);
+}
+
+void *realloc(void *old, size_t size) {
+    if (refuse())
+        return NULL;
+    held += failing && !old;
+    return __libc_realloc(old, size);
+}
+
+void free(void *memory) {
+    held -= failing && memory;
+    __libc_free(memory);
+}
+
+/* --- trials, each in a process of its own: a library that does not survive is found by name --- */
+
+enum { MADE, NOT_MADE, LEAKED };
+
+/* Runs `make` with the k-th and all later allocations failing; it returns MADE or NOT_MADE. A make
+ * that frees all must leave as many blocks as before. */
+static int in_child(int (*make)(const void *what), const void *what, long k) {
+    const pid_t pid = fork();
+    if (pid == 0) {
+        if (!freopen("/dev/null", "w", stderr)) /* where SUNDIALS complains */
+            _exit(76);
+        counted = held = 0;
+        fail_after = k;
+        const int made = make(what);
+        failing = 0;
+        _exit(held > 0 ? LEAKED : made);
+    }
+    int status;
+    waitpid(pid, &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+}
+
+/* These use libraries that do not survive some of their own failed allocations: N_VClone of
+ * SUNDIALS 6.4 and gsl_odeiv2_control_standard_new of GSL 2.7 write to what malloc gave without
+ * looking. A death is allowed to them; to leak, or to give a wrong code, is not. */
+static int may_die(const char *name) {
+    static const char *const names[] = {"cvode", "cg", "reference"};
+    for (int i = 0; i < 3; i++)
+        if (strncmp(name, names[i], strlen(names[i])) == 0)
+            return 1;
+    return 0;
+}
+
+/* Lets each allocation fail in turn until none is left to fail. */
+static void try_all(const char *name, int (*make)(const void *what), const void *what) {
+    long k = 1, refused = 0;
+    int result = NOT_MADE;
+    for (; k < 2000 && result != MADE; k++) {
+        result = in_child(make, what, k);
+        refused += result == NOT_MADE;
+        cr_assert(result >= 0 || may_die(name),
+                  "%s: dies of signal %d when allocation %ld and later ones fail", name, -result,
+                  k);
+        cr_assert(result <= LEAKED, "%s: wrong code (%d) when allocation %ld and later ones fail",
+                  name, result, k);
+        cr_assert_neq(result, LEAKED, "%s: leaks when allocation %ld and later ones fail", name, k);
+    }
+    cr_assert_eq(result, MADE, "%s: is never made", name);
+    cr_assert(refused > 0, "%s: allocates nothing, so nothing was tested", name);
+}
+
+static int make_stepper(const void *what) {
+    static struct fixture fixture;
+    const struct variant *variant = what;
+    const struct stepper_settings settings = variant_settings(variant, 1e-6, 1e-9);
+    fixture_chain(&fixture, 3, 1, 1);
+    failing = 1;
+    struct stepper *stepper = stepper_create(variant->method, &settings, &fixture.system);
+    if (stepper)
+        variant->method->free(stepper);
+    failing = 0;
+    return stepper ? MADE : NOT_MADE;
+}
+
+static void check_stepper(const struct variant *variant, void *ctx) {
+    (void)ctx;
+    try_all(variant->name, make_stepper, variant);
+}
+
+Test(memory, steppers_are_made_or_not) {
+    each_variant(check_stepper, NULL);
+}
+
+static int make_linear(const void *what) {
+    static struct fixture fixture;
+    const struct linear_method *method = what;
+    double option[OPTIONS_MAX], b[5] = {1}, x[5];
+    fixture_chain(&fixture, 5, 1, 1);
+    options_defaults(method->options, option);
+    failing = 1;
+    struct linear_solver *solver = linear_create(method, &fixture.system, option);
+    int code = 0;
+    if (solver) {
+        code = linear_factor(solver, 1, 1);
+        if (!code)
+            code = linear_solve(solver, b, x);
+        method->free(solver);
+    }
+    failing = 0;
+    if (code && -code != OUT_OF_MEMORY)
+        _exit(77);
+    return solver && !code ? MADE : NOT_MADE;
+}
+
+/* Factorising and solving allocate too: their failure is OUT_OF_MEMORY by name. */
+Test(memory, linear_solvers_are_made_or_not) {
+    for (int i = 0; linear_methods[i]; i++)
+        try_all(linear_methods[i]->name, make_linear, linear_methods[i]);
+}
+
+static int make_model(const void *what) {
+    const struct scene *scene = what;
+    failing = 1;
+    struct model *model = scene->problem->create(scene, 0, 4);
+    if (model)
+        scene->problem->free(model);
+    failing = 0;
+    return model ? MADE : NOT_MADE;
+}
+
+Test(memory, models_are_made_or_not) {
+    struct scene *scene = circle_scene(1, 0);
+    try_all(scene->name, make_model, scene);
+    scene_free(scene);
+}
+
+/* A whole run: finished, or "out of memory" with a reason. */
+static int do_run(const void *what) {
+    const struct variant *variant = what;
+    char reason[REASON_SIZE];
+    struct settings settings;
+    struct run_result result;
+    struct scene *scene = circle_scene(4, 0);
+    const struct run_request request = {.stepper = variant->method->name,
+                                        .options = &variant->option,
+                                        .option_count = variant->option != NULL};
+    if (settings_resolve(scene, &request, &settings, reason))
+        _exit(78);
+    failing = 1;
+    simulate(scene, &settings, NULL, NULL, &result);
+    failing = 0;
+    scene_free(scene);
+    if (result.outcome != FINISHED && (result.outcome != OUT_OF_MEMORY || !result.reason[0]))
+        _exit(79);
+    return result.outcome == FINISHED ? MADE : NOT_MADE;
+}
+
+static void check_run(const struct variant *variant, void *ctx) {
+    (void)ctx;
+    try_all(variant->name, do_run, variant);
+}
+
+Test(memory, runs_finish_or_are_out_of_memory) {
+    each_variant(check_run, NULL);
+}
+
+#endif

@@ -1,0 +1,167 @@
+/* Experiments that are killed, shared and split: every run is done once, and none is lost. */
+#include "support.h"
+
+#include <criterion/criterion.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+/* "circle: 62 runs, 40 of them new" */
+static void read_counts(const struct finished *f, int *runs, int *new) {
+    const char *line = strstr(f->out, "circle: ");
+    cr_assert(line && sscanf(line, "circle: %d runs, %d of them new", runs, new) == 2,
+              "exit code %d, no count of runs in '%s', '%s'", f->code, f->out, f->err);
+}
+
+enum { RUNS_MAX = 200 };
+
+/* The run.json files of a folder: their inodes change when they are written again. */
+struct inventory {
+    int count;
+    ino_t inode[RUNS_MAX];
+    struct timespec time[RUNS_MAX];
+};
+
+static void add_run(const char *path, void *ctx) {
+    struct inventory *all = ctx;
+    const char *slash = strrchr(path, '/');
+    struct stat status;
+    if (strcmp(slash, "/run.json") != 0 || all->count == RUNS_MAX || stat(path, &status))
+        return;
+    all->inode[all->count] = status.st_ino;
+    all->time[all->count++] = status.st_mtim;
+}
+
+static struct inventory look(const char *folder) {
+    struct inventory all = {.count = 0};
+    each_file(folder, add_run, &all);
+    return all;
+}
+
+/* How many of the runs of `before` are untouched in `after`. */
+static int kept(const struct inventory *before, const struct inventory *after) {
+    int same = 0;
+    for (int i = 0; i < before->count; i++)
+        for (int k = 0; k < after->count; k++)
+            same += before->inode[i] == after->inode[k] &&
+                    before->time[i].tv_sec == after->time[k].tv_sec &&
+                    before->time[i].tv_nsec == after->time[k].tv_nsec;
+    return same;
+}
+
+static void nap(long milliseconds) {
+    nanosleep(&(struct timespec){.tv_nsec = 1000000 * milliseconds}, NULL);
+}
+
+Test(resume, slow_an_experiment_goes_on_after_kill_9) {
+    char folder[PATH_SIZE];
+    const char *const words[] = {"experiment", "circle", "--quick", "--out", folder, NULL};
+    struct finished f;
+    int runs = 0, new = 0, killed_between = 0;
+    struct inventory before = {0};
+    folder_make(folder);
+    for (int round = 1; round <= 2; round++) {
+        const struct process process = program_start(NULL, words);
+        while (look(folder).count < 10 * round && kill(process.pid, 0) == 0)
+            nap(1);
+        kill(process.pid, SIGKILL);
+        program_wait(&process, &f);
+        nap(100); /* its children die with it, but not before it */
+        const struct inventory now = look(folder);
+        cr_assert_eq(kept(&before, &now), before.count, "a complete run was done again");
+        before = now;
+        killed_between += f.code == -SIGKILL;
+    }
+    cr_assert_eq(killed_between, 2, "it was over before it could be killed");
+    const struct process process = program_start(NULL, words);
+    program_wait(&process, &f);
+    const struct inventory after = look(folder);
+    read_counts(&f, &runs, &new);
+    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
+    cr_assert_eq(after.count, runs, "%d of %d runs are there", after.count, runs);
+    cr_assert_eq(new, runs - before.count, "%d new runs where %d of %d were there", new,
+                 before.count, runs);
+    cr_assert_eq(kept(&before, &after), before.count, "a complete run was done again");
+    folder_remove(folder);
+}
+
+/* Two processes on one folder, at once: together they do each run once. */
+static int share(void) {
+    char folder[PATH_SIZE];
+    struct finished f[2];
+    int runs[2], new[2];
+    folder_make(folder);
+    const char *const words[] = {"experiment", "circle", "--quick", "--out", folder, NULL};
+    const struct process first = program_start(NULL, words), second = program_start(NULL, words);
+    program_wait(&first, &f[0]);
+    program_wait(&second, &f[1]);
+    for (int i = 0; i < 2; i++) {
+        cr_assert_eq(f[i].code, 0, "exit code %d: %s", f[i].code, f[i].err);
+        read_counts(&f[i], &runs[i], &new[i]);
+    }
+    cr_assert_eq(new[0] + new[1], runs[0], "%d + %d new runs for %d", new[0], new[1], runs[0]);
+    cr_assert_eq(look(folder).count, runs[0], "%d runs are there", look(folder).count);
+    folder_remove(folder);
+    return new[0] > 0 && new[1] > 0;
+}
+
+/* On a busy machine one may have done all before the other begins: that is no test. */
+Test(resume, slow_two_processes_share_a_folder) {
+    int shared = 0;
+    for (int i = 0; i < 5 && !shared; i++)
+        shared = share();
+    cr_assert(shared, "one did all the runs every time");
+}
+
+/* Shares for a cluster: 1/2 and 2/2 leave nothing to do, and neither does the work of the other. */
+Test(resume, slow_shards_add_up) {
+    char folder[PATH_SIZE];
+    struct finished f;
+    int runs, halves[2], new;
+    folder_make(folder);
+    for (int i = 0; i < 2; i++) {
+        PROGRAM(&f, NULL, "experiment", "circle", "--quick", "--stepper", "rk4", "--stepper",
+                "euler", "--out", folder, "--shard", i ? "2/2" : "1/2");
+        cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
+        read_counts(&f, &halves[i], &new);
+        cr_assert_eq(new, halves[i], "shard %d: %d of %d runs are new", i + 1, new, halves[i]);
+        cr_assert((strstr(f.out, "missing") != NULL) == (i == 0), "shard %d says '%s'", i + 1,
+                  f.out);
+    }
+    PROGRAM(&f, NULL, "experiment", "circle", "--quick", "--stepper", "rk4", "--stepper", "euler",
+            "--out", folder);
+    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
+    read_counts(&f, &runs, &new);
+    cr_assert_eq(new, 0, "%d runs are new after both shards", new);
+    cr_assert_eq(halves[0] + halves[1], runs, "%d + %d runs in shards of %d", halves[0], halves[1],
+                 runs);
+    const struct inventory before = look(folder);
+    PROGRAM(&f, NULL, "experiment", "circle", "--quick", "--stepper", "rk4", "--stepper", "euler",
+            "--out", folder, "--fresh");
+    read_counts(&f, &runs, &new);
+    const struct inventory after = look(folder);
+    cr_assert_eq(new, runs, "--fresh: %d of %d runs are new", new, runs);
+    cr_assert_eq(kept(&before, &after), 0, "--fresh keeps old runs");
+    folder_remove(folder);
+}
+
+/* Figures and tables from run folders alone. */
+Test(resume, slow_figures_are_drawn_again_without_runs) {
+    char folder[PATH_SIZE];
+    struct finished f;
+    folder_make(folder);
+    PROGRAM(&f, NULL, "experiment", "circle", "--quick", "--out", folder);
+    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
+    const int svg = count_files(folder, ".svg"), png = count_files(folder, ".png");
+    cr_assert(svg > 0 && svg == png, "%d svg and %d png files", svg, png);
+    const struct inventory before = look(folder);
+    PROGRAM(&f, NULL, "plot", "circle", "--out", folder);
+    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
+    const struct inventory after = look(folder);
+    cr_assert(kept(&before, &after) == before.count && before.count == after.count,
+              "plot touches runs");
+    folder_remove(folder);
+}

@@ -1,0 +1,236 @@
+#include "support.h"
+
+#include "circle.h"
+
+#include <criterion/criterion.h>
+#include <fcntl.h>
+#include <ftw.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+/* --- variants --- */
+
+static void use_variant(const struct stepper_method *method, const char *option,
+                        void (*use)(const struct variant *variant, void *ctx), void *ctx) {
+    struct variant variant = {.method = method, .option = option};
+    snprintf(variant.name, sizeof variant.name, "%s%s%s", method->name, option ? " " : "",
+             option ? option : "");
+    use(&variant, ctx);
+}
+
+void each_variant(void (*use)(const struct variant *variant, void *ctx), void *ctx) {
+    for (int i = 0; stepper_methods[i]; i++) {
+        const struct stepper_method *method = stepper_methods[i];
+        use_variant(method, NULL, use, ctx);
+        for (const struct option_spec *spec = method->options; spec && spec->name; spec++) {
+            char option[80];
+            for (int c = 0; spec->kind == OPTION_CHOICE && spec->choices[c]; c++) {
+                if (c == (int)spec->initial || strcmp(spec->choices[c], "spd") == 0)
+                    continue; /* no fixture has that Jacobian */
+                snprintf(option, sizeof option, "%s=%s", spec->name, spec->choices[c]);
+                use_variant(method, option, use, ctx);
+            }
+            if (strcmp(spec->name, "newton.iterations") == 0)
+                use_variant(method, "newton.iterations=20", use, ctx);
+        }
+    }
+}
+
+struct stepper_settings variant_settings(const struct variant *variant, double rtol, double atol) {
+    struct stepper_settings settings = {.rtol = rtol, .atol = atol};
+    const struct option_spec *specs = variant->method->options;
+    options_defaults(specs, settings.option);
+    if (variant->method->capabilities & STEPPER_IMPLICIT) {
+        settings.linear = linear_find("direct");
+        options_defaults(settings.linear->options, settings.linear_option);
+    }
+    if (variant->option) {
+        char reason[REASON_SIZE];
+        const char *equals = strchr(variant->option, '=');
+        const int i = options_find(specs, variant->option, (size_t)(equals - variant->option));
+        cr_assert(i >= 0 && options_parse(&specs[i], equals + 1, &settings.option[i], reason,
+                                          sizeof reason) == 0,
+                  "%s cannot be made", variant->name);
+    }
+    return settings;
+}
+
+int integrate(struct stepper *stepper, double from, double to, int steps, double *q, double *v) {
+    const struct stepper_method *method = stepper->method;
+    int code = 0;
+    if (method->advance)
+        for (double t = from; t < to && !code;)
+            code = method->advance(stepper, &t, to, q, v);
+    else
+        for (int k = 0; k < steps && !code; k++)
+            code = method->step(stepper, from + (to - from) * k / steps, (to - from) / steps, q, v);
+    return code;
+}
+
+/* --- runs in this process --- */
+
+struct scene *circle_scene(double duration, double frame_rate) {
+    char sets[2][64], reason[REASON_SIZE];
+    const char *const given[] = {sets[0], sets[1]};
+    snprintf(sets[0], sizeof sets[0], "duration=%.17e", duration);
+    snprintf(sets[1], sizeof sets[1], "frame_rate=%.17e", frame_rate);
+    struct scene *scene = scene_load("circle", given, frame_rate > 0 ? 2 : 1, reason);
+    cr_assert(scene, "%s", reason);
+    return scene;
+}
+
+static int keep_last(void *ctx, const struct model *model, double t, const double *rows) {
+    (void)model;
+    struct orbit *orbit = ctx;
+    double exact[2];
+    circle_exact(t, exact);
+    orbit->t = t;
+    orbit->x = rows[2];
+    orbit->y = rows[3];
+    orbit->vx = rows[5];
+    orbit->vy = rows[6];
+    orbit->error = hypot(rows[2] - exact[0], rows[3] - exact[1]);
+    orbit->max_error = fmax(orbit->max_error, orbit->error);
+    return 0;
+}
+
+void run_circle(const struct scene *scene, const struct run_request *request, struct orbit *orbit) {
+    struct settings settings;
+    char reason[REASON_SIZE];
+    *orbit = (struct orbit){.max_error = 0};
+    cr_assert(settings_resolve(scene, request, &settings, reason) == 0, "refused: %s", reason);
+    simulate(scene, &settings, &(struct observer){keep_last, orbit}, NULL, &orbit->result);
+}
+
+/* --- the program --- */
+
+struct process program_start(const struct launch *launch, const char *const *arguments) {
+    const char *argv[32] = {WISPLAB_PROGRAM};
+    for (int i = 0; arguments[i]; i++)
+        argv[i + 1] = arguments[i];
+    struct process process = {.out = memfd_create("out", MFD_CLOEXEC),
+                              .err = memfd_create("err", MFD_CLOEXEC)};
+    cr_assert(process.out >= 0 && process.err >= 0, "no memory for the output");
+    process.pid = fork();
+    if (process.pid == 0) {
+        int out = process.out;
+        if (launch && launch->folder && chdir(launch->folder))
+            _exit(99);
+        if (launch && launch->to_dev_full)
+            out = open("/dev/full", O_WRONLY);
+        dup2(open("/dev/null", O_RDONLY), 0);
+        dup2(out, 1);
+        dup2(process.err, 2);
+        if (launch && launch->file_limit) {
+            const rlim_t limit = (rlim_t)launch->file_limit;
+            setrlimit(RLIMIT_FSIZE, &(struct rlimit){limit, limit});
+        }
+        execv(WISPLAB_PROGRAM, (char *const *)argv);
+        _exit(99);
+    }
+    cr_assert(process.pid > 0, "no process");
+    return process;
+}
+
+static void read_all(int file, char *text, size_t size) {
+    const ssize_t length = pread(file, text, size - 1, 0);
+    text[length > 0 ? length : 0] = '\0';
+    close(file);
+}
+
+void program_wait(const struct process *process, struct finished *finished) {
+    int status;
+    cr_assert(waitpid(process->pid, &status, 0) == process->pid, "lost the program");
+    finished->code = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+    read_all(process->out, finished->out, sizeof finished->out);
+    read_all(process->err, finished->err, sizeof finished->err);
+}
+
+int count_lines(const char *text) {
+    int lines = 0;
+    for (const char *p = text; *p; p++)
+        lines += *p == '\n' || p[1] == '\0';
+    return lines;
+}
+
+/* --- folders --- */
+
+void folder_make(char *path) {
+    const char *parent = getenv("TMPDIR");
+    path_format(path, "%s/wisplab-test-XXXXXX", parent && *parent ? parent : "/tmp");
+    cr_assert(mkdtemp(path), "no temporary folder");
+}
+
+static int remove_one(const char *path, const struct stat *status, int type, struct FTW *ftw) {
+    (void)status, (void)type, (void)ftw;
+    return remove(path);
+}
+
+void folder_remove(const char *path) {
+    nftw(path, remove_one, 8, FTW_DEPTH | FTW_PHYS);
+}
+
+void file_write(const char *folder, const char *name, const char *text, char *path) {
+    char own[PATH_SIZE];
+    char *to = path ? path : own;
+    path_format(to, "%s/%s", folder, name);
+    FILE *file = fopen(to, "w");
+    cr_assert(file, "%s cannot be written", to);
+    fputs(text, file);
+    fclose(file);
+}
+
+char *file_read(const char *path) {
+    FILE *file = fopen(path, "r");
+    if (!file)
+        return NULL;
+    fseek(file, 0, SEEK_END);
+    const long size = ftell(file);
+    rewind(file);
+    char *text = malloc((size_t)size + 1);
+    cr_assert(text, "no memory");
+    text[fread(text, 1, (size_t)size, file)] = '\0';
+    fclose(file);
+    return text;
+}
+
+static struct {
+    void (*use)(const char *path, void *ctx);
+    void *ctx;
+} walk;
+
+static int walk_one(const char *path, const struct stat *status, int type, struct FTW *ftw) {
+    (void)status, (void)ftw;
+    if (type == FTW_F)
+        walk.use(path, walk.ctx);
+    return 0;
+}
+
+void each_file(const char *folder, void (*use)(const char *path, void *ctx), void *ctx) {
+    walk.use = use;
+    walk.ctx = ctx;
+    nftw(folder, walk_one, 8, FTW_PHYS);
+}
+
+struct matches {
+    const char *part;
+    int count;
+};
+
+static void match(const char *path, void *ctx) {
+    struct matches *matches = ctx;
+    const char *slash = strrchr(path, '/');
+    matches->count += strstr(slash ? slash + 1 : path, matches->part) != NULL;
+}
+
+int count_files(const char *folder, const char *part) {
+    struct matches matches = {.part = part};
+    each_file(folder, match, &matches);
+    return matches.count;
+}
