@@ -30,6 +30,7 @@ struct multistep {
     double gamma;              /* of the last set-up */
     int started, restart;      /* whether it ran before; whether the next step begins anew */
     int cause;                 /* the code of the last callback */
+    int fatal;                 /* the first code of this step after which nothing will help, or 0 */
     long rejected, iterations; /* CVODE's counts since it began anew, as counted already */
     double work[];             /* two right sides */
 };
@@ -37,6 +38,8 @@ struct multistep {
 /* CVODE's sign of the code of a callback. */
 static int report(struct multistep *s, int code) {
     s->cause = code;
+    if (code < 0 && !s->fatal)
+        s->fatal = code;
     return (code > 0) - (code < 0);
 }
 
@@ -223,10 +226,6 @@ static int cvode_refuse(const struct stepper_settings *settings, struct system *
                            system->name);
     if (option[NONLINEAR] == FIXED_POINT)
         return 0;
-    if (!system->ops->product)
-        return system_fail(system, REFUSED,
-                           "cvode: Newton's method needs products with M and K: %s has none",
-                           system->name);
     enum jacobian kind;
     return linear_choose(settings->linear, system, (int)option[JACOBIAN], &kind);
 }
@@ -312,12 +311,16 @@ static int cvode_advance(struct stepper *stepper, double *t, double stop, double
         }
         begin(s, *t, q, v);
     }
-    s->cause = 0;
+    s->cause = s->fatal = 0;
     double reached = *t;
     int flag = CVodeSetStopTime(s->cvode, stop);
     if (flag >= 0)
         flag = CVode(s->cvode, stop, s->y, &reached, CV_ONE_STEP);
     count(s);
+    if (s->fatal) { /* the fixed-point solver of SUNDIALS 6 would try a smaller step */
+        s->restart = 1;
+        return s->fatal;
+    }
     if (flag < 0)
         return failed(s, outcome_of(flag, s->cause), s->sundials.message);
     if (reached < stop && step_is_lost(*t, reached - *t))

@@ -91,7 +91,9 @@ static int take_step(struct reference *r, double *t, double stop) {
     system->counters.rejected_steps += (long long)rejected * system->wisps;
     r->rejected = r->evolve->failed_steps;
     if (status && status != GSL_FAILURE)
-        return -abs(r->cause); /* the rate failed at every step */
+        return r->cause
+                   ? -abs(r->cause) /* the rate failed at every step */
+                   : system_fail(system, -SOLVER_STALLED, "reference: %s", gsl_strerror(status));
     if (status || (*t < stop && step_is_lost(start, *t - start)))
         return system_fail(system, -STEP_TOO_SMALL,
                            "reference: no step from t = %.9g s meets the tolerances", start);

@@ -2,6 +2,7 @@
 
 #include "build_info.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdarg.h>
 #include <string.h>
@@ -11,12 +12,15 @@ static const struct command *const commands[] = {
 };
 
 int complain(int code, const char *format, ...) {
+    char line[1024];
     va_list arguments;
-    fputs("wisplab: ", stderr);
     va_start(arguments, format);
-    vfprintf(stderr, format, arguments);
+    vsnprintf(line, sizeof line, format, arguments);
     va_end(arguments);
-    fputc('\n', stderr);
+    for (char *c = line; *c; c++)
+        if (iscntrl((unsigned char)*c)) /* of a name that was given: one line stays one line */
+            *c = '?';
+    fprintf(stderr, "wisplab: %s\n", line);
     return code;
 }
 

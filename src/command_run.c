@@ -73,7 +73,7 @@ static struct scene *load(const struct arguments *arguments, char *reason) {
 /* What is about to be computed: the size of the problem and its forces. */
 static void announce(const struct run_case *run) {
     const char *names[16];
-    const int count = run->scene->problem->terms(run->scene, names, 16);
+    const int count = problem_terms(run->scene, names, 16);
     printf("%s with %s (%s): %d unknowns;", run->scene->name, run->settings.method->name,
            run->scene->problem->treatments[run->settings.treatment].name, run->settings.unknowns);
     for (int i = 0; i < count; i++)

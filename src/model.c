@@ -1,5 +1,7 @@
 #include "model.h"
 
+#include "scene.h"
+
 #include <string.h>
 
 const struct problem *const problems[] = {&wisp_problem, &circle_problem, NULL};
@@ -9,6 +11,10 @@ const struct problem *problem_find(const char *name) {
         if (strcmp(problems[i]->name, name) == 0)
             return problems[i];
     return NULL;
+}
+
+int problem_terms(const struct scene *scene, const char **names, int most) {
+    return scene->problem->terms ? scene->problem->terms(scene, names, most) : 0;
 }
 
 int treatment_find(const struct problem *problem, const char *name) {

@@ -57,7 +57,8 @@ struct problem {
      * rate_column_count numbers. */
     void (*sample_accelerations)(const struct model *model, double *const *a, double *rows);
 
-    /* The force terms that a scene has, by name, at most `most` of them; returns their number. */
+    /* The force terms that a scene has, by name, at most `most` of them; returns their number.
+     * NULL: no names. */
     int (*terms)(const struct scene *scene, const char **names, int most);
 
     /* What happens at a stop besides the smooth motion; sets changed[i] where part i's state is no
@@ -72,6 +73,9 @@ struct problem {
 /* All problems, NULL-terminated, and the one of that name or NULL. */
 extern const struct problem *const problems[];
 const struct problem *problem_find(const char *name);
+
+/* problem->terms, where there is one. */
+int problem_terms(const struct scene *scene, const char **names, int most);
 
 /* Index of a treatment's name, or -1. */
 int treatment_find(const struct problem *problem, const char *name);

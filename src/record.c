@@ -49,7 +49,7 @@ static int write_frame(void *ctx, const struct model *model, double t, const dou
     }
     if (fflush(stream)) /* now, so that a killed run keeps its frames and a full disk shows */
         writer->error = errno;
-    return writer->error;
+    return writer->error ? OUTPUT_FAILED : 0;
 }
 
 static int open_frames(struct frame_writer *writer, const struct scene *scene,
@@ -96,7 +96,7 @@ static int keep_frame(void *ctx, const struct model *model, double t, const doub
         const size_t capacity = 2 * (c->used + c->size);
         double *frames = realloc(c->frames, capacity * sizeof *frames);
         if (!frames)
-            return -1;
+            return OUT_OF_MEMORY;
         c->frames = frames;
         c->capacity = capacity;
     }
@@ -187,7 +187,7 @@ static json_t *counters_to_json(const struct counters *counters) {
 static json_t *terms_to_json(const struct scene *scene) {
     const char *names[16];
     json_t *json = json_array();
-    const int count = scene->problem->terms(scene, names, 16);
+    const int count = problem_terms(scene, names, 16);
     for (int i = 0; i < count; i++)
         json_array_append_new(json, json_string(names[i]));
     return json;
@@ -224,7 +224,7 @@ static int write_json(const json_t *json, const char *folder, char *reason) {
     return atomic_commit(&file, reason);
 }
 
-/* A run that took all the memory it may have left none to write that down with. */
+/* A run that took all the memory it may, or nearly, left none to write that down with. */
 static void lift_memory_limit(void) {
     struct rlimit limit;
     getrlimit(RLIMIT_AS, &limit);
@@ -244,8 +244,7 @@ enum outcome record_run(const struct scene *scene, const struct settings *settin
     if (open_frames(&writer, scene, settings, folder, reason))
         return OUTPUT_FAILED;
     simulate(scene, settings, checked ? &write_and_keep : &write_only, watch, &result);
-    if (result.outcome == OUT_OF_MEMORY)
-        lift_memory_limit();
+    lift_memory_limit();
     if (close_frames(&writer, &result, reason)) {
         free(comparison.frames);
         return OUTPUT_FAILED;

@@ -5,6 +5,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <glob.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -212,14 +213,27 @@ enum outcome runs_do_one(const struct run_case *run, const struct run_limits *li
     return outcome;
 }
 
+/* Half files of a process that was killed. */
+static void remove_leftovers(const char *folder) {
+    char pattern[PATH_SIZE];
+    glob_t found;
+    if (path_format(pattern, "%s/*.part", folder) || glob(pattern, GLOB_NOESCAPE, NULL, &found))
+        return;
+    for (size_t i = 0; i < found.gl_pathc; i++)
+        unlink(found.gl_pathv[i]);
+    globfree(&found);
+}
+
 /* The folder, made and locked for this process; -1 where another process is at it. The lock goes
  * with the process that holds it, however it ends. */
 static int lock_folder(const char *folder, char *reason) {
     if (make_folder(folder, reason))
         return -2;
     const int lock = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (lock >= 0 && flock(lock, LOCK_EX | LOCK_NB) == 0)
+    if (lock >= 0 && flock(lock, LOCK_EX | LOCK_NB) == 0) {
+        remove_leftovers(folder);
         return lock;
+    }
     if (lock >= 0)
         close(lock);
     return -1;

@@ -208,8 +208,9 @@ static void show_frame(struct simulation *sim) {
     if (!sim->observer)
         return;
     sim->scene->problem->sample(sim->model, sim->rows);
-    if (sim->observer->frame(sim->observer->ctx, sim->model, sim->t, sim->rows))
-        end_with(sim, OUTPUT_FAILED, "a frame could not be written");
+    const int code = sim->observer->frame(sim->observer->ctx, sim->model, sim->t, sim->rows);
+    if (code)
+        end_with(sim, (enum outcome)code, "a frame could not be kept");
 }
 
 static double cpu_now(void) {

@@ -16,8 +16,8 @@ struct run_result {
     double cpu_seconds; /* of the process, from the first step to the last */
 };
 
-/* Receives each frame: the model's rows, row_count times column_count numbers. A code other than 0
- * ends the run with OUTPUT_FAILED. */
+/* Receives each frame: the model's rows, row_count times column_count numbers. Returns 0, or the
+ * outcome with which the run must end. */
 struct observer {
     int (*frame)(void *ctx, const struct model *model, double t, const double *rows);
     void *ctx;

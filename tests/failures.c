@@ -120,14 +120,10 @@ static void check_failure(const struct variant *variant, enum fixture_call call,
         return;
     }
     const int adaptive = (variant->method->capabilities & STEPPER_ADAPTIVE) != 0;
-    /* SUNDIALS 6.4's fixed-point solver makes every failure of the model one of convergence, and
-     * CVODE tries a smaller step (mended in 7.0, which returns the callback's code). */
-    const int tries_again =
-        variant->option && strcmp(variant->option, "nonlinear=fixed-point") == 0;
     if (!adaptive)
         cr_assert_eq(code, trial.fixture.fail_code, "%s returned %d where call %d of %s gave %d",
                      variant->name, code, k, what, trial.fixture.fail_code);
-    else if (manner == FOR_EVER_RECOVERABLE || (manner == ONCE_FATAL && !tries_again))
+    else if (manner == FOR_EVER_RECOVERABLE || manner == ONCE_FATAL)
         cr_assert_eq(code, -MODEL_FAILED, "%s returned %d (%s) where call %d of %s failed %s",
                      variant->name, code, outcome_name((enum outcome)abs(code)), k, what,
                      manner == ONCE_FATAL ? "fatally" : "from then on");

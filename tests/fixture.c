@@ -180,7 +180,7 @@ static void begin(struct fixture *f, const char *name, int n, unsigned matrix) {
         .size = n,
         .lanes = 1,
         .wisps = 1,
-        .matrix = {[JACOBIAN_EXACT] = matrix, [JACOBIAN_SPD] = 0},
+        .matrix = {[JACOBIAN_EXACT] = matrix | MATRIX_FACTORABLE, [JACOBIAN_SPD] = 0},
         .pattern = &f->pattern,
     };
     for (int i = 0; i < n; i++)
@@ -289,6 +289,8 @@ void fixture_manufactured(struct fixture *f) {
 
 struct fixture_start fixture_start;
 
+static const char *const columns[] = {"wisp", "node", "x", "y", "z", "vx", "vy", "vz", NULL};
+
 struct fixture_model {
     struct model model;
     struct part part;
@@ -308,8 +310,12 @@ static struct model *create(const struct scene *scene, int treatment, int lanes)
     m->part = (struct part){.system = m->fixture.system, .q = m->q, .v = m->v};
     m->q[0] = fixture_start.q;
     m->v[0] = fixture_start.v;
-    m->model = (struct model){
-        .problem = &fixture_problem, .parts = &m->part, .part_count = 1, .row_count = 1};
+    m->model = (struct model){.problem = &fixture_problem,
+                              .parts = &m->part,
+                              .part_count = 1,
+                              .row_count = 1,
+                              .columns = columns,
+                              .column_count = 8};
     return &m->model;
 }
 
@@ -333,13 +339,10 @@ static const char *default_linear(const struct stepper_method *method) {
 }
 
 static const struct treatment treatments[] = {{"free", "as it is"}, {0}};
-static const char *const columns[] = {"wisp", "node", "x", "y", "z", "vx", "vy", "vz", NULL};
 
 const struct problem fixture_problem = {
     .name = "fixture",
     .treatments = treatments,
-    .columns = columns,
-    .column_count = 8,
     .default_treatment = default_treatment,
     .default_linear = default_linear,
     .create = create,

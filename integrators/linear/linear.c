@@ -10,8 +10,10 @@ static int fits(const struct linear_method *method, const struct system *system,
 
 int linear_choose(const struct linear_method *method, struct system *system, int option,
                   enum jacobian *kind) {
-    if (!system->ops->linearise)
-        return system_fail(system, REFUSED, "%s has no Jacobians", system->name);
+    if (!system->ops->linearise || !system->ops->product)
+        return system_fail(system, REFUSED,
+                           "linear solver %s has nothing to solve: %s has no Jacobians",
+                           method->name, system->name);
     if (!method->supports(system))
         return system_fail(system, REFUSED, "linear solver %s is not there for %s", method->name,
                            system->name);
