@@ -8,6 +8,16 @@ static int fits(const struct linear_method *method, const struct system *system,
     return (system->matrix[kind] & needs) == needs;
 }
 
+/* auto: spd where it serves; else exact where that does; else what there is, to be refused. */
+static enum jacobian preferred(const struct linear_method *method, const struct system *system,
+                               int option) {
+    if (option != JACOBIAN_AUTO)
+        return (enum jacobian)option;
+    if (fits(method, system, JACOBIAN_SPD) || fits(method, system, JACOBIAN_EXACT))
+        return fits(method, system, JACOBIAN_SPD) ? JACOBIAN_SPD : JACOBIAN_EXACT;
+    return system->matrix[JACOBIAN_SPD] & MATRIX_AVAILABLE ? JACOBIAN_SPD : JACOBIAN_EXACT;
+}
+
 int linear_choose(const struct linear_method *method, struct system *system, int option,
                   enum jacobian *kind) {
     if (!system->ops->linearise || !system->ops->product)
@@ -17,9 +27,7 @@ int linear_choose(const struct linear_method *method, struct system *system, int
     if (!method->supports(system))
         return system_fail(system, REFUSED, "linear solver %s is not there for %s", method->name,
                            system->name);
-    *kind = option != JACOBIAN_AUTO              ? (enum jacobian)option
-            : fits(method, system, JACOBIAN_SPD) ? JACOBIAN_SPD
-                                                 : JACOBIAN_EXACT;
+    *kind = preferred(method, system, option);
     if (fits(method, system, *kind))
         return 0;
     if (!(system->matrix[*kind] & MATRIX_AVAILABLE))
