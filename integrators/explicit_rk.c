@@ -7,8 +7,9 @@
 
 struct explicit_rk {
     struct stepper base;
-    double *q, *v;                           /* the state of a stage, then of the end */
-    double *vk[STAGES_MAX], *ak[STAGES_MAX]; /* the stages' derivatives of q and of v */
+    double *q, *v;          /* the position of a stage; the state of the end */
+    double *vk[STAGES_MAX]; /* the stages' velocities, those of the first being the state's own */
+    double *ak[STAGES_MAX]; /* the stages' accelerations */
     double memory[];
 };
 
@@ -27,23 +28,39 @@ struct stepper *explicit_rk_create(const struct stepper_settings *settings, stru
     return &rk->base;
 }
 
-/* rk->(q, v) <- (q, v) + h sum_j w_j (vk_j, ak_j), zero weights skipped, one pass per pair of
- * stages at most: every table here has one or, at the end, all of them. */
-static void combine(struct explicit_rk *rk, int n, double h, const double *weight, int stages,
-                    const double *q, const double *v) {
-    const double *base_q = q, *base_v = v;
+/* One pass of `sum`, for a number of stages that is a constant where this is inlined. */
+static inline __attribute__((always_inline)) void sum_stages(int stages, int n,
+                                                             const double *restrict weight,
+                                                             double *const *k, const double *x,
+                                                             double *restrict to) {
+    for (int i = 0; i < n; i++) {
+        double sum = weight[0] * k[0][i];
+        for (int j = 1; j < stages; j++)
+            sum += weight[j] * k[j][i];
+        to[i] = x[i] + sum;
+    }
+}
+
+/* to <- x + h sum_j w_j k_j over the stages whose weight is not 0. */
+static void sum(int n, double h, const double *weight, int stages, double *const *k,
+                const double *x, double *to) {
+    double used_weight[STAGES_MAX], *used[STAGES_MAX];
+    int count = 0;
     for (int j = 0; j < stages; j++) {
         if (weight[j] == 0)
             continue;
-        const double hw = h * weight[j];
-        const double *restrict vk = rk->vk[j], *restrict ak = rk->ak[j];
-        double *to_q = rk->q, *to_v = rk->v;
-        for (int i = 0; i < n; i++) {
-            to_q[i] = base_q[i] + hw * vk[i];
-            to_v[i] = base_v[i] + hw * ak[i];
-        }
-        base_q = rk->q;
-        base_v = rk->v;
+        used_weight[count] = h * weight[j];
+        used[count++] = k[j];
+    }
+    switch (count) {
+    case 1:
+        sum_stages(1, n, used_weight, used, x, to);
+        break;
+    case 4:
+        sum_stages(4, n, used_weight, used, x, to);
+        break;
+    default:
+        sum_stages(count, n, used_weight, used, x, to);
     }
 }
 
@@ -52,29 +69,28 @@ int explicit_rk_step(struct stepper *stepper, double t, double h, double *q, dou
     struct system *system = stepper->system;
     const struct butcher_table *table = stepper->method->table;
     const int n = system->size;
-    const size_t bytes = (size_t)n * sizeof(double);
+    double *vk[STAGES_MAX] = {v};
 
     for (int i = 0; i < table->stages; i++) {
-        const double *stage_q = q, *stage_v = v;
         if (i > 0) {
-            combine(rk, n, h, table->a[i], i, q, v);
-            stage_q = rk->q;
-            stage_v = rk->v;
+            vk[i] = rk->vk[i];
+            sum(n, h, table->a[i], i, vk, q, rk->q);
+            sum(n, h, table->a[i], i, rk->ak, v, vk[i]);
         }
-        memcpy(rk->vk[i], stage_v, bytes);
         const int code =
-            system_acceleration(system, t + table->c[i] * h, stage_q, stage_v, rk->ak[i]);
+            system_acceleration(system, t + table->c[i] * h, i > 0 ? rk->q : q, vk[i], rk->ak[i]);
         if (code)
             return code;
     }
-    combine(rk, n, h, table->b, table->stages, q, v);
+    sum(n, h, table->b, table->stages, vk, q, rk->q);
+    sum(n, h, table->b, table->stages, rk->ak, v, rk->v);
     if (system_has_projection(system)) {
         const int code = system_project(system, t + h, rk->q, rk->v);
         if (code)
             return code;
     }
-    memcpy(q, rk->q, bytes);
-    memcpy(v, rk->v, bytes);
+    memcpy(q, rk->q, (size_t)n * sizeof(double));
+    memcpy(v, rk->v, (size_t)n * sizeof(double));
     return 0;
 }
 
