@@ -132,7 +132,8 @@ void LANED(kernel_product)(void *ctx, double m, double d, double k, const double
         const struct vec a = scale(own, nodes[i]);
         sum[3 * i] = a.x, sum[3 * i + 1] = a.y, sum[3 * i + 2] = a.z;
     }
-    skeleton_times(part, damping, stiffness, nodes, sum);
+    if (d != 0 || k != 0) /* M alone is asked for at every solve of CVODE */
+        skeleton_times(part, damping, stiffness, nodes, sum);
     for (int i = 0; i < f; i++) {
         const int at = i * part->node_unknowns * LANES;
         if (part->samples > 0)
