@@ -72,7 +72,8 @@ void contest_run(struct contest *contest, double seconds, FILE *stream) {
     int rounds = 0;
     calibrate(contest);
     for (const double start = now(CLOCK_MONOTONIC);
-         rounds < KERNEL_ROUNDS_MAX && (rounds < 3 || now(CLOCK_MONOTONIC) - start < seconds); rounds++)
+         rounds < KERNEL_ROUNDS_MAX && (rounds < 3 || now(CLOCK_MONOTONIC) - start < seconds);
+         rounds++)
         for (int i = 0; i < contest->count; i++) {
             const struct contestant *c = &contest->all[i];
             value[(size_t)i * KERNEL_ROUNDS_MAX + (size_t)rounds] =

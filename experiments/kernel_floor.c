@@ -12,33 +12,33 @@
 static const struct operations
     /* d = p_b - p_a: 3; d.d: 5; L; 1/L; n: 3; v_b - v_a: 3; ().n: 5; k(L - L0) + c(): 4; times n: 3
      */
-        spring = {1, 1, 26},
-        /* onto the sum of forces of one of its nodes: 3 */
+    spring = {1, 1, 26},
+    /* onto the sum of forces of one of its nodes: 3 */
     spring_end = {0, 0, 3},
-        /* g + gamma w - gamma v: 6; + f/m: 6 */
+    /* g + gamma w - gamma v: 6; + f/m: 6 */
     node = {0, 0, 12},
-        /* t x t: 9; its norm: 5 and a root; t.t: 5; atan2: a division and some 45 (a vector
-         * library's: one quotient, a polynomial of degree 19 in its square); 1/sin; b - cos a, a -
-         * cos b: 12; times 1/(L sin): 8; rate: 11; k angle + c rate: 3; forces on the edges: 6; to
-         * 3 nodes: 12 */
+    /* t x t: 9; its norm: 5 and a root; t.t: 5; atan2: a division and some 45 (a vector
+     * library's: one quotient, a polynomial of degree 19 in its square); 1/sin; b - cos a, a -
+     * cos b: 12; times 1/(L sin): 8; rate: 11; k angle + c rate: 3; forces on the edges: 6; to
+     * 3 nodes: 12 */
     hinge = {1, 2, 116},
-        /* t + t: 3; its norm: 5 and a root; unit: 3 and a division */
+    /* t + t: 3; its norm: 5 and a root; unit: 3 and a division */
     bisector = {1, 1, 11},
-        /* u.w, w.w + 1: 11; a division; w + w: 3; u - (): 6; v = w x u: 9 */
+    /* u.w, w.w + 1: 11; a division; w + w: 3; u - (): 6; v = w x u: 9 */
     transport = {0, 1, 29},
-        /* G.u, G.v: 10; to the node: sums times mass ratio and axes: 14 */
+    /* G.u, G.v: 10; to the node: sums times mass ratio and axes: 14 */
     projection_node = {0, 0, 24},
-        /* R - r, k(), c r', -: 4; into the sums: 4; F.a: 3 + 1; gamma r': 2 */
+    /* R - r, k(), c r', -: 4; into the sums: 4; F.a: 3 + 1; gamma r': 2 */
     projection_sample = {0, 0, 14},
-        /* w.G, half (): 6; + half G, + () w: 12; by the mass across: 3; and along: 12; a.u, a.v: 10
-         */
+    /* w.G, half (): 6; + half G, + () w: 12; by the mass across: 3; and along: 12; a.u, a.v: 10
+     */
     generalised_node = {0, 0, 43},
-        /* rddot - a.a_j: 4 */
+    /* rddot - a.a_j: 4 */
     generalised_sample = {0, 0, 4},
-        /* sum, over the mass: 6 */
+    /* sum, over the mass: 6 */
     penalty_node = {0, 0, 6},
-        /* a_j: 9; e - p, e' - v: 6; along a: 10; s: 4; s + k_p r + c_p r': 4; the pull: 3 + 6 + 6;
-         * into the sum: 3; the sample's air and all: 9 */
+    /* a_j: 9; e - p, e' - v: 6; along a: 10; s: 4; s + k_p r + c_p r': 4; the pull: 3 + 6 + 6;
+     * into the sum: 3; the sample's air and all: 9 */
     penalty_sample = {0, 0, 60};
 
 static void count(struct operations *sum, double times, struct operations term) {

@@ -276,7 +276,8 @@ static int write_solvers(const struct tables *tables) {
         return -1;
     printf("  linear solvers, ns per wisp; factor + solve in skeleton evaluations (4 lanes)\n"
            "  %-11s %5s  %-8s %s %6s %10s %9s %9s %9s %11s\n",
-           "system", "wisps", "solver", "L", "step", "iterations", "linearise", "factor", "solve", "evaluations");
+           "system", "wisps", "solver", "L", "step", "iterations", "linearise", "factor", "solve",
+           "evaluations");
     for (int samples = 0; samples <= 4; samples += 4)
         for (int wisps = 1; wisps <= 200; wisps += 199)
             for (int i = 0; i < SOLVER_ROWS; i++) {

@@ -23,7 +23,7 @@ array column_of[CONTESTANTS] = [14, 5, 8, 11]
 array its_colour[CONTESTANTS] = ['#000000', '#D55E00', '#E69F00', '#0072B2']
 array its_mark[CONTESTANTS] = [2, 7, 6, 5]
 
-eval figure('evaluation', 900, 470)
+eval figure('evaluation', 900, 485)
 set multiplot
 eval heading('Nanoseconds per free node of one evaluation', \
     sprintf('%d wisps of 12 nodes; medians, quartiles; over the 4 lanes'' mark: how many floors it takes', BATCH))
@@ -46,7 +46,7 @@ do for [b = 1:3] {
             with labels offset 0, 0.75 font ',10' textcolor rgb '#A84A00'
     eval heading_done
 }
-eval legend(0, 425, 900, 35, 1)
+eval legend(0, 428, 900, 45, 2)
 plot @BLANK, for [k = 1:CONTESTANTS] keyentry with points pt its_mark[k] ps 1.1 lw 1.6 lc rgb its_colour[k] title who[k]
 unset multiplot
 
@@ -68,7 +68,7 @@ first = 0; most = 10
 stats table('operations') using (most = $3 <= 4 && upto(KINDS) > most ? upto(KINDS) : most, 0) nooutput
 do for [b = 1:3] {
     eval panel(130 + 258 * (b - 1), 95, 235, 190)
-    unset logscale; set xrange [0:1.05 * most]; set yrange [0.4:ROWS + 0.6]; set xtics autofreq; set xtics offset 0, 0.3
+    unset logscale; set xrange [0:1.05 * most]; set yrange [0.4:ROWS + 0.6]; set xtics 0, 200; set mxtics 2; set xtics offset 0, 0.3
     set xlabel 'instructions per node' offset 0, 0.4
     set ytics ('no samples' 4, 'projection' 3, 'generalised' 2, 'penalty' 1)
     if (b > 1) { set ytics ('' 4, '' 3, '' 2, '' 1) }
@@ -83,15 +83,15 @@ do for [b = 1:3] {
 }
 eval legend(0, 335, 900, 60, 2)
 plot @BLANK, for [k = 1:KINDS] keyentry with boxes fill solid noborder fc rgb kind_colour[k] title kind[k], \
-     keyentry with lines lw 2 lc rgb '#009E73' title 'needed'
+     keyentry with lines dt solid lw 2 lc rgb '#009E73' title 'needed'
 unset multiplot
 
 # --- solvers ---
 
 SOLVERS = 7
 label_of(solver, lanes, step) = solver eq 'direct' ? sprintf('direct, %d lane%s', lanes, lanes > 1 ? 's' : '') \
-    : solver eq 'cg' ? sprintf('cg, h = %g s', step) : solver
-order = '"direct, 4 lanes" "direct, 1 lane" "klu" "cholmod" "cg, h = 0.0001 s" "cg, h = 0.001 s" "cg, h = 0.01 s"'
+    : solver eq 'cg' ? sprintf('cg, h = %g ms', 1e3 * step) : solver
+order = '"direct, 4 lanes" "direct, 1 lane" "klu" "cholmod" "cg, h = 0.1 ms" "cg, h = 1 ms" "cg, h = 10 ms"'
 row_of(solver, lanes, step) = SOLVERS + 1 - place(order, label_of(solver, lanes, step))
 array stage[3] = ['linearise', 'factor (klu, cholmod: with assembly)', 'solve']
 array stage_column[3] = [17, 20, 23]
