@@ -4,11 +4,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-extern const struct experiment circle_experiment;
+extern const struct experiment circle_experiment, kernel_experiment;
 
 /* A new experiment is one file and one line here. */
 const struct experiment *const experiments[] = {
     &circle_experiment,
+    &kernel_experiment,
     NULL,
 };
 

@@ -17,6 +17,7 @@ struct plan {
     const struct experiment *experiment;
     const char *out;                             /* root folder of results */
     int quick;                                   /* a stated subset */
+    int fresh;                                   /* what is there already does not count */
     const char *const *scenes, *const *steppers; /* chosen by the user; none: the experiment's */
     int scene_count, stepper_count;
 

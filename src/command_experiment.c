@@ -61,7 +61,8 @@ static int do_runs(const struct plan *plan, const struct arguments *arguments, i
         *missing = 0;
         for (int i = 0; i < plan->case_count; i++)
             *missing += !run_is_complete(plan->cases[i].run.folder);
-        printf("%s: %d runs, %d of them new\n", plan->experiment->name, count, ran);
+        if (plan->case_count > 0) /* an experiment may measure by itself */
+            printf("%s: %d runs, %d of them new\n", plan->experiment->name, count, ran);
         code = 0;
     }
     return code ? complain(-1, "%s", reason) : 0;
@@ -112,6 +113,7 @@ static int carry_out(struct plan *plan, const struct arguments *arguments) {
 static int experiment(const struct arguments *arguments) {
     struct plan plan = {.experiment = experiment_find(arguments->words[0]),
                         .quick = argument_given(arguments, "quick"),
+                        .fresh = argument_given(arguments, "fresh"),
                         .out = argument_text(arguments, "out")};
     if (!plan.experiment)
         return complain(1, "no experiment '%s'; `wisplab list experiments` names them",

@@ -1,0 +1,373 @@
+/* Tables of the experiment `kernel`, and its answer in a few lines, from the samples alone. */
+#include "kernel_measure.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const int batches[] = {4, 64, 256};
+enum { BATCHES = 3, SHOWN_BATCH = 64 };
+
+struct tables {
+    struct plan *plan;
+    const struct samples *samples;
+    const char *folder;
+};
+
+static int open_table(struct atomic_file *file, const struct tables *tables, const char *name,
+                      const char *what, const char *columns) {
+    char path[PATH_SIZE];
+    path_format(path, "%s/%s.tsv", tables->folder, name);
+    if (atomic_open(file, path, tables->plan->reason))
+        return -1;
+    write_provenance(file->stream, what, tables->plan->loaded[0]);
+    fprintf(file->stream, "%s\n", columns);
+    return 0;
+}
+
+static void put(FILE *stream, struct quartiles q) {
+    fprintf(stream, "\t%.17g\t%.17g\t%.17g", q.median, q.lower, q.upper);
+}
+
+/* --- evaluations --- */
+
+/* Of one set: times of the three, the floor, and ratios. */
+struct evaluation {
+    struct quartiles four, one, twin, floor, twin_over_four, one_over_four, four_over_floor;
+};
+
+static struct evaluation evaluation_of(const struct samples *samples, const struct wisp_set *set) {
+    double floor[KERNEL_ROUNDS_MAX], ratio[KERNEL_ROUNDS_MAX];
+    char subject[SUBJECT_SIZE];
+    wisp_set_subject(set, subject);
+    const struct series *four = series_find(samples, "evaluation", subject, "kernel 4");
+    const struct series *one = series_find(samples, "evaluation", subject, "kernel 1");
+    const struct series *twin = series_find(samples, "evaluation", subject, "twin");
+    const int rounds = four ? floor_times(samples, set, floor) : 0;
+    for (int i = 0; i < rounds; i++)
+        ratio[i] = four->value[i] / floor[i];
+    return (struct evaluation){
+        series_quartiles(four),   series_quartiles(one),       series_quartiles(twin),
+        quartiles(floor, rounds), ratio_quartiles(twin, four), ratio_quartiles(one, four),
+        quartiles(ratio, rounds),
+    };
+}
+
+static void print_evaluation(const struct wisp_set *set, const struct evaluation *e) {
+    printf("  %-12s %-6s %3d %8.1f %8.1f %8.1f %8.1f %8.1f %8.1f   %.2f (%.2f to %.2f)\n",
+           set->samples ? treatment_name(set->treatment) : "skeleton", bending_name(set->bending),
+           set->samples, e->twin.median, e->one.median, e->four.median, e->floor.median,
+           e->twin_over_four.median, e->one_over_four.median, e->four_over_floor.median,
+           e->four_over_floor.lower, e->four_over_floor.upper);
+}
+
+static void write_evaluation(FILE *stream, const struct wisp_set *set, const struct evaluation *e) {
+    fprintf(stream, "%s\t%s\t%d\t%d", set->samples ? treatment_name(set->treatment) : "skeleton",
+            bending_name(set->bending), set->samples, set->wisps);
+    put(stream, e->four);
+    put(stream, e->one);
+    put(stream, e->twin);
+    put(stream, e->floor);
+    put(stream, e->twin_over_four);
+    put(stream, e->one_over_four);
+    put(stream, e->four_over_floor);
+    fputc('\n', stream);
+}
+
+#define TRIPLE(name) "\t" name "\t" name "_lower\t" name "_upper"
+
+static int write_evaluations(const struct tables *tables) {
+    struct atomic_file file;
+    struct wisp_set sets[WISP_SETS_MAX];
+    if (open_table(&file, tables, "evaluation",
+                   "ns per free node and evaluation of one wisp, median and quartiles over rounds; "
+                   "ratios formed round by round",
+                   "treatment\tbending\tsamples\twisps" TRIPLE("kernel4") TRIPLE("kernel1")
+                       TRIPLE("twin") TRIPLE("floor") TRIPLE("twin_over_kernel4")
+                           TRIPLE("kernel1_over_kernel4") TRIPLE("kernel4_over_floor")))
+        return -1;
+    printf("  evaluation, batch of %d: ns per free node\n  %-12s %-6s %3s %8s %8s %8s %8s %8s %8s"
+           "   %s\n",
+           SHOWN_BATCH, "treatment", "bend", "M", "twin", "1 lane", "4 lanes", "floor", "twin/4",
+           "1/4", "4 lanes/floor (quartiles)");
+    for (int b = 0; b < BATCHES; b++) {
+        const int count = wisp_sets(batches[b], sets);
+        for (int i = 0; i < count; i++) {
+            const struct evaluation e = evaluation_of(tables->samples, &sets[i]);
+            write_evaluation(file.stream, &sets[i], &e);
+            if (batches[b] == SHOWN_BATCH)
+                print_evaluation(&sets[i], &e);
+        }
+    }
+    return atomic_commit(&file, tables->plan->reason);
+}
+
+/* --- operations --- */
+
+static void write_executed(FILE *stream, const struct samples *samples, const char *subject,
+                           const char *lanes) {
+    for (int k = 0; k < EXECUTED_KINDS; k++) {
+        char name[32];
+        snprintf(name, sizeof name, "%s %s", executed_names[k], lanes);
+        fprintf(stream, "\t%g", note_find(samples, "executed", subject, name));
+    }
+}
+
+/* The floor stands on the table of needed operations. Where the program does with fewer, the table
+ * is wrong, or the program has found a way that the table does not know; then it is said. A tenth
+ * of the additions is left for common parts that a compiler finds. */
+static int doubtful(const struct samples *samples, const char *subject,
+                    const struct operations *need) {
+    const double roots = note_find(samples, "executed", subject, "square roots kernel 1");
+    const double divisions = note_find(samples, "executed", subject, "divisions kernel 1");
+    const double others = note_find(samples, "executed", subject, "additions kernel 1");
+    const double library = note_find(samples, "executed", subject, "library kernel 1");
+    const int angle = library > 0; /* atan2's operations are the library's */
+    if (!(roots < need->square_roots - 1e-9 || divisions < need->divisions - angle - 1e-9 ||
+          others < 0.9 * (need->others - 45 * angle)))
+        return 0;
+    printf("  %s: the program executes fewer operations than the floor is made of (%g, %g, %g; "
+           "%g, %g, %g)\n",
+           subject, roots, divisions, others, need->square_roots, need->divisions, need->others);
+    return 1;
+}
+
+static int write_operations(const struct tables *tables) {
+    struct atomic_file file;
+    struct wisp_set sets[WISP_SETS_MAX];
+    const int count = wisp_sets(SHOWN_BATCH, sets);
+    int doubts = 0;
+    if (open_table(&file, tables, "operations",
+                   "operations per free node and wisp: what the model needs, and what the kernel "
+                   "executes with 4 lanes and with 1 (of the first three kinds, results per lane; "
+                   "of the others, instructions; nan: not counted)",
+                   "treatment\tbending\tsamples\troots\tdivisions\tadditions\troots4\tdivisions4\t"
+                   "additions4\tlogic4\tarranging4\tmoves4\tother4\tlibrary4\troots1\tdivisions1\t"
+                   "additions1\tlogic1\tarranging1\tmoves1\tother1\tlibrary1"))
+        return -1;
+    for (int i = 0; i < count; i++) {
+        const struct operations need = needed_operations(&sets[i]);
+        char subject[SUBJECT_SIZE];
+        wisp_set_subject(&sets[i], subject);
+        fprintf(file.stream, "%s\t%s\t%d\t%g\t%g\t%g",
+                sets[i].samples ? treatment_name(sets[i].treatment) : "skeleton",
+                bending_name(sets[i].bending), sets[i].samples, need.square_roots, need.divisions,
+                need.others);
+        write_executed(file.stream, tables->samples, subject, "kernel 4");
+        write_executed(file.stream, tables->samples, subject, "kernel 1");
+        fputc('\n', file.stream);
+        doubts += doubtful(tables->samples, subject, &need);
+    }
+    if (!doubts)
+        printf("  the kernel executes at least the operations that the floor is made of\n");
+    return atomic_commit(&file, tables->plan->reason);
+}
+
+static int write_rates(const struct tables *tables) {
+    static const char *const names[] = {"division", "square root", "add or multiply"};
+    struct atomic_file file;
+    if (open_table(&file, tables, "rates",
+                   "ns per operation on 4 doubles, independent of each other",
+                   "operation" TRIPLE("ns")))
+        return -1;
+    printf("  the machine, per 4 doubles:");
+    for (int i = 0; i < 3; i++) {
+        const struct quartiles q =
+            series_quartiles(series_find(tables->samples, "rate", "rates skip 64", names[i]));
+        fputs(names[i], file.stream);
+        put(file.stream, q);
+        fputc('\n', file.stream);
+        printf(" %s %.3g ns%s", names[i], q.median, i < 2 ? "," : "\n");
+    }
+    return atomic_commit(&file, tables->plan->reason);
+}
+
+/* --- goals --- */
+
+/* Goals of this experiment: a ratio and its bound. */
+static void write_goal(FILE *stream, const char *what, struct quartiles q, const char *sense,
+                       double bound) {
+    const int met = *sense == '<' ? q.median <= bound : q.median >= bound;
+    fprintf(stream, "%s\t%s\t%g\t%.17g\t%.17g\t%.17g\t%s\n", what, sense, bound, q.median, q.lower,
+            q.upper, met ? "met" : "not met");
+    printf("  %-58s %6.3f (%.3f to %.3f), goal %s %g: %s\n", what, q.median, q.lower, q.upper,
+           sense, bound, met ? "met" : "NOT MET");
+}
+
+/* --- solvers --- */
+
+static const struct solver_row {
+    const char *method;
+    int lanes;
+    double h;
+} solver_rows[] = {
+    {"direct", 4, 1e-3}, {"direct", 1, 1e-3}, {"klu", 1, 1e-3}, {"cholmod", 1, 1e-3},
+    {"cg", 1, 1e-4},     {"cg", 1, 1e-3},     {"cg", 1, 1e-2},
+};
+enum { SOLVER_ROWS = sizeof solver_rows / sizeof *solver_rows };
+
+/* (a + b) / c round by round; b may be NULL. */
+static struct quartiles sum_over(const struct series *a, const struct series *b,
+                                 const struct series *c) {
+    double ratio[KERNEL_ROUNDS_MAX];
+    if (!a || !c)
+        return quartiles(NULL, 0);
+    for (int i = 0; i < a->count; i++)
+        ratio[i] = (a->value[i] + (b ? b->value[i] : 0)) / c->value[i];
+    return quartiles(ratio, a->count);
+}
+
+static const struct series *solver_series(const struct samples *samples, const char *subject,
+                                          const char *what, const struct solver_row *row) {
+    char name[32];
+    snprintf(name, sizeof name, "%s %s %d %g", what, row->method, row->lanes, row->h);
+    return series_find(samples, "solver", subject, name);
+}
+
+static const struct series *stage_series(const struct samples *samples, const char *subject,
+                                         const char *what, int lanes) {
+    char name[32];
+    snprintf(name, sizeof name, "%s %d", what, lanes);
+    return series_find(samples, "solver", subject, name);
+}
+
+static void write_solver(FILE *stream, const struct samples *samples, const struct wisp_set *set,
+                         const struct solver_row *row) {
+    char subject[SUBJECT_SIZE], skeleton[SUBJECT_SIZE], name[32];
+    const struct wisp_set bare = {set->treatment, set->bending, 0, 200};
+    wisp_set_subject(set, subject);
+    wisp_set_subject(&bare, skeleton);
+    const struct series *evaluation = stage_series(samples, skeleton, "evaluation", 4);
+    const struct series *linearise = stage_series(samples, subject, "linearise", row->lanes);
+    const struct series *factor = solver_series(samples, subject, "factor", row);
+    const struct series *solve = solver_series(samples, subject, "solve", row);
+    const int sparse = strcmp(row->method, "klu") == 0 || strcmp(row->method, "cholmod") == 0;
+    const struct series *assemble = sparse ? stage_series(samples, subject, "assemble", 1) : NULL;
+    snprintf(name, sizeof name, "solve %s %d %g", row->method, row->lanes, row->h);
+    const double iterations = note_find(samples, "iterations", subject, name);
+    fprintf(stream, "%s\t%d\t%d\t%s\t%d\t%g\t%g", set->samples ? "generalised" : "skeleton",
+            set->samples, set->wisps, row->method, row->lanes, row->h, iterations);
+    put(stream, series_quartiles(linearise));
+    put(stream, series_quartiles(factor));
+    put(stream, series_quartiles(solve));
+    const struct quartiles both = sum_over(factor, solve, evaluation);
+    put(stream, sum_over(linearise, NULL, evaluation));
+    put(stream, sum_over(factor, NULL, evaluation));
+    put(stream, sum_over(solve, NULL, evaluation));
+    put(stream, both);
+    put(stream, series_quartiles(assemble));
+    fputc('\n', stream);
+    printf("  %-11s %5d  %-8s %d %6g %10.0f %9.0f %9.0f %9.0f %11.1f\n",
+           set->samples ? "generalised" : "skeleton", set->wisps, row->method, row->lanes, row->h,
+           iterations, series_quartiles(linearise).median, series_quartiles(factor).median,
+           series_quartiles(solve).median, both.median);
+}
+
+static int write_solvers(const struct tables *tables) {
+    struct atomic_file file;
+    if (open_table(&file, tables, "solvers",
+                   "ns per wisp of 12 nodes with skip springs; factor of klu and cholmod with the "
+                   "assembly of their matrix; multiples: over one evaluation of a wisp's skeleton "
+                   "among 200 with 4 lanes",
+                   "system\tsamples\twisps\tsolver\tlanes\tstep\titerations" TRIPLE("linearise")
+                       TRIPLE("factor") TRIPLE("solve") TRIPLE("linearise_evaluations")
+                           TRIPLE("factor_evaluations") TRIPLE("solve_evaluations")
+                               TRIPLE("factor_solve_evaluations") TRIPLE("assemble")))
+        return -1;
+    printf("  linear solvers, ns per wisp; factor + solve in skeleton evaluations (4 lanes)\n"
+           "  %-11s %5s  %-8s %s %6s %10s %9s %9s %9s %11s\n",
+           "system", "wisps", "solver", "L", "step", "iterations", "linearise", "factor", "solve",
+           "evaluations");
+    for (int samples = 0; samples <= 4; samples += 4)
+        for (int wisps = 1; wisps <= 200; wisps += 199)
+            for (int i = 0; i < SOLVER_ROWS; i++) {
+                const struct wisp_set set = {WISP_GENERALISED, BENDING_SKIP, samples, wisps};
+                write_solver(file.stream, tables->samples, &set, &solver_rows[i]);
+            }
+    return atomic_commit(&file, tables->plan->reason);
+}
+
+/* --- seam and CVODE --- */
+
+static void write_pair(FILE *stream, const struct samples *samples, const char *group,
+                       const char *subject, const char *name, const char *than) {
+    const struct series *a = series_find(samples, group, subject, name);
+    const struct series *b = series_find(samples, group, subject, than);
+    fprintf(stream, "%s\t%s\t%s\t%s\t%g\t%g", group, subject, name, than,
+            note_find(samples, "cvode steps", subject, name),
+            note_find(samples, "cvode steps", subject, than));
+    put(stream, series_quartiles(a));
+    put(stream, series_quartiles(b));
+    put(stream, ratio_quartiles(a, b));
+    fputc('\n', stream);
+    if (strcmp(group, "cvode") == 0)
+        printf("  cvode, %s, %s: %.0f steps of %.2f us, ours %.0f of %.2f us: %.2f times a step\n",
+               subject, name, note_find(samples, "cvode steps", subject, name),
+               1e-3 * series_quartiles(a).median, note_find(samples, "cvode steps", subject, than),
+               1e-3 * series_quartiles(b).median, ratio_quartiles(a, b).median);
+}
+
+static int write_steppers(const struct tables *tables) {
+    const struct samples *s = tables->samples;
+    struct atomic_file file;
+    if (open_table(&file, tables, "steppers",
+                   "ns per step and wisp, and their ratio round by round; seam: rk4 of the "
+                   "registry against one by hand; cvode: as it comes against ours",
+                   "group\tsubject\tname\tthan\tsteps\tsteps_than" TRIPLE("ns") TRIPLE("ns_than")
+                       TRIPLE("ratio")))
+        return -1;
+    write_pair(file.stream, s, "seam", "skeleton skip 0 64", "stepper", "by hand");
+    write_pair(file.stream, s, "seam", "generalised skip 4 64", "stepper", "by hand");
+    static const char *const rtol[] = {"rtol 0.0001", "rtol 1e-06"};
+    for (int i = 0; i < 2; i++) {
+        write_pair(file.stream, s, "cvode", rtol[i], "stock", "ours");
+        write_pair(file.stream, s, "cvode", rtol[i], "stock, our settings", "ours");
+    }
+    return atomic_commit(&file, tables->plan->reason);
+}
+
+static int write_goals(const struct tables *tables) {
+    const struct samples *s = tables->samples;
+    struct atomic_file file;
+    if (open_table(&file, tables, "goals", "ratios that have a bound to keep",
+                   "what\tsense\tbound" TRIPLE("ratio") "\tresult"))
+        return -1;
+    const struct solver_row *direct = &solver_rows[0];
+    const char *bare = "skeleton skip 0 200";
+    printf("  ratios, median and quartiles over rounds:\n");
+    write_goal(file.stream, "factor + solve of 200 wisps over skeleton evaluation (4 lanes)",
+               sum_over(solver_series(s, bare, "factor", direct),
+                        solver_series(s, bare, "solve", direct),
+                        stage_series(s, bare, "evaluation", 4)),
+               "<=", 3);
+    static const char *const seams[] = {"skeleton skip 0 64", "generalised skip 4 64"};
+    for (int i = 0; i < 2; i++) {
+        char what[80];
+        snprintf(what, sizeof what, "rk4 through the seam over rk4 by hand, %s",
+                 i ? "generalised" : "skeleton");
+        write_goal(file.stream, what,
+                   ratio_quartiles(series_find(s, "seam", seams[i], "stepper"),
+                                   series_find(s, "seam", seams[i], "by hand")),
+                   "<=", 1.05);
+    }
+    static const char *const rtol[] = {"rtol 0.0001", "rtol 1e-06"};
+    for (int i = 0; i < 2; i++) {
+        char what[80];
+        snprintf(what, sizeof what, "a step of stock CVODE over one of ours, %s", rtol[i]);
+        write_goal(file.stream, what,
+                   ratio_quartiles(series_find(s, "cvode", rtol[i], "stock"),
+                                   series_find(s, "cvode", rtol[i], "ours")),
+                   ">=", 3);
+    }
+    return atomic_commit(&file, tables->plan->reason);
+}
+
+int kernel_tables(struct plan *plan, const struct samples *samples, const char *folder) {
+    const struct tables tables = {plan, samples, folder};
+    const struct series *first = series_find(samples, "rate", "rates skip 64", "division");
+    printf("  %d rounds\n", first ? first->count : 0);
+    return write_rates(&tables) || write_evaluations(&tables) || write_operations(&tables) ||
+                   write_solvers(&tables) || write_steppers(&tables) || write_goals(&tables)
+               ? -1
+               : 0;
+}
