@@ -124,7 +124,7 @@ config_setting_t *config_group(struct config_reader *reader, config_setting_t *g
     config_setting_t *found = group ? config_setting_get_member(group, name) : NULL;
     if (found && !config_setting_is_group(found))
         config_fail(reader, found, "%s: must be a group in braces", name);
-    return found;
+    return found && config_setting_is_group(found) ? found : NULL;
 }
 
 static const char *range_name(enum config_range range) {

@@ -27,7 +27,7 @@ void config_close(struct config_reader *reader);
 /* The root group. */
 config_setting_t *config_top(struct config_reader *reader);
 
-/* A group inside `group`, or NULL where it is absent. */
+/* A group inside `group`, or NULL where it is absent or, which is an error, no group. */
 config_setting_t *config_group(struct config_reader *reader, config_setting_t *group,
                                const char *name);
 

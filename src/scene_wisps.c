@@ -168,6 +168,11 @@ static void read_grid(struct config_reader *reader, config_setting_t *entry, str
             grid->across[d][k] = config_setting_type(number) == CONFIG_TYPE_FLOAT
                                      ? config_setting_get_float(number)
                                      : (double)config_setting_get_int64(number);
+            if (!isfinite(grid->across[d][k])) {
+                config_fail(reader, across, "across: number %d of direction %d is not finite",
+                            k + 1, d + 1);
+                return;
+            }
         }
         normalise(reader, entry, "across", grid->across[d]);
     }

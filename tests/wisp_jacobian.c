@@ -1,0 +1,488 @@
+/* The Jacobians of the kernel: against differences of the twin's accelerations, against each other,
+ * and what the solvers make of them. */
+#include "wisp_support.h"
+
+#include <criterion/criterion.h>
+#include <gsl/gsl_eigen.h>
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_linalg.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SIZE_MOST = 10 * (3 + 3 * 8) }; /* of the dense matrices here */
+
+typedef double matrix[SIZE_MOST][SIZE_MOST];
+
+static const struct shape {
+    int nodes, samples;
+} shapes[] = {{3, 0}, {3, 4}, {4, 3}, {5, 5}, {6, 8}, {7, 0}, {8, 4}, {12, 0}, {12, 4}, {4, 16}};
+enum { SHAPES = sizeof shapes / sizeof *shapes };
+
+/* m M + d D + k K of one lane, by products with unit vectors in all lanes. */
+static void dense(struct lab_part *part, double m, double d, double k, int lane, matrix a) {
+    static double x[LAB_LANES * LAB_SIZE], y[LAB_LANES * LAB_SIZE];
+    memset(x, 0, sizeof x);
+    for (int j = 0; j < part->size; j++) {
+        for (int l = 0; l < part->lanes; l++)
+            x[j * part->lanes + l] = 1;
+        system_product(&part->system, m, d, k, x, y);
+        for (int i = 0; i < part->size; i++)
+            a[i][j] = y[i * part->lanes + lane];
+        for (int l = 0; l < part->lanes; l++)
+            x[j * part->lanes + l] = 0;
+    }
+}
+
+/* M of the table in kernel/matrix.h, from the twin's numbers. */
+static void mass_matrix(struct wisp_twin *twin, const double *q, matrix m) {
+    static double u[LAB_NODES][3], v[LAB_NODES][3], w[LAB_NODES][3];
+    const int n = wisp_twin_size(twin), per_sample = twin->treatment == WISP_PENALTY ? 3 : 1;
+    const int coupled = twin->treatment == WISP_GENERALISED;
+    wisp_twin_frames(twin, q, u, v, w);
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            m[i][j] = 0;
+    for (int i = 2; i < twin->nodes; i++) {
+        const int at = (i - 2) * twin->unknowns;
+        for (int k = 0; k < 3; k++)
+            m[at + k][at + k] = twin->mass[i] + coupled * twin->samples * twin->sample_mass[i];
+        for (int j = 0; j < twin->samples; j++)
+            for (int c = 0; c < per_sample; c++) {
+                const int s = at + 3 + j * per_sample + c;
+                m[s][s] = twin->sample_mass[i];
+                for (int k = 0; k < 3 && coupled; k++)
+                    m[s][at + k] = m[at + k][s] =
+                        twin->sample_mass[i] *
+                        (twin->cosine[j] * u[i][k] + twin->sine[j] * v[i][k]);
+            }
+    }
+}
+
+/* Columns of the derivative of the acceleration with the frames held, by central differences of
+ * fourth order. */
+static void differences(struct wisp_twin *twin, const double *q, const double *v, int of_velocity,
+                        double step, matrix j) {
+    static const double weight[4] = {1. / 12, -8. / 12, 8. / 12, -1. / 12}, at[4] = {-2, -1, 1, 2};
+    static double u[LAB_NODES][3], normal[LAB_NODES][3], w[LAB_NODES][3];
+    static double x[LAB_SIZE], a[LAB_SIZE];
+    const int n = wisp_twin_size(twin);
+    wisp_twin_frames(twin, q, u, normal, w);
+    memcpy(x, of_velocity ? v : q, (size_t)n * sizeof *x);
+    for (int k = 0; k < n; k++) {
+        const double centre = x[k];
+        for (int i = 0; i < n; i++)
+            j[i][k] = 0;
+        for (int p = 0; p < 4; p++) {
+            x[k] = centre + at[p] * step;
+            wisp_twin_acceleration_frozen(twin, 0.3, of_velocity ? q : x, of_velocity ? x : v,
+                                          (const double(*)[3])u, (const double(*)[3])normal,
+                                          (const double(*)[3])w, a);
+            for (int i = 0; i < n; i++)
+                j[i][k] += weight[p] * a[i] / step;
+        }
+        x[k] = centre;
+    }
+}
+
+/* |K - M J| in each row against the largest entry of |M| |J| there: what the entries are summed
+ * from. */
+static double worst_row(int n, matrix k, matrix m, matrix j) {
+    double worst = 0;
+    for (int i = 0; i < n; i++) {
+        double most = 0, error = 0;
+        for (int c = 0; c < n; c++) {
+            double sum = 0, absolute = 0;
+            for (int l = 0; l < n; l++) {
+                sum += m[i][l] * j[l][c];
+                absolute += fabs(m[i][l] * j[l][c]);
+            }
+            most = fmax(most, absolute);
+            error = fmax(error, fabs(k[i][c] - sum));
+        }
+        worst = fmax(worst, error > 0 ? error / most : 0);
+    }
+    return worst;
+}
+
+struct setting {
+    struct lab_part part;
+    struct wisp wisps[LAB_LANES];
+    struct surroundings around;
+    enum wisp_treatment treatment;
+    double q[LAB_LANES][LAB_SIZE], v[LAB_LANES][LAB_SIZE];
+    double Q[LAB_LANES * LAB_SIZE], V[LAB_LANES * LAB_SIZE];
+};
+
+static void make_setting(struct setting *s, int lanes, const struct shape *shape, enum bending law,
+                         enum wisp_treatment treatment, enum lab_state kind, unsigned *seed) {
+    s->treatment = treatment;
+    s->around = lab_surroundings(WIND_STEADY, seed);
+    for (int k = 0; k < lanes; k++)
+        s->wisps[k] = lab_wisp(shape->nodes, shape->samples, law, seed);
+    lab_part_make(&s->part, lanes, s->wisps, lanes, &s->around, treatment);
+    for (int k = 0; k < lanes; k++) {
+        lab_state(&s->wisps[k], treatment, kind, 0, seed, s->q[k], s->v[k]);
+        lab_scatter(&s->part, k, s->q[k], s->Q);
+        lab_scatter(&s->part, k, s->v[k], s->V);
+    }
+}
+
+static void linearise(struct setting *s, enum jacobian kind) {
+    cr_assert_eq(system_linearise(&s->part.system, kind, 0.3, s->Q, s->V), 0, "%s",
+                 s->part.system.reason);
+}
+
+static struct setting s; /* too large for the stack */
+static matrix M, K, J, A, B;
+
+/* Step h = 3e-5 of a spacing: rounding makes 1e-16/h of what a stretch spring gives to K; hinges
+ * that are nearly straight or folded, here to about 0.01 rad, 1/sin of that, and their fifth
+ * derivative (h/sin)^4. Second-order differences would leave (h/sin)^2. Velocities enter linearly:
+ * a step of 1 m/s has no error but rounding, of forces that are 1e3 of what changes. */
+static const double tolerance_q = 1e-7, tolerance_v = 1e-11;
+
+static void check_exact(int lanes, const struct shape *shape, enum bending law,
+                        enum wisp_treatment treatment, enum lab_state kind, unsigned *seed,
+                        double worst[2]) {
+    static struct wisp_twin twin;
+    make_setting(&s, lanes, shape, law, treatment, kind, seed);
+    const int n = s.part.size;
+    linearise(&s, JACOBIAN_EXACT);
+    for (int lane = 0; lane < lanes; lane++) {
+        wisp_twin_init(&twin, &s.wisps[lane], &s.around, treatment);
+        dense(&s.part, 1, 0, 0, lane, A);
+        mass_matrix(&twin, s.q[lane], M);
+        for (int i = 0; i < n; i++)
+            for (int j = 0; j < n; j++)
+                /* a few roundings of one product, and the frames' along the wisp */
+                cr_assert(fabs(M[i][j] - A[i][j]) <= 1e-13 * M[i][i], "M[%d][%d] is %g, not %g", i,
+                          j, A[i][j], M[i][j]);
+        for (int of_velocity = 0; of_velocity < 2; of_velocity++) {
+            const double step = of_velocity ? 1 : 3e-5 * twin.spacing;
+            dense(&s.part, 0, of_velocity, !of_velocity, lane, K);
+            differences(&twin, s.q[lane], s.v[lane], of_velocity, step, J);
+            const double error = worst_row(n, K, M, J);
+            worst[of_velocity] = fmax(worst[of_velocity], error);
+            cr_assert(error <= (of_velocity ? tolerance_v : tolerance_q),
+                      "%s, bending %s, %d nodes, %d samples, state %d: d/d%c differs by %.1e",
+                      treatment_names[treatment], law_names[law], shape->nodes, shape->samples,
+                      (int)kind, of_velocity ? 'v' : 'q', error);
+        }
+    }
+    lab_part_free(&s.part);
+}
+
+#define EACH_CASE(treatment, law, shape, kind)                       \
+    for (int treatment = 0; treatment < TREATMENTS; treatment++)     \
+        for (int law = 0; law < LAWS; law++)                         \
+            for (int shape = 0; shape < SHAPES; shape++)             \
+                for (int kind = STATE_RANDOM; kind < STATES; kind++) \
+                    if (shapes[shape].nodes * (shapes[shape].samples + 1) <= 70)
+
+Test(wisp_jacobian, exact_is_the_derivative_with_frames_held) {
+    unsigned seed = 11;
+    double worst[2] = {0, 0};
+    EACH_CASE(treatment, law, shape, kind) {
+        check_exact(4, &shapes[shape], (enum bending)law, (enum wisp_treatment)treatment,
+                    (enum lab_state)kind, &seed, worst);
+        check_exact(1, &shapes[shape], (enum bending)law, (enum wisp_treatment)treatment,
+                    (enum lab_state)kind, &seed, worst);
+    }
+    cr_log_info("largest difference: %.2g in q, %.2g in v", worst[0], worst[1]);
+}
+
+/* --- assembled --- */
+
+/* Products and assembly write the same sums in different orders: below ten roundings of the
+ * largest entry in a row (of the terms in the sum). */
+static void compare_assembled(const struct shape *shape, enum bending law,
+                              enum wisp_treatment treatment, enum jacobian kind) {
+    static double values[SIZE_MOST * SIZE_MOST];
+    static const double alphas[] = {0, 1e-3, 1, 0}, betas[] = {0, 1e-6, 1, 1};
+    const struct sparse_matrix *p = s.part.pattern;
+    const int n = s.part.size;
+    cr_assert_eq(p->size, n, "pattern of %d unknowns", p->size);
+    for (int c = 0; c < 4; c++) {
+        system_assemble(&s.part.system, alphas[c], betas[c], values);
+        dense(&s.part, 1, -alphas[c], -betas[c], 0, A);
+        memset(B, 0, sizeof B);
+        for (int j = 0; j < n; j++)
+            for (int at = p->column_start[j]; at < p->column_start[j + 1]; at++) {
+                cr_assert(at == p->column_start[j] || p->row[at] > p->row[at - 1],
+                          "rows of column %d do not ascend", j);
+                B[p->row[at]][j] = values[at];
+            }
+        for (int i = 0; i < n; i++) {
+            double most = 0;
+            for (int j = 0; j < n; j++)
+                most = fmax(most, fabs(A[i][j]));
+            for (int j = 0; j < n; j++)
+                cr_assert(fabs(A[i][j] - B[i][j]) <= 1e-14 * most,
+                          "%s, bending %s, %d nodes, %d samples, %s: entry %d, %d is %.17g, by "
+                          "product %.17g",
+                          treatment_names[treatment], law_names[law], shape->nodes, shape->samples,
+                          jacobian_choices[kind], i, j, B[i][j], A[i][j]);
+        }
+    }
+}
+
+Test(wisp_jacobian, assembled_is_what_products_give) {
+    unsigned seed = 12;
+    EACH_CASE(treatment, law, shape, kind) {
+        make_setting(&s, 1, &shapes[shape], (enum bending)law, (enum wisp_treatment)treatment,
+                     (enum lab_state)kind, &seed);
+        for (int jacobian = 0; jacobian < JACOBIAN_COUNT; jacobian++) {
+            linearise(&s, (enum jacobian)jacobian);
+            compare_assembled(&shapes[shape], (enum bending)law, (enum wisp_treatment)treatment,
+                              (enum jacobian)jacobian);
+        }
+        lab_part_free(&s.part);
+    }
+}
+
+/* --- symmetric, definite --- */
+
+/* From the mass matrix alone through the step sizes of a run to hardly any mass at all. */
+static const double spd_alphas[] = {0, 1e-4, 1e-2, 1, 0, 10},
+                    spd_betas[] = {0, 1e-8, 1e-4, 1, 1, 0};
+enum { SPD_CASES = 6 };
+
+/* The least eigenvalue over the largest, of a matrix scaled to a unit diagonal. */
+static double least_eigenvalue(int n, matrix a, double *most) {
+    gsl_matrix *m = gsl_matrix_alloc((size_t)n, (size_t)n);
+    gsl_vector *values = gsl_vector_alloc((size_t)n);
+    gsl_eigen_symm_workspace *work = gsl_eigen_symm_alloc((size_t)n);
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            gsl_matrix_set(m, (size_t)i, (size_t)j, a[i][j] / sqrt(a[i][i] * a[j][j]));
+    gsl_eigen_symm(m, values, work);
+    double least, largest;
+    gsl_vector_minmax(values, &least, &largest);
+    gsl_eigen_symm_free(work);
+    gsl_vector_free(values);
+    gsl_matrix_free(m);
+    *most = largest;
+    return least;
+}
+
+/* Symmetric: each pair of entries from the same products of the same numbers, added in another
+ * order: 1e-14 of the diagonals. Definite: eigenvalues have an error of n roundings of the largest
+ * one, and the least here (of the scaled matrix, in which a mass counts at least 1e-9 of what the
+ * stiffest spring adds) are far above that. */
+static void check_spd(int n, matrix a, const char *what) {
+    double most;
+    for (int i = 0; i < n; i++) {
+        cr_assert(a[i][i] > 0, "%s: diagonal entry %d is %g", what, i, a[i][i]);
+        for (int j = 0; j < i; j++)
+            cr_assert(fabs(a[i][j] - a[j][i]) <= 1e-14 * sqrt(a[i][i] * a[j][j]),
+                      "%s: entries %d, %d are %.17g and %.17g", what, i, j, a[i][j], a[j][i]);
+    }
+    const double least = least_eigenvalue(n, a, &most);
+    cr_assert(least > n * 2.3e-16 * most, "%s: eigenvalues from %.2e to %.2e", what, least, most);
+}
+
+/* Rows and columns of the nodes after the samples are eliminated; a sample's own block is diagonal
+ * in `projection` and `generalised`. */
+static int eliminate_samples(const struct wisp *wisp, enum wisp_treatment treatment, matrix a,
+                             matrix nodes) {
+    const int unknowns = wisp_node_unknowns(wisp, treatment), f = wisp->nodes - 2;
+    for (int i = 0; i < 3 * f; i++)
+        for (int j = 0; j < 3 * f; j++) {
+            const int row = i / 3 * unknowns + i % 3, column = j / 3 * unknowns + j % 3;
+            nodes[i][j] = a[row][column];
+            for (int k = 3; k < unknowns && i / 3 == j / 3; k++) {
+                const int sample = i / 3 * unknowns + k;
+                nodes[i][j] -= a[row][sample] * a[sample][column] / a[sample][sample];
+            }
+        }
+    return 3 * f;
+}
+
+Test(wisp_jacobian, spd_is_symmetric_and_positive_definite) {
+    unsigned seed = 13;
+    EACH_CASE(treatment, law, shape, kind) {
+        const int eliminated = treatment == WISP_PROJECTION && shapes[shape].samples > 0;
+        if (shapes[shape].samples > 5)
+            continue; /* eigenvalues take long, and nothing is new */
+        make_setting(&s, 4, &shapes[shape], (enum bending)law, (enum wisp_treatment)treatment,
+                     (enum lab_state)kind, &seed);
+        linearise(&s, JACOBIAN_SPD);
+        for (int c = 0; c < SPD_CASES; c++) {
+            char what[160];
+            const int lane = c % 4;
+            int n = s.part.size;
+            dense(&s.part, 1, -spd_alphas[c], -spd_betas[c], lane, A);
+            if (eliminated)
+                n = eliminate_samples(&s.wisps[lane], (enum wisp_treatment)treatment, A, B);
+            snprintf(what, sizeof what, "%s, bending %s, %d nodes, %d samples, state %d, %g, %g",
+                     treatment_names[treatment], law_names[law], shapes[shape].nodes,
+                     shapes[shape].samples, kind, spd_alphas[c], spd_betas[c]);
+            check_spd(n, eliminated ? B : A, what);
+        }
+        lab_part_free(&s.part);
+    }
+}
+
+/* What the model says of its matrices is so: `projection` with samples is not symmetric, and is
+ * not declared to be; everything else is declared. */
+Test(wisp_jacobian, matrices_are_what_they_are_declared_to_be) {
+    unsigned seed = 14;
+    for (int treatment = 0; treatment < TREATMENTS; treatment++)
+        for (int samples = 0; samples <= 4; samples += 4) {
+            const struct surroundings around = lab_surroundings(WIND_NONE, &seed);
+            const struct wisp wisp = lab_wisp(6, samples, BENDING_SKIP, &seed);
+            struct scene *scene = lab_scene(&wisp, 1, &around);
+            struct model *model = wisp_problem.create(scene, treatment, 1);
+            cr_assert(model, "no memory");
+            const struct system *system = &model->parts[0].system;
+            const int one_sided = treatment == WISP_PROJECTION && samples > 0;
+            const unsigned both = MATRIX_SYMMETRIC | MATRIX_DEFINITE;
+            cr_assert_eq(system->matrix[JACOBIAN_SPD] & both, one_sided ? 0 : both);
+            cr_assert_eq(system->matrix[JACOBIAN_EXACT] & both, 0);
+            cr_assert_eq(system->matrix_note != NULL, one_sided);
+            wisp_problem.free(model);
+            scene_free(scene);
+        }
+    const struct shape shape = {6, 4};
+    double most = 0;
+    make_setting(&s, 1, &shape, BENDING_SKIP, WISP_PROJECTION, STATE_RANDOM, &seed);
+    linearise(&s, JACOBIAN_SPD);
+    dense(&s.part, 1, -1e-2, -1e-4, 0, A);
+    for (int i = 0; i < s.part.size; i++)
+        for (int j = 0; j < i; j++)
+            most = fmax(most, fabs(A[i][j] - A[j][i]) / sqrt(A[i][i] * A[j][j]));
+    cr_assert_gt(most, 0.01, "the matrix of projection is symmetric after all: %g", most);
+    lab_part_free(&s.part);
+}
+
+/* --- solutions --- */
+
+/* x with A x = b by GSL, and |A^-1| (|A| |x| + |b|): what an error of one part of A and b, entry
+ * by entry, makes of x (Skeel 1979), free of the matrix's condition. */
+static void solve_densely(int n, matrix a, const double *b, double *x, double *scale) {
+    gsl_matrix *m = gsl_matrix_alloc((size_t)n, (size_t)n);
+    gsl_matrix *inverse = gsl_matrix_alloc((size_t)n, (size_t)n);
+    gsl_permutation *order = gsl_permutation_alloc((size_t)n);
+    int sign;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            gsl_matrix_set(m, (size_t)i, (size_t)j, a[i][j]);
+    gsl_linalg_LU_decomp(m, order, &sign);
+    gsl_linalg_LU_invert(m, order, inverse);
+    gsl_vector_const_view right = gsl_vector_const_view_array(b, (size_t)n);
+    gsl_vector_view solution = gsl_vector_view_array(x, (size_t)n);
+    gsl_linalg_LU_solve(m, order, &right.vector, &solution.vector);
+    for (int i = 0; i < n; i++) {
+        scale[i] = 0;
+        for (int k = 0; k < n; k++) {
+            double row = fabs(b[k]);
+            for (int j = 0; j < n; j++)
+                row += fabs(a[k][j] * x[j]);
+            scale[i] += fabs(gsl_matrix_get(inverse, (size_t)i, (size_t)k)) * row;
+        }
+    }
+    gsl_permutation_free(order);
+    gsl_matrix_free(inverse);
+    gsl_matrix_free(m);
+}
+
+/* Elimination without pivots of a symmetric definite matrix is backward stable, and the samples'
+ * elimination before it is that of a diagonal: errors of n roundings of the scale above, 1e-13 for
+ * these sizes; 1e-12 leaves ten. Conjugate gradients are told to stop at 1e-14 of |b|. */
+static const double solver_tolerance = 1e-12;
+
+static int linear_fits(const struct linear_method *method, const struct wisp *wisp,
+                       enum wisp_treatment treatment) {
+    const int one_sided = treatment == WISP_PROJECTION && wisp->samples > 0;
+    return !one_sided || !(method->needs & MATRIX_SYMMETRIC);
+}
+
+static void check_solver(const struct linear_method *method, double alpha, double beta,
+                         const double *b, const double *expected, const double *scale,
+                         const char *what) {
+    static double x[LAB_SIZE];
+    double option[OPTIONS_MAX];
+    options_defaults(method->options, option);
+    const int tolerance = options_find(method->options, "cg.tolerance", strlen("cg.tolerance"));
+    if (tolerance >= 0)
+        option[tolerance] = 1e-14;
+    struct linear_solver *solver = linear_create(method, &s.part.system, option);
+    cr_assert(solver, "no memory for %s", method->name);
+    cr_assert_eq(linear_factor(solver, alpha, beta), 0, "%s, %s: %s", what, method->name,
+                 s.part.system.reason);
+    cr_assert_eq(linear_solve(solver, b, x), 0, "%s, %s: %s", what, method->name,
+                 s.part.system.reason);
+    double most = 0;
+    for (int i = 0; i < s.part.size; i++)
+        most = fmax(most, scale[i]);
+    for (int i = 0; i < s.part.size; i++) {
+        const double of = tolerance >= 0 ? most : scale[i]; /* of |b| as a whole */
+        cr_assert(fabs(x[i] - expected[i]) <= solver_tolerance * of,
+                  "%s, %s: x[%d] is %.17g, densely %.17g, scale %.1e", what, method->name, i, x[i],
+                  expected[i], of);
+    }
+    method->free(solver);
+}
+
+Test(wisp_jacobian, all_linear_solvers_solve_as_dense_elimination_does) {
+    static const double alphas[] = {0, 1e-4, 1e-2}, betas[] = {0, 1e-8, 1e-4};
+    static double b[LAB_SIZE], x[LAB_SIZE], scale[LAB_SIZE];
+    unsigned seed = 15;
+    int solved = 0;
+    EACH_CASE(treatment, law, shape, kind) {
+        if (shapes[shape].samples > 5)
+            continue;
+        make_setting(&s, 1, &shapes[shape], (enum bending)law, (enum wisp_treatment)treatment,
+                     (enum lab_state)kind, &seed);
+        linearise(&s, JACOBIAN_SPD);
+        for (int c = 0; c < 3; c++) {
+            char what[160];
+            snprintf(what, sizeof what, "%s, bending %s, %d nodes, %d samples, state %d, alpha %g",
+                     treatment_names[treatment], law_names[law], shapes[shape].nodes,
+                     shapes[shape].samples, kind, alphas[c]);
+            for (int i = 0; i < s.part.size; i++)
+                b[i] = lab_between(&seed, -1, 1);
+            dense(&s.part, 1, -alphas[c], -betas[c], 0, A);
+            solve_densely(s.part.size, A, b, x, scale);
+            for (int m = 0; linear_methods[m]; m++)
+                if (linear_fits(linear_methods[m], s.wisps, (enum wisp_treatment)treatment)) {
+                    check_solver(linear_methods[m], alphas[c], betas[c], b, x, scale, what);
+                    solved++;
+                }
+        }
+        lab_part_free(&s.part);
+    }
+    cr_assert_gt(solved, 500, "only %d systems", solved);
+}
+
+/* The direct solver of four lanes, each with its own wisp. */
+Test(wisp_jacobian, direct_solves_each_lane) {
+    static double b[LAB_LANES][LAB_SIZE], x[LAB_SIZE], got[LAB_SIZE], scale[LAB_SIZE];
+    static double right[LAB_LANES * LAB_SIZE], left[LAB_LANES * LAB_SIZE];
+    unsigned seed = 16;
+    EACH_CASE(treatment, law, shape, kind) {
+        if (shapes[shape].samples > 5 || shapes[shape].nodes > 8)
+            continue;
+        make_setting(&s, 4, &shapes[shape], (enum bending)law, (enum wisp_treatment)treatment,
+                     (enum lab_state)kind, &seed);
+        linearise(&s, JACOBIAN_SPD);
+        cr_assert_eq(system_factor(&s.part.system, 1e-3, 1e-6), 0, "%s", s.part.system.reason);
+        for (int lane = 0; lane < 4; lane++) {
+            for (int i = 0; i < s.part.size; i++)
+                b[lane][i] = lab_between(&seed, -1, 1);
+            lab_scatter(&s.part, lane, b[lane], right);
+        }
+        system_solve(&s.part.system, right, left);
+        for (int lane = 0; lane < 4; lane++) {
+            dense(&s.part, 1, -1e-3, -1e-6, lane, A);
+            solve_densely(s.part.size, A, b[lane], x, scale);
+            lab_gather(&s.part, lane, left, got);
+            for (int i = 0; i < s.part.size; i++)
+                cr_assert(fabs(got[i] - x[i]) <= solver_tolerance * scale[i],
+                          "%s: lane %d, x[%d] is %.17g, densely %.17g", treatment_names[treatment],
+                          lane, i, got[i], x[i]);
+        }
+        lab_part_free(&s.part);
+    }
+}

@@ -1,0 +1,425 @@
+/* Scene files of wisps: what is wrong is refused in one line with its place and reason, and what is
+ * right becomes the stated numbers. */
+#include "wisp_support.h"
+
+#include <criterion/criterion.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+/* --- what is wrong --- */
+
+/* A scene that is right, setting by setting; each line below replaces or adds one of them. */
+static const struct {
+    const char *name, *text;
+} sound[] = {
+    {"duration", "duration = 0.01;"},
+    {"frame_rate", "frame_rate = 100.0;"},
+    {"gravity", "gravity = [0.0, -9.81, 0.0];"},
+    {"material", "material = { };"},
+    {"envelope", "envelope = { };"},
+    {"wisps", "wisps = ( { root = [0.0, 0.0, 0.0]; direction = [1.0, 0.0, 0.0]; length = 0.3; "
+              "nodes = 11; } );"},
+};
+enum { SOUND = sizeof sound / sizeof *sound };
+
+#define WISP(rest)                                                                                 \
+    "wisps = (\n{ root = [0.0, 0.0, 0.0]; direction = [1.0, 0.0, 0.0]; length = 0.3;\n" rest " } " \
+    ");"
+#define BODY(root, direction, length) "wisps = (\n{ " root direction length " nodes = 11; } );"
+#define ROOT                          "root = [0.0, 0.0, 0.0]; "
+#define DIRECTION                     "direction = [1.0, 0.0, 0.0]; "
+#define LENGTH                        "length = 0.3; "
+#define GRID(rest)                    WISP("nodes = 5;\n" rest)
+#define ACROSS                        " across = ([1.0, 0.0, 0.0], [0.0, 0.0, 1.0]);"
+
+/* `name` of the setting that `text` replaces; an empty text leaves it out. `line` where the message
+ * must say one: of the replaced setting (the first is 1) plus what `text` goes on, or 0. */
+static const struct wrong {
+    const char *name, *text;
+    int line;
+    const char *says[3];
+} wrongs[] = {
+    /* missing */
+    {"duration", "", 0, {"duration", "missing"}},
+    {"gravity", "", 0, {"gravity", "missing"}},
+    {"material", "", 0, {"material", "missing"}},
+    {"wisps", "", 0, {"wisps", "list of groups"}},
+    {"wisps", BODY("", DIRECTION, LENGTH), 7, {"root", "missing"}},
+    {"wisps", BODY(ROOT, "", LENGTH), 7, {"direction", "missing"}},
+    {"wisps", BODY(ROOT, DIRECTION, ""), 7, {"length", "missing"}},
+    {"wisps", WISP(""), 7, {"nodes", "missing"}},
+    {"wisps", GRID("grid = [2, 2];" ACROSS), 7, {"spacing", "missing"}},
+    {"wisps", GRID("grid = [2, 2]; spacing = 0.1;"), 7, {"across", "two directions"}},
+    {"wisps", GRID("spacing = 0.1;"), 7, {"spacing", "grid"}},
+    {"wisps", GRID(ACROSS), 7, {"across", "grid"}},
+    {"wind", "wind = { };", 7, {"velocity", "missing"}},
+    {"wind", "wind = { velocity = [1.0, 0.0, 0.0]; };", 7, {"kind", "steady"}},
+    {"wind", "wind = { kind = \"steady\"; };", 7, {"velocity", "missing"}},
+    {"wind",
+     "wind = { kind = \"gust\"; velocity = [1.0, 0.0, 0.0]; hold = 1.0; };",
+     7,
+     {"decay", "missing"}},
+    {"wind",
+     "wind = { kind = \"gust\"; velocity = [1.0, 0.0, 0.0]; decay = 1.0; };",
+     7,
+     {"hold", "missing"}},
+    {"wind", "wind = { kind = \"gust\"; hold = 1.0; decay = 1.0; };", 7, {"velocity", "missing"}},
+    {"wind", "wind = { kind = \"irregular\"; velocity = [1.0, 0.0, 0.0]; };", 7, {"amplitudes"}},
+    {"wind",
+     "wind = { kind = \"irregular\"; velocity = [1.0, 0.0, 0.0]; amplitudes = [0.5]; };",
+     7,
+     {"frequencies"}},
+    {"wind",
+     "wind = { kind = \"irregular\"; velocity = [1.0, 0.0, 0.0]; frequencies = [0.5]; };",
+     7,
+     {"amplitudes"}},
+    {"wind",
+     "wind = { kind = \"irregular\"; velocity = [1.0, 0.0, 0.0]; amplitudes = [0.5, 0.2];\n"
+     "frequencies = [2.0]; };",
+     7,
+     {"equally many"}},
+    /* unknown */
+    {"gravitation", "gravitation = [0.0, 0.0, 0.0];", 7, {"gravitation", "unknown"}},
+    {"material",
+     "material = { hair_count = 100;\n hair_cuont = 1; };",
+     5,
+     {"hair_cuont", "unknown"}},
+    {"envelope", "envelope = {\n sample = 4; };", 6, {"sample:", "unknown"}},
+    {"wisps", WISP("node = 11;"), 8, {"node:", "unknown"}},
+    {"wind", "wind = { kind = \"breeze\"; velocity = [1.0, 0.0, 0.0]; };", 7, {"breeze", "gust"}},
+    {"wind",
+     "wind = { kind = \"steady\"; velocity = [1.0, 0.0, 0.0];\n hold = 1.0; };",
+     8,
+     {"hold", "unknown"}},
+    {"wind",
+     "wind = { kind = \"gust\"; velocity = [1.0, 0.0, 0.0]; hold = 1.0; decay = 1.0;\n"
+     " amplitudes = [1.0]; };",
+     8,
+     {"amplitudes", "unknown"}},
+    {"material", "material = {\n bending = \"foo\"; };", 5, {"bending", "foo", "hinge"}},
+    {"problem", "problem = \"wsips\";", 7, {"problem", "wsips"}},
+    {"run", "run = {\n stride = 1; };", 8, {"stride", "unknown"}},
+    /* of the wrong type */
+    {"duration", "duration = \"long\";", 1, {"duration", "positive number"}},
+    {"gravity", "gravity = 9.81;", 3, {"gravity", "3 numbers"}},
+    {"gravity", "gravity = [0.0, -9.81];", 3, {"gravity", "3 numbers"}},
+    {"gravity", "gravity = [0.0, -9.81, 0.0, 0.0];", 3, {"gravity", "3 numbers"}},
+    {"gravity", "gravity = (0.0, \"down\", 0.0);", 3, {"gravity", "number 2"}},
+    {"gravity", "gravity = { x = 0.0; y = 1.0; z = 0.0; };", 3, {"gravity", "3 numbers"}},
+    {"material", "material = 3;", 4, {"material", "group"}},
+    {"material", "material = ( { } );", 4, {"material", "group"}},
+    {"material", "material = {\n hair_count = \"many\"; };", 5, {"hair_count", "positive number"}},
+    {"material", "material = {\n bending = 3; };", 5, {"bending", "text"}},
+    {"material", "material = {\n drag_rate = [1.0]; };", 5, {"drag_rate", "number"}},
+    {"material", "material = {\n drag_rate = true; };", 5, {"drag_rate", "number"}},
+    {"envelope", "envelope = \"yes\";", 5, {"envelope", "group"}},
+    {"wisps", "wisps = { root = [0.0, 0.0, 0.0]; };", 6, {"wisps", "list"}},
+    {"wisps", "wisps = ( 1 );", 6, {"wisps", "group"}},
+    {"wisps", "wisps = ();", 6, {"wisps", "list"}},
+    {"wisps", "wisps = 7;", 6, {"wisps", "list"}},
+    {"wisps", WISP("nodes = \"many\";"), 8, {"nodes", "whole"}},
+    {"wisps", GRID("grid = 3; spacing = 0.1;" ACROSS), 9, {"grid", "2 numbers"}},
+    {"wisps", GRID("grid = [3]; spacing = 0.1;" ACROSS), 9, {"grid", "2 numbers"}},
+    {"wisps", GRID("grid = [2, 2]; spacing = 0.1; across = 1.0;"), 9, {"across", "directions"}},
+    {"wisps", GRID("grid = [2, 2]; spacing = 0.1; across = ([1.0, 0.0, 0.0]);"), 9, {"across"}},
+    {"wisps",
+     GRID("grid = [2, 2]; spacing = 0.1; across = ([1.0, 0.0], [0.0, 0.0, 1.0]);"),
+     9,
+     {"across", "3 numbers"}},
+    {"wisps", GRID("grid = [2, 2]; spacing = 0.1; across = (1.0, 2.0);"), 9, {"across"}},
+    {"wind", "wind = 3.0;", 7, {"wind", "group"}},
+    {"wind", "wind = { kind = 1; velocity = [1.0, 0.0, 0.0]; };", 7, {"kind", "text"}},
+    {"wind", "wind = { kind = \"steady\"; velocity = 1.0; };", 7, {"velocity", "3 numbers"}},
+    {"wind",
+     "wind = { kind = \"irregular\"; velocity = [1.0, 0.0, 0.0]; amplitudes = 0.5;\n"
+     " frequencies = [1.0]; };",
+     7,
+     {"amplitudes", "numbers"}},
+    /* out of range */
+    {"material", "material = {\n hair_count = 0; };", 5, {"hair_count", "positive"}},
+    {"material", "material = {\n hair_count = -1.0; };", 5, {"hair_count", "positive"}},
+    {"material", "material = {\n hair_density = 0.0; };", 5, {"hair_density", "positive"}},
+    {"material", "material = {\n stretch_stiffness = -90.0; };", 5, {"stretch_stiffness", "-90"}},
+    {"material", "material = {\n stretch_time = -1e-4; };", 5, {"stretch_time", "not negative"}},
+    {"material", "material = {\n bending_stiffness = -1.0; };", 5, {"bending_stiffness"}},
+    {"material", "material = {\n bending_angle = 0.0; };", 5, {"bending_angle", "positive"}},
+    {"material", "material = {\n bending_time = -1.0; };", 5, {"bending_time"}},
+    {"material", "material = {\n drag_rate = -4.0; };", 5, {"drag_rate", "not negative"}},
+    {"envelope", "envelope = {\n samples = 2; };", 6, {"samples", "3 to 16"}},
+    {"envelope", "envelope = {\n samples = 17; };", 6, {"samples", "3 to 16"}},
+    {"envelope", "envelope = {\n samples = 4.5; };", 6, {"samples", "whole"}},
+    {"envelope", "envelope = {\n samples = 0; };", 6, {"samples", "3 to 16"}},
+    {"envelope", "envelope = {\n radius = 0.0; };", 6, {"radius", "positive"}},
+    {"envelope", "envelope = {\n mass_fraction = 0.0; };", 6, {"mass_fraction"}},
+    {"envelope", "envelope = {\n mass_fraction = 1.0; };", 6, {"mass_fraction", "0 and 1"}},
+    {"envelope", "envelope = {\n frequency = -10.0; };", 6, {"frequency", "not negative"}},
+    {"envelope", "envelope = {\n damping_ratio = -1.0; };", 6, {"damping_ratio"}},
+    {"envelope", "envelope = {\n penalty_ratio = -1.0; };", 6, {"penalty_ratio"}},
+    {"wisps", WISP("nodes = 2;"), 8, {"nodes", "3"}},
+    {"wisps", WISP("nodes = 11.5;"), 8, {"nodes", "whole"}},
+    {"wisps", WISP("nodes = -3;"), 8, {"nodes", "whole"}},
+    {"wisps", BODY(ROOT, DIRECTION, "\nlength = 0.0;"), 8, {"length", "positive"}},
+    {"wisps", BODY(ROOT, "\ndirection = [0.0, 0.0, 0.0];", LENGTH), 8, {"direction", "no length"}},
+    {"wisps", GRID("grid = [0, 2]; spacing = 0.1;" ACROSS), 9, {"grid", "whole"}},
+    {"wisps", GRID("grid = [2.0, 2.5]; spacing = 0.1;" ACROSS), 9, {"grid", "2.5"}},
+    {"wisps", GRID("grid = [2, -2]; spacing = 0.1;" ACROSS), 9, {"grid", "-2"}},
+    {"wisps", GRID("grid = [2, 2]; spacing = 0.0;" ACROSS), 9, {"spacing", "positive"}},
+    {"wisps",
+     GRID("grid = [2, 2]; spacing = 0.1; across = ([0.0, 0.0, 0.0], [0.0, 0.0, 1.0]);"),
+     9,
+     {"across", "no length"}},
+    {"wind",
+     "wind = { kind = \"gust\"; velocity = [1.0, 0.0, 0.0]; hold = -1.0; decay = 1.0; };",
+     7,
+     {"hold", "not negative"}},
+    {"wind",
+     "wind = { kind = \"gust\"; velocity = [1.0, 0.0, 0.0]; hold = 1.0;\n decay = 0.0; };",
+     8,
+     {"decay", "positive"}},
+    {"duration", "duration = -1.0;", 1, {"duration", "positive"}},
+    {"frame_rate", "frame_rate = 0.0;", 2, {"frame_rate", "positive"}},
+    /* not finite */
+    {"gravity", "gravity = [0.0, 1e999, 0.0];", 3, {"gravity", "finite"}},
+    {"material", "material = {\n hair_density = 1e999; };", 5, {"hair_density"}},
+    {"envelope", "envelope = {\n frequency = 1e999; };", 6, {"frequency"}},
+    {"wisps", BODY("\nroot = [1e999, 0.0, 0.0];", DIRECTION, LENGTH), 8, {"root", "finite"}},
+    {"wisps", BODY(ROOT, "\ndirection = [1e999, 0.0, 0.0];", LENGTH), 8, {"direction", "finite"}},
+    {"wisps", BODY(ROOT, DIRECTION, "\nlength = 1e999;"), 8, {"length"}},
+    {"wisps", GRID("grid = [2, 2]; spacing = 1e999;" ACROSS), 9, {"spacing"}},
+    {"wisps",
+     GRID("grid = [2, 2]; spacing = 0.1; across = ([1e999, 0.0, 0.0], [0.0, 0.0, 1.0]);"),
+     9,
+     {"across", "finite"}},
+    {"wind",
+     "wind = { kind = \"steady\"; velocity = [1e999, 0.0, 0.0]; };",
+     7,
+     {"velocity", "finite"}},
+    {"wind",
+     "wind = { kind = \"irregular\"; velocity = [1.0, 0.0, 0.0]; amplitudes = [1e999];\n"
+     " frequencies = [1.0]; };",
+     7,
+     {"amplitudes", "finite"}},
+    /* of later chapters */
+    {"body", "body = ( { name = \"head\"; } );", 7, {"body"}},
+    {"contacts", "contacts = { };", 7, {"contacts"}},
+    {"subdivision", "subdivision = { };", 7, {"subdivision"}},
+    {"style", "style = { };", 7, {"style"}},
+    {"head", "head = { };", 7, {"head"}},
+    {"start", "start = \"file.tsv\";", 7, {"start"}},
+    {"wisps", "wisps = (\n{ scalp = \"head\"; count = 100; } );", 7, {"scalp"}},
+};
+enum { WRONGS = sizeof wrongs / sizeof *wrongs };
+
+static void write_scene(const char *path, const char *name, const char *text) {
+    FILE *file = fopen(path, "w");
+    cr_assert(file, "%s cannot be written", path);
+    int replaced = 0;
+    for (int i = 0; i < SOUND; i++) {
+        const int here = name && strcmp(sound[i].name, name) == 0;
+        replaced |= here;
+        fprintf(file, "%s\n", here ? text : sound[i].text);
+    }
+    if (name && !replaced)
+        fprintf(file, "%s\n", text);
+    fclose(file);
+}
+
+/* `wisplab run` of a scene into a folder: its exit code, and what it says on standard error. */
+static int run_program(const char *scene, const char *out, char *said, size_t size) {
+    const int file = memfd_create("err", MFD_CLOEXEC);
+    cr_assert(file >= 0, "no memory");
+    const pid_t child = fork();
+    if (child == 0) {
+        dup2(file, 2);
+        execl(WISPLAB_PROGRAM, WISPLAB_PROGRAM, "run", scene, "--no-progress", "--out", out, NULL);
+        _exit(99);
+    }
+    int status;
+    cr_assert(child > 0 && waitpid(child, &status, 0) == child, "no process");
+    const ssize_t length = pread(file, said, size - 1, 0);
+    said[length > 0 ? length : 0] = '\0';
+    close(file);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+}
+
+Test(wisp_scenes, what_is_wrong_is_refused_in_one_line_with_its_place) {
+    char folder[] = "/tmp/wisp-scenes-XXXXXX", path[200], out[100], place[240], said[4000];
+    cr_assert(mkdtemp(folder), "no folder");
+    snprintf(path, sizeof path, "%s/bad.cfg", folder);
+    snprintf(out, sizeof out, "%s/out", folder);
+    for (int i = 0; i < WRONGS; i++) {
+        const struct wrong *w = &wrongs[i];
+        write_scene(path, w->name, w->text);
+        const int code = run_program(path, out, said, sizeof said);
+        cr_expect_eq(code, 1, "%s: exit code %d, '%s'", w->text, code, said);
+        const char *end = strchr(said, '\n');
+        cr_expect(end && end[1] == '\0', "%s: not one line: '%s'", w->text, said);
+        if (w->line > 0)
+            snprintf(place, sizeof place, "%s:%d: ", path, w->line);
+        else
+            snprintf(place, sizeof place, "%s: ", path);
+        cr_expect(strstr(said, place), "%s: not at %s: '%s'", w->text, place, said);
+        for (int k = 0; k < 3 && w->says[k]; k++)
+            cr_expect(strstr(said, w->says[k]), "%s: does not say '%s': '%s'", w->text, w->says[k],
+                      said);
+        cr_expect_neq(access(out, F_OK), 0, "%s: something was written", w->text);
+    }
+    write_scene(path, NULL, NULL);
+    cr_expect_eq(run_program(path, out, said, sizeof said), 0, "the sound scene: %s", said);
+    cr_expect_eq(access(out, F_OK), 0, "the sound scene writes nothing");
+    remove(path);
+    snprintf(path, sizeof path, "%s/states.tsv", out);
+    remove(path);
+    snprintf(path, sizeof path, "%s/run.json", out);
+    remove(path);
+    cr_expect(rmdir(out) == 0 && rmdir(folder) == 0, "something else is in %s", folder);
+}
+
+/* --- what is right --- */
+
+Test(wisp_scenes, the_named_defaults_hold) {
+    char path[] = "/tmp/wisp-scene-XXXXXX", reason[REASON_SIZE];
+    cr_assert(close(mkstemp(path)) == 0);
+    write_scene(path, NULL, NULL);
+    struct scene *scene = scene_load(path, NULL, 0, reason);
+    remove(path);
+    cr_assert(scene, "%s", reason);
+    cr_assert_eq(scene->wisp_count, 1);
+    const struct wisp *w = scene->wisps;
+    cr_assert(w->nodes == 11 && w->samples == 4 && w->bending == BENDING_SKIP);
+    cr_assert(w->hair_count == 1000 && w->hair_density == 5.7e-6 && w->stretch_stiffness == 90 &&
+              w->stretch_time == 1.2e-4 && w->bending_stiffness == 1e-5 &&
+              w->bending_angle == 0.3 && w->bending_time == 1e-3 && w->drag_rate == 4);
+    cr_assert(w->radius == 0.02 && w->mass_fraction == 0.15 && w->frequency == 10 &&
+              w->damping_ratio == 1 && w->penalty_ratio == 100);
+    cr_assert(scene->collision_rate == 300 && scene->around.wind.kind == WIND_NONE);
+    scene_free(scene);
+    /* and are those that the shipped scenes spell out */
+    struct scene *swing = lab_load("swing", NULL, 0),
+                 *envelope = lab_load("swing-envelope", NULL, 0);
+    struct scene *spare = LAB_LOAD("swing", "material={}");
+    struct scene *spare_envelope = LAB_LOAD("swing-envelope", "material={}", "envelope={}");
+    cr_assert_eq(memcmp(swing->wisps, spare->wisps, sizeof *swing->wisps), 0);
+    cr_assert_eq(memcmp(envelope->wisps, spare_envelope->wisps, sizeof *swing->wisps), 0);
+    cr_assert_eq(swing->wisps->samples, 0, "swing has an envelope");
+    scene_free(swing);
+    scene_free(spare);
+    scene_free(envelope);
+    scene_free(spare_envelope);
+}
+
+/* Masses and constants of section 2 and 3, by other formulas: what hangs below node 1.5 is there,
+ * and the skip spring has the hinge's energy at the bending angle (to (angle)^2 / 24 of it, from
+ * 2 l (1 - cos(angle / 2)) = l angle^2 / 4). */
+Test(wisp_scenes, masses_and_constants_follow) {
+    struct scene *scene = lab_load("swing-envelope", NULL, 0);
+    const struct wisp *w = scene->wisps;
+    const double l = 0.03, whole = 1000 * 5.7e-6 * (0.3 - 1.5 * l);
+    double sum = 0;
+    for (int i = 2; i < w->nodes; i++) {
+        const double node = wisp_node_mass(w, i), sample = wisp_sample_mass(w, i);
+        sum += node + 4 * sample;
+        cr_assert(fabs(4 * sample / (node + 4 * sample) - 0.15) <= 1e-15, "share of the samples");
+    }
+    cr_assert(fabs(sum - whole) <= 1e-15 * whole * 10, "%.17g kg, not %.17g", sum, whole);
+    cr_assert(fabs(wisp_node_mass(w, 10) / wisp_node_mass(w, 9) - 0.5) <= 1e-15, "the last node");
+    cr_assert(fabs(wisp_stretch_constant(w) / 3000 - 1) <= 1e-15, "stretch");
+    struct wisp hinge = *w;
+    hinge.bending = BENDING_HINGE;
+    const double shorter = 2 * l * (1 - cos(0.15));
+    const double skip_energy = wisp_bending_constant(w) / 2 * shorter * shorter;
+    const double hinge_energy = wisp_bending_constant(&hinge) / 2 * 0.3 * 0.3;
+    cr_assert(fabs(skip_energy / hinge_energy - 1) <= 0.3 * 0.3 / 24, "energies %g and %g",
+              skip_energy, hinge_energy);
+    scene_free(scene);
+}
+
+/* Roots of a grid: the first corner, then along the first direction, then the second, however long
+ * the directions are given; entries one after another. */
+Test(wisp_scenes, grids_are_spread_out) {
+    struct scene *scene = LAB_LOAD(
+        "swing-envelope",
+        "wisps=({ root=[0.1, 0.2, 0.3]; direction=[0, -3, 0]; length=0.2; nodes=5; grid=[3, 2];"
+        "         spacing=0.025; across=([2.0, 0.0, 0.0], (0, 0.0, -4)); },"
+        "       { root=[1, 2, 3]; direction=[3.0, 0.0, 4.0]; length=1; nodes=4; },"
+        "       { root=[0.0, 0.0, 0.0]; direction=[0, 0, 1]; length=0.2; nodes=3; grid=[1, 1];"
+        "         spacing=1; across=([1, 1, 0], [0, 0, 1]); })");
+    cr_assert_eq(scene->wisp_count, 8, "%d wisps", scene->wisp_count);
+    for (int i = 0; i < 6; i++) {
+        const double expected[3] = {0.1 + 0.025 * (i % 3), 0.2, 0.3 - 0.025 * (i / 3)};
+        for (int k = 0; k < 3; k++)
+            cr_assert(fabs(scene->wisps[i].root[k] - expected[k]) <= 1e-16 &&
+                          scene->wisps[i].direction[k] == (k == 1 ? -1 : 0),
+                      "wisp %d: root %.17g, not %.17g", i, scene->wisps[i].root[k], expected[k]);
+        cr_assert(scene->wisps[i].nodes == 5 && scene->wisps[i].length == 0.2);
+    }
+    const struct wisp *single = &scene->wisps[6];
+    cr_assert(single->root[0] == 1 && single->root[1] == 2 && single->root[2] == 3 &&
+              single->nodes == 4 && single->length == 1);
+    cr_assert(fabs(single->direction[0] - 0.6) <= 1e-16 && single->direction[1] == 0 &&
+              fabs(single->direction[2] - 0.8) <= 1.2e-16);
+    cr_assert(scene->wisps[7].nodes == 3 && scene->wisps[7].root[0] == 0);
+    scene_free(scene);
+}
+
+/* Directions of any length: squares that overflow or vanish. */
+Test(wisp_scenes, directions_are_normalised) {
+    static const char *const directions[] = {
+        "wisps=({ root=[0,0,0]; direction=[3e300, 4e300, 0.0]; length=1; nodes=3; })",
+        "wisps=({ root=[0,0,0]; direction=[3e-310, 4e-310, 0.0]; length=1; nodes=3; })",
+        "wisps=({ root=[0,0,0]; direction=[0.3, 0.4, 0.0]; length=1; nodes=3; })",
+    };
+    for (int i = 0; i < 3; i++) {
+        struct scene *scene = LAB_LOAD("swing", directions[i]);
+        const double *d = scene->wisps->direction;
+        /* the second is of denormal numbers of 1e-14 relative precision */
+        cr_assert(fabs(d[0] - 0.6) <= 1e-13 && fabs(d[1] - 0.8) <= 1e-13 && d[2] == 0,
+                  "%s: %.17g, %.17g", directions[i], d[0], d[1]);
+        cr_assert(fabs(hypot(d[0], d[1]) - 1) <= 2.3e-16, "%s: of length %.17g", directions[i],
+                  hypot(d[0], d[1]));
+        scene_free(scene);
+    }
+}
+
+Test(wisp_scenes, set_works_into_groups_and_lists) {
+    struct scene *scene = LAB_LOAD(
+        "swing", "material.stretch_stiffness=1500", "material.bending=hinge", "wisps.[0].nodes=7",
+        "wisps.[0].direction=[0.0, 2.0, 0.0]", "gravity=[0, 0, -1]",
+        "wind={ kind=\"irregular\"; velocity=[1, 2, 3]; amplitudes=[0.5]; frequencies=[2]; }",
+        "wind.frequencies=[3.5]", "envelope={ samples=5; }", "envelope.radius=0.03");
+    const struct wisp *w = scene->wisps;
+    cr_assert(w->stretch_stiffness == 1500 && w->bending == BENDING_HINGE && w->nodes == 7);
+    cr_assert(w->direction[0] == 0 && w->direction[1] == 1 && w->direction[2] == 0);
+    cr_assert(w->samples == 5 && w->radius == 0.03);
+    cr_assert_eq(scene->around.gravity[2], -1);
+    const struct wind *wind = &scene->around.wind;
+    cr_assert(wind->kind == WIND_IRREGULAR && wind->velocity[2] == 3 && wind->terms == 1 &&
+              wind->amplitude[0] == 0.5 && wind->frequency[0] == 3.5);
+    scene_free(scene);
+
+    static const struct {
+        const char *set, *says[2];
+    } bad[] = {
+        {"wisps.[1].nodes=7", {"wisps.[1]"}},
+        {"wisps.[0].nodes=2", {"nodes", "3"}},
+        {"wisps.[0].colour=3", {"colour", "unknown"}},
+        {"material.bending=foo", {"bending", "foo"}},
+        {"material.drag_rate=fast", {"drag_rate", "number"}},
+        {"wind.velocity=[1, 0, 0]", {"wind"}},
+        {"envelope={ samples=17; }", {"samples", "16"}},
+        {"body=()", {"body"}},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        char reason[REASON_SIZE] = "";
+        scene = scene_load("swing", &bad[i].set, 1, reason);
+        cr_expect(!scene, "%s is taken", bad[i].set);
+        scene_free(scene);
+        for (int k = 0; k < 2 && bad[i].says[k]; k++)
+            cr_expect(strstr(reason, bad[i].says[k]), "%s: does not say '%s': '%s'", bad[i].set,
+                      bad[i].says[k], reason);
+    }
+}

@@ -1,0 +1,248 @@
+#include "wisp_support.h"
+
+#include "kernel/sparse.h"
+
+#include <criterion/criterion.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+const char *const treatment_names[TREATMENTS] = {"projection", "penalty", "generalised"};
+const char *const law_names[LAWS] = {"none", "skip", "hinge"};
+
+/* --- random numbers --- */
+
+double lab_between(unsigned *seed, double least, double most) {
+    *seed = *seed * 1664525u + 1013904223u; /* Numerical Recipes' quick one */
+    return least + (most - least) * (*seed >> 8) / 16777216.;
+}
+
+/* A random direction: not evenly spread, but never short. */
+static void direction(unsigned *seed, double d[3]) {
+    double square = 0;
+    while (square < 0.1) {
+        square = 0;
+        for (int k = 0; k < 3; k++) {
+            d[k] = lab_between(seed, -1, 1);
+            square += d[k] * d[k];
+        }
+    }
+    for (int k = 0; k < 3; k++)
+        d[k] /= sqrt(square);
+}
+
+struct wisp lab_wisp(int nodes, int samples, enum bending law, unsigned *seed) {
+    struct wisp wisp = {
+        .nodes = nodes,
+        .samples = samples,
+        .length = lab_between(seed, 0.1, 0.5),
+        .hair_count = lab_between(seed, 500, 2000),
+        .hair_density = 5.7e-6,
+        .stretch_stiffness = lab_between(seed, 40, 200),
+        .stretch_time = lab_between(seed, 1e-4, 1e-3),
+        .bending = law,
+        .bending_stiffness = lab_between(seed, 5e-6, 2e-5),
+        .bending_angle = lab_between(seed, 0.2, 0.5),
+        .bending_time = lab_between(seed, 5e-4, 2e-3),
+        .drag_rate = lab_between(seed, 2, 8),
+        .radius = lab_between(seed, 0.01, 0.03),
+        .mass_fraction = lab_between(seed, 0.1, 0.4),
+        .frequency = lab_between(seed, 5, 20),
+        .damping_ratio = lab_between(seed, 0.5, 1.5),
+        .penalty_ratio = lab_between(seed, 50, 200),
+    };
+    for (int k = 0; k < 3; k++)
+        wisp.root[k] = lab_between(seed, -0.3, 0.3);
+    direction(seed, wisp.direction);
+    return wisp;
+}
+
+struct surroundings lab_surroundings(enum wind_kind kind, unsigned *seed) {
+    struct surroundings around = {.wind = {.kind = kind}};
+    struct wind *wind = &around.wind;
+    direction(seed, around.gravity);
+    for (int k = 0; k < 3; k++) {
+        around.gravity[k] *= 9.81;
+        if (kind != WIND_NONE)
+            wind->velocity[k] = lab_between(seed, -5, 5);
+    }
+    wind->hold = 0.5;
+    wind->decay = lab_between(seed, 0.05, 0.1);
+    wind->terms = 3;
+    for (int k = 0; k < wind->terms; k++) {
+        wind->amplitude[k] = lab_between(seed, 0.1, 0.5);
+        wind->frequency[k] = lab_between(seed, 0.5, 5);
+    }
+    return around;
+}
+
+/* The node after `p` in a state, `along` being the last segment's direction. */
+static void next_node(const struct wisp *wisp, enum lab_state kind, unsigned *seed, double along[3],
+                      double p[3]) {
+    const double l = wisp->length / (wisp->nodes - 1);
+    const double turn = kind == STATE_REST ? 0 : kind == STATE_FOLDED ? 2.5 : 0.7;
+    const double length = kind == STATE_REST         ? l
+                          : kind == STATE_COMPRESSED ? l * lab_between(seed, 0.4, 0.9)
+                                                     : l * lab_between(seed, 0.7, 1.4);
+    double d[3], square = 0;
+    direction(seed, d);
+    for (int k = 0; k < 3; k++) {
+        along[k] += turn * d[k];
+        square += along[k] * along[k];
+    }
+    for (int k = 0; k < 3; k++) {
+        along[k] /= sqrt(square);
+        p[k] += length * along[k];
+    }
+}
+
+void lab_state(const struct wisp *wisp, enum wisp_treatment treatment, enum lab_state kind,
+               int still, unsigned *seed, double *q, double *v) {
+    const double l = wisp->length / (wisp->nodes - 1);
+    const int unknowns = wisp_node_unknowns(wisp, treatment);
+    double along[3], p[3];
+    for (int k = 0; k < 3; k++) {
+        along[k] = wisp->direction[k];
+        p[k] = wisp->root[k] + l * along[k];
+    }
+    for (int i = 2; i < wisp->nodes; i++, q += unknowns, v += unknowns) {
+        next_node(wisp, kind, seed, along, p);
+        memcpy(q, p, sizeof p);
+        for (int j = 0; j < wisp->samples; j++) {
+            const double r = wisp->radius * lab_between(seed, 0.2, 2);
+            double d[3];
+            direction(seed, d);
+            if (treatment != WISP_PENALTY)
+                q[3 + j] = r;
+            else
+                for (int k = 0; k < 3; k++)
+                    q[3 + 3 * j + k] = p[k] + r * d[k];
+        }
+        for (int u = 0; u < unknowns; u++)
+            v[u] = still ? 0 : lab_between(seed, -1, 1);
+    }
+}
+
+/* --- a part of the kernel --- */
+
+void lab_part_make(struct lab_part *part, int lanes, const struct wisp *wisps, int count,
+                   const struct surroundings *around, enum wisp_treatment treatment) {
+    const struct wisp *lane[LAB_LANES];
+    for (int k = 0; k < LAB_LANES; k++)
+        lane[k] = &wisps[k < count ? k : 0];
+    const int size = (wisps->nodes - 2) * wisp_node_unknowns(wisps, treatment);
+    *part = (struct lab_part){.lanes = lanes, .size = size};
+    part->system = (struct system){.ops = lanes == 1 ? &kernel_ops_1 : &kernel_ops_4,
+                                   .name = "the laboratory's wisps",
+                                   .size = size * lanes,
+                                   .lanes = lanes,
+                                   .wisps = count};
+    part->system.ctx =
+        (lanes == 1 ? kernel_create_1 : kernel_create_4)(lane, around, treatment, &part->system);
+    cr_assert(part->system.ctx, "no memory for a part");
+    part->pattern = (lanes == 1 ? kernel_pattern_1 : kernel_pattern_4)(part->system.ctx);
+    cr_assert(part->pattern, "no memory for a pattern");
+    part->system.pattern = lanes == 1 ? part->pattern : NULL;
+}
+
+void lab_part_free(struct lab_part *part) {
+    (part->lanes == 1 ? kernel_free_1 : kernel_free_4)(part->system.ctx);
+    free(part->pattern);
+}
+
+void lab_scatter(const struct lab_part *part, int lane, const double *x, double *to) {
+    for (int i = 0; i < part->size; i++)
+        to[i * part->lanes + lane] = x[i];
+}
+
+void lab_gather(const struct lab_part *part, int lane, const double *from, double *x) {
+    for (int i = 0; i < part->size; i++)
+        x[i] = from[i * part->lanes + lane];
+}
+
+/* --- scenes --- */
+
+struct scene *lab_scene(const struct wisp *wisps, int count, const struct surroundings *around) {
+    struct scene *scene = calloc(1, sizeof *scene);
+    cr_assert(scene, "no memory for a scene");
+    scene->problem = &wisp_problem;
+    scene->around = *around;
+    scene->run = (struct run_defaults){1e-4, 1e-6, 1e-9};
+    scene->wisp_count = count;
+    scene->collision_rate = 300;
+    scene->source = json_object();
+    scene->wisps = malloc((size_t)count * sizeof *wisps);
+    cr_assert(scene->wisps && scene->source, "no memory for wisps");
+    memcpy(scene->wisps, wisps, (size_t)count * sizeof *wisps);
+    snprintf(scene->name, sizeof scene->name, "lab");
+    return scene;
+}
+
+struct scene *lab_load(const char *name, const char *const *sets, int set_count) {
+    char reason[REASON_SIZE];
+    struct scene *scene = scene_load(name, sets, set_count, reason);
+    cr_assert(scene, "%s", reason);
+    return scene;
+}
+
+/* --- runs --- */
+
+static int keep(void *ctx, const struct model *model, double t, const double *rows) {
+    struct lab_run *run = ctx;
+    const size_t size = (size_t)(model->row_count * model->column_count), n = (size_t)run->frames;
+    run->rows = model->row_count;
+    run->columns = model->column_count;
+    run->t = realloc(run->t, (n + 1) * sizeof *run->t);
+    run->row = realloc(run->row, (n + 1) * size * sizeof *run->row);
+    cr_assert(run->t && run->row, "no memory for frames");
+    run->t[n] = t;
+    memcpy(run->row + n * size, rows, size * sizeof *rows);
+    run->frames++;
+    return 0;
+}
+
+void lab_run(const struct scene *scene, const struct run_request *request, struct lab_run *run) {
+    struct settings settings;
+    char reason[REASON_SIZE];
+    *run = (struct lab_run){.frames = 0};
+    cr_assert(settings_resolve(scene, request, &settings, reason) == 0, "refused: %s", reason);
+    simulate(scene, &settings, &(struct observer){keep, run}, NULL, &run->result);
+}
+
+void lab_run_free(struct lab_run *run) {
+    free(run->t);
+    free(run->row);
+}
+
+struct lab_distance lab_distance(const struct lab_run *a, const struct lab_run *b, int from,
+                                 int first) {
+    struct lab_distance d = {0, 0};
+    long count = 0;
+    cr_assert(a->frames == b->frames && a->rows == b->rows, "runs of %d and %d frames", a->frames,
+              b->frames);
+    for (int f = from; f < a->frames; f++) {
+        cr_assert(fabs(a->t[f] - b->t[f]) <= 1e-12, "frame %d at %.17g and %.17g", f, a->t[f],
+                  b->t[f]);
+        for (int i = 0; i < a->rows; i++) {
+            const double *x = a->row + (f * a->rows + i) * a->columns,
+                         *y = b->row + (f * b->rows + i) * b->columns;
+            if (x[1] < first)
+                continue;
+            double square = 0;
+            for (int k = 2; k < 5; k++)
+                square += (x[k] - y[k]) * (x[k] - y[k]);
+            d.rms += square;
+            d.largest = fmax(d.largest, sqrt(square));
+            count++;
+        }
+    }
+    d.rms = sqrt(d.rms / (double)count);
+    return d;
+}
+
+int lab_close(double a, double b, double limit, double *worst) {
+    const double error = fabs(a - b);
+    if (worst && limit > 0)
+        *worst = fmax(*worst, error / limit);
+    return error <= limit;
+}

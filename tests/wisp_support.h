@@ -1,0 +1,84 @@
+/* What the tests of the wisp model share: random wisps and states, parts of the kernel, scenes from
+ * numbers, and runs in this process with all their frames. */
+#ifndef WISPLAB_TESTS_WISP_SUPPORT_H
+#define WISPLAB_TESTS_WISP_SUPPORT_H
+
+#include "kernel/kernel.h"
+#include "simulation.h"
+#include "wisp_twin.h"
+
+enum { TREATMENTS = 3, LAWS = 3, WINDS = 4, LAB_LANES = 4, LAB_NODES = 40 };
+enum { LAB_SIZE = (LAB_NODES - 2) * (3 + 3 * SAMPLES_MAX) }; /* unknowns of one wisp at most */
+
+extern const char *const treatment_names[TREATMENTS];
+extern const char *const law_names[LAWS];
+
+/* --- random numbers, reproducible --- */
+
+double lab_between(unsigned *seed, double least, double most);
+
+/* A wisp with every number within a factor of about two of the defaults, in any direction. */
+struct wisp lab_wisp(int nodes, int samples, enum bending law, unsigned *seed);
+
+/* Gravity in any direction and wind of a kind; forces change in time for 0 < t < 1. */
+struct surroundings lab_surroundings(enum wind_kind kind, unsigned *seed);
+
+/* States, by what is hard in them: nothing; lengths and angles at random; all segments shorter
+ * than at rest; a random walk that turns back on itself, with angles up to 3 rad. */
+enum lab_state { STATE_REST, STATE_RANDOM, STATE_COMPRESSED, STATE_FOLDED, STATES };
+
+/* q and v in the order of the twin. With `still`, v = 0. */
+void lab_state(const struct wisp *wisp, enum wisp_treatment treatment, enum lab_state kind,
+               int still, unsigned *seed, double *q, double *v);
+
+/* --- a part of the kernel --- */
+
+struct lab_part {
+    int lanes, size; /* size: of one wisp */
+    struct system system;
+    struct sparse_matrix *pattern; /* of one lane */
+};
+
+/* `count` wisps, 1 to `lanes`; the last lanes repeat the first wisp. Stops the test where memory
+ * cannot be had. */
+void lab_part_make(struct lab_part *part, int lanes, const struct wisp *wisps, int count,
+                   const struct surroundings *around, enum wisp_treatment treatment);
+void lab_part_free(struct lab_part *part);
+
+/* One wisp's vector into or out of a lane. */
+void lab_scatter(const struct lab_part *part, int lane, const double *x, double *to);
+void lab_gather(const struct lab_part *part, int lane, const double *from, double *x);
+
+/* --- scenes and runs --- */
+
+/* A scene of these wisps; for scene_free. Runs need duration and frame_rate set by the caller. */
+struct scene *lab_scene(const struct wisp *wisps, int count, const struct surroundings *around);
+
+/* A shipped scene, or a file, with overrides; stops the test where it cannot be read. */
+struct scene *lab_load(const char *name, const char *const *sets, int set_count);
+#define LAB_LOAD(name, ...)                                      \
+    lab_load(name, (const char *const[]){NULL, __VA_ARGS__} + 1, \
+             (int)(sizeof((const char *const[]){NULL, __VA_ARGS__}) / sizeof(char *)) - 1)
+
+/* A run with all its frames. */
+struct lab_run {
+    struct run_result result;
+    int frames, rows, columns;
+    double *t, *row; /* by frame; by frame, row, column */
+};
+
+/* Runs; stops the test where the request is refused. lab_run_free it. */
+void lab_run(const struct scene *scene, const struct run_request *request, struct lab_run *run);
+void lab_run_free(struct lab_run *run);
+
+/* rms and largest distance of the nodes of two runs, from frame `from` on; of nodes >= `first`. */
+struct lab_distance {
+    double rms, largest;
+};
+struct lab_distance lab_distance(const struct lab_run *a, const struct lab_run *b, int from,
+                                 int first);
+
+/* |a - b| <= tolerance * scale, stops the test otherwise, NaN too; keeps the largest ratio. */
+int lab_close(double a, double b, double limit, double *worst);
+
+#endif
