@@ -145,24 +145,24 @@ void LANED(kernel_product)(void *ctx, double m, double d, double k, const double
 
 /* --- factorisation --- */
 
-/* Rows first_row to first_row + 2 of a panel: alpha C + beta S, or nothing beyond the tip. The
- * node's own block is wanted below its diagonal only, but all of it is written. */
-static inline void combine_blocks(struct panel *panel, int first_row, lane alpha, lane beta,
-                                  const struct block *C, const struct block *S) {
+/* Rows first_row to first_row + 2 of a panel: alpha C + beta S. The node's own block is wanted
+ * below its diagonal only, but all of it is written. */
+SPECIALISED void combine_blocks(struct panel *panel, int first_row, lane alpha, lane beta,
+                                const struct block *C, const struct block *S) {
     EACH (c, 0, 3)
         EACH (r, 0, 3)
             panel->m[c][first_row + r] = alpha * C->m[r][c] + beta * S->m[r][c];
 }
 
-static inline void clear_rows(struct panel *panel, int first_row) {
+SPECIALISED void clear_rows(struct panel *panel, int first_row) {
     EACH (c, 0, 3)
         EACH (r, 0, 3)
             panel->m[c][first_row + r] = lane_all(0);
 }
 
 /* Mass, drag and the samples of node i + 2: mu (diagonal + ww w w') + m (1 + alpha gamma). */
-static inline void add_own(const struct kernel_part *part, const struct elimination *e, int i,
-                           lane air, struct panel *panel) {
+SPECIALISED void add_own(const struct kernel_part *part, const struct elimination *e, int i,
+                         lane air, struct panel *panel) {
     lane diagonal = part->mass[i + 2] * (1 + air);
     if (part->samples > 0) {
         const struct vec w = part->frames[i + 2].w;
@@ -178,11 +178,10 @@ static inline void add_own(const struct kernel_part *part, const struct eliminat
 }
 
 /* The columns of a node, as assembled; rows beyond the tip are zero. */
-static inline void assemble_panel(const struct kernel_part *part, const struct elimination *e,
-                                  int i, lane alpha, lane beta) {
+SPECIALISED void assemble_panel(const struct kernel_part *part, const struct elimination *e, int i,
+                                lane alpha, lane beta, struct panel *panel) {
     const struct kernel_matrix *m = part->matrix;
     const int left = free_nodes(part) - i;
-    struct panel *panel = &m->panel[i];
     combine_blocks(panel, 0, alpha, beta, &m->damping[i][0], &m->stiffness[i][0]);
     add_own(part, e, i, alpha * part->drag, panel);
     if (left > 1)
@@ -195,40 +194,52 @@ static inline void assemble_panel(const struct kernel_part *part, const struct e
         clear_rows(panel, 6);
 }
 
-/* Takes the products of a factorised panel off the columns of a later node, which has its rows from
- * `from` on: A_rs -= sum_c (L D)_rc L_sc. */
-SPECIALISED void take_products(struct panel *later, int from, const struct panel *l,
-                               const struct panel *ld) {
-    EACH (d, 0, 3)
-        EACH (r, from + d, PANEL_ROWS) {
-            lane sum = later->m[d][r - from];
-            EACH (c, 0, 3)
-                sum -= l->m[c][from + d] * ld->m[c][r];
-            later->m[d][r - from] = sum;
+/* What factorised columns take off those of the two nodes after them. It stays in registers from
+ * node to node: columns in memory would wait for their own last change. */
+struct debt {
+    lane next[3][6];  /* column c, row r >= c of the next node's panel */
+    lane after[3][3]; /* the same of the one after it */
+};
+
+SPECIALISED void pay(struct panel *panel, struct debt *debt) {
+    EACH (c, 0, 3)
+        EACH (r, c, 6)
+            panel->m[c][r] -= debt->next[c][r];
+    EACH (c, 0, 3) {
+        EACH (r, c, 3) {
+            debt->next[c][r] = debt->after[c][r];
+            debt->after[c][r] = lane_all(0);
+        }
+        EACH (r, 3, 6)
+            debt->next[c][r] = lane_all(0);
+    }
+}
+
+/* (L D)_rc L_sc, summed over the columns c of a panel, for a later node's rows r >= s from `from`.
+ */
+SPECIALISED void owe(const struct panel *l, const struct panel *ld, struct debt *debt) {
+    EACH (c, 0, 3)
+        EACH (d, 0, 3) {
+            EACH (r, d, 6)
+                debt->next[d][r] += l->m[c][3 + d] * ld->m[c][3 + r];
+            EACH (r, d, 3)
+                debt->after[d][r] += l->m[c][6 + d] * ld->m[c][6 + r];
         }
 }
 
-/* Factorises a node's columns and takes their products off the next two nodes'. */
-SPECIALISED mask factor_panel(struct panel *panel) {
+/* Factorises a node's columns: from `ld` into `l`, with 1 / D on its diagonal. */
+SPECIALISED mask factor_panel(struct panel *ld, struct panel *l) {
     mask positive = lane_all(0) == 0;
-    struct panel l, ld;
-    EACH (c, 0, 3) /* by lanes: a wider copy would wait for the narrower stores before it */
-        EACH (r, c, PANEL_ROWS)
-            ld.m[c][r] = panel[0].m[c][r];
     EACH (c, 0, 3) {
-        positive &= ld.m[c][c] > 0;
-        const lane inverse = 1 / ld.m[c][c];
+        positive &= ld->m[c][c] > 0;
+        const lane inverse = 1 / ld->m[c][c];
         EACH (r, c + 1, PANEL_ROWS)
-            l.m[c][r] = ld.m[c][r] * inverse;
+            l->m[c][r] = ld->m[c][r] * inverse;
         EACH (d, c + 1, 3)
             EACH (r, d, PANEL_ROWS)
-                ld.m[d][r] -= l.m[c][d] * ld.m[c][r];
-        panel[0].m[c][c] = inverse;
-        EACH (r, c + 1, PANEL_ROWS)
-            panel[0].m[c][r] = l.m[c][r];
+                ld->m[d][r] -= l->m[c][d] * ld->m[c][r];
+        l->m[c][c] = inverse;
     }
-    take_products(&panel[1], 3, &l, &ld);
-    take_products(&panel[2], 6, &l, &ld);
     return positive;
 }
 
@@ -237,15 +248,26 @@ int LANED(kernel_factor)(void *ctx, double alpha, double beta) {
     struct kernel_matrix *m = part->matrix;
     const lane a = lane_all(alpha), b = lane_all(beta);
     const struct elimination e = eliminate(part, a, b);
-    const int f = free_nodes(part);
     mask positive = lane_all(0) == 0;
+    struct debt debt;
+    EACH (c, 0, 3) {
+        EACH (r, 0, 6)
+            debt.next[c][r] = lane_all(0);
+        EACH (r, 0, 3)
+            debt.after[c][r] = lane_all(0);
+    }
     m->alpha = alpha;
     m->beta = beta;
-    for (int i = 0; i < f; i++)
-        assemble_panel(part, &e, i, a, b);
-    /* two panels of zeros stand behind the last */
-    for (int i = 0; i < f; i++)
-        positive &= factor_panel(&m->panel[i]);
+    for (int i = 0; i < free_nodes(part); i++) {
+        struct panel ld, l;
+        assemble_panel(part, &e, i, a, b, &ld);
+        pay(&ld, &debt);
+        positive &= factor_panel(&ld, &l);
+        owe(&l, &ld, &debt);
+        EACH (c, 0, 3)
+            EACH (r, c, PANEL_ROWS)
+                m->panel[i].m[c][r] = l.m[c][r];
+    }
     if (mask_all(positive))
         return 0;
     return system_fail(part->system, SOLVER_STALLED,
