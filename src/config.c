@@ -1,5 +1,6 @@
 #include "config.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -74,14 +75,15 @@ static void apply_set(struct config_reader *reader, const char *set) {
     config_init(&value);
     snprintf(snippet, sizeof snippet, "value = %s;", equals + 1);
     int ok = config_read_string(&value, snippet);
-    if (!ok) {
+    if (!ok && isalpha((unsigned char)equals[1])) {
         snprintf(snippet, sizeof snippet, "value = \"%s\";", equals + 1);
         ok = config_read_string(&value, snippet);
     }
     config_setting_t *parent =
         dot ? config_lookup(&reader->config, parent_path) : config_root_setting(&reader->config);
     if (!ok)
-        config_fail(reader, NULL, "--set %s: the value cannot be read", set);
+        config_fail(reader, NULL, "--set %s: the value cannot be read: %s", set,
+                    config_error_text(&value));
     else if (!parent || !config_setting_is_group(parent))
         config_fail(reader, NULL, "--set %s: the scene has no group %s", set, parent_path);
     else {
@@ -104,8 +106,10 @@ void config_open(struct config_reader *reader, const char *path, const char *con
     } else if (!config_read_file(&reader->config, path)) {
         const char *file = config_error_file(&reader->config);
         reader->failed = true;
-        snprintf(reason, REASON_SIZE, "%.120s:%d: %s", file ? file : path,
-                 config_error_line(&reader->config), config_error_text(&reader->config));
+        const char *text = config_error_text(&reader->config);
+        const char *hint = strstr(text, "element type") ? "; write 2.0 beside 2.5, not 2" : "";
+        snprintf(reason, REASON_SIZE, "%.120s:%d: %s%s", file ? file : path,
+                 config_error_line(&reader->config), text, hint);
     }
     for (int i = 0; i < set_count && !reader->failed; i++)
         apply_set(reader, sets[i]);
