@@ -137,6 +137,18 @@ static json_t *terms_to_json(const struct scene *scene) {
     return json;
 }
 
+/* Wall time by stage, and by call to the model where it was profiled. */
+static json_t *seconds_to_json(const struct settings *settings, const struct run_result *result) {
+    json_t *json = json_pack("{s:f, s:f, s:f}", "advance", result->advance_seconds, "ticks",
+                             result->tick_seconds, "frames", result->frame_seconds);
+    if (settings->profile) {
+#define X(call) json_object_set_new(json, #call, json_real(result->profile.call));
+        SYSTEM_CALLS(X)
+#undef X
+    }
+    return json;
+}
+
 static json_t *result_to_json(const struct scene *scene, const struct settings *settings,
                               const struct run_result *result) {
     char scene_text[HASH_SIZE], run_text[HASH_SIZE];
@@ -144,13 +156,14 @@ static json_t *result_to_json(const struct scene *scene, const struct settings *
     run_hash(scene, settings, run_text);
     const int failed = result->outcome != FINISHED;
     return json_pack(
-        "{s:s, s:s, s:o, s:f, s:i, s:i, s:o, s:o, s:f, s:s, s:s, s:O, s:o, s:o, s:o}", "status",
-        outcome_name(result->outcome), "reason", result->reason, "failure_time",
+        "{s:s, s:s, s:o, s:f, s:i, s:i, s:o, s:o, s:f, s:o, s:s, s:s, s:O, s:o, s:o, s:o}",
+        "status", outcome_name(result->outcome), "reason", result->reason, "failure_time",
         failed ? json_real(result->time) : json_null(), "simulated_time", result->time, "frames",
         result->frames, "unknowns", settings->unknowns, "terms", terms_to_json(scene), "counters",
-        counters_to_json(&result->counters), "cpu_seconds", result->cpu_seconds, "run_hash",
-        run_text, "scene_hash", scene_text, "scene", scene->source, "settings",
-        settings_to_json(scene, settings), "build", build_to_json(), "machine", machine_to_json());
+        counters_to_json(&result->counters), "cpu_seconds", result->cpu_seconds, "seconds",
+        seconds_to_json(settings, result), "run_hash", run_text, "scene_hash", scene_text, "scene",
+        scene->source, "settings", settings_to_json(scene, settings), "build", build_to_json(),
+        "machine", machine_to_json());
 }
 
 static int write_json(const json_t *json, const char *folder, char *reason) {
