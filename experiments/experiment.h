@@ -8,8 +8,15 @@
 /* A run and what the tables call it. */
 struct labelled_case {
     struct run_case run;
-    char group[32]; /* the table that it is for */
+    char group[96]; /* the table that it is for */
     char label[64]; /* its row or curve */
+};
+
+/* A scene under study, and what its tables, figures and runs are called: its name, made safe for
+ * files, and with a number where another one has it. */
+struct subject {
+    const struct scene *scene;
+    char name[72];
 };
 
 /* What was asked for, and the runs that answer it. */
@@ -24,6 +31,8 @@ struct plan {
     int case_count, case_capacity;
     struct scene **loaded; /* owned */
     int loaded_count;
+    struct subject *subjects; /* owned; see plan_subjects */
+    int subject_count;
     char reason[REASON_SIZE]; /* of a failure */
 };
 
@@ -35,7 +44,7 @@ struct experiment {
     int (*plan)(struct plan *plan);
 
     /* Writes the tables into `folder` from the run folders, and prints the answer in a few lines.
-     * Returns 0, or -1 with plan->reason. */
+     * Returns 0, or -1 with plan->reason, or 1 with one where the runs left nothing to tabulate. */
     int (*tabulate)(struct plan *plan, const char *folder);
 };
 
@@ -46,6 +55,14 @@ const struct experiment *experiment_find(const char *name);
 /* Loads a scene with overrides; it belongs to the plan. NULL with plan->reason on failure. */
 const struct scene *plan_scene(struct plan *plan, const char *name, const char *const *sets,
                                int set_count);
+
+/* The same without its envelope. */
+const struct scene *plan_scene_bare(struct plan *plan, const char *name);
+
+/* Makes the user's scenes, or else the experiment's own, the plan's subjects. They must be scenes
+ * of wisps, and get 30 frames a second where they have none: runs are compared at the same times.
+ * Returns 0, or -1 with plan->reason. */
+int plan_subjects(struct plan *plan, const char *const *own, int own_count);
 
 /* Whether the user's choice of steppers leaves this one in. */
 int plan_wants(const struct plan *plan, const char *stepper);
