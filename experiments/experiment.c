@@ -7,11 +7,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-extern const struct experiment circle_experiment;
+extern const struct experiment circle_experiment, treatments_experiment, work_precision_experiment;
 
 /* A new experiment is one file and one line here. */
 const struct experiment *const experiments[] = {
     &circle_experiment,
+    &treatments_experiment,
+    &work_precision_experiment,
     NULL,
 };
 
@@ -42,8 +44,11 @@ const struct scene *plan_scene(struct plan *plan, const char *name, const char *
     return keep_scene(plan, scene_load(name, sets, set_count, plan->reason));
 }
 
-const struct scene *plan_scene_bare(struct plan *plan, const char *name) {
-    struct scene *scene = scene_load(name, NULL, 0, plan->reason);
+const struct scene *plan_scene_bare(struct plan *plan, const char *name, double frame_rate) {
+    char rate[64];
+    const char *const sets[] = {rate};
+    snprintf(rate, sizeof rate, "frame_rate=%.17e", frame_rate);
+    struct scene *scene = scene_load(name, sets, 1, plan->reason);
     if (scene)
         scene_remove_envelope(scene);
     return keep_scene(plan, scene);
@@ -76,7 +81,7 @@ static int add_subject(struct plan *plan, const char *name) {
     if (!scene)
         return -1;
     struct subject *subject = &plan->subjects[plan->subject_count];
-    *subject = (struct subject){.scene = scene};
+    *subject = (struct subject){.scene = scene, .source = name};
     name_subject(plan, subject);
     plan->subject_count++;
     return 0;

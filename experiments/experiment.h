@@ -8,22 +8,24 @@
 /* A run and what the tables call it. */
 struct labelled_case {
     struct run_case run;
-    char group[96]; /* the table that it is for */
-    char label[64]; /* its row or curve */
+    char group[128]; /* the table that it is for */
+    char label[64];  /* its row or curve */
 };
 
 /* A scene under study, and what its tables, figures and runs are called: its name, made safe for
  * files, and with a number where another one has it. */
 struct subject {
     const struct scene *scene;
+    const char *source; /* what it was loaded by */
     char name[72];
 };
 
 /* What was asked for, and the runs that answer it. */
 struct plan {
     const struct experiment *experiment;
-    const char *out;                             /* root folder of results */
-    int quick;                                   /* a stated subset */
+    const char *out;    /* root folder of results */
+    int quick;          /* a stated subset */
+    double run_seconds; /* wall time for a run where the user sets none; 0: the program's default */
     const char *const *scenes, *const *steppers; /* chosen by the user; none: the experiment's */
     int scene_count, stepper_count;
 
@@ -56,8 +58,8 @@ const struct experiment *experiment_find(const char *name);
 const struct scene *plan_scene(struct plan *plan, const char *name, const char *const *sets,
                                int set_count);
 
-/* The same without its envelope. */
-const struct scene *plan_scene_bare(struct plan *plan, const char *name);
+/* The same without its envelope, at a frame rate in Hz. */
+const struct scene *plan_scene_bare(struct plan *plan, const char *name, double frame_rate);
 
 /* Makes the user's scenes, or else the experiment's own, the plan's subjects. They must be scenes
  * of wisps, and get 30 frames a second where they have none: runs are compared at the same times.

@@ -204,3 +204,11 @@ int is_stable(const struct butcher_table *table, const struct mode *mode, double
     return cabs(butcher_stability(table, h * (-half_rate + root))) <= 1 &&
            cabs(butcher_stability(table, h * (-half_rate - root))) <= 1;
 }
+
+double ladder_step(const struct scene *scene, int per_octave, int k) {
+    const double rate = scene->wisps[0].samples > 0 ? fmax(scene->collision_rate, scene->frame_rate)
+                                                    : scene->frame_rate;
+    const double coarsest = 1 / rate / ceil(60 / rate - 1e-9);
+    const int p = per_octave, q = k - (p - 1);
+    return coarsest / (q < 0 ? k + 1 : ldexp(p + q % p, q / p));
+}

@@ -77,4 +77,9 @@ struct mode stiffest_mode(const struct scene *scene);
 /* Whether a Runge-Kutta method's steps of h are stable on that mode by linear theory. */
 int is_stable(const struct butcher_table *table, const struct mode *mode, double h);
 
+/* The k-th step of a ladder downwards, s, with that many rungs to the octave: the time between
+ * stops of the scene's clock, or 1/60 s where that is longer, over whole numbers, so that steps
+ * divide it: 1, 2, 3, 4, 6, 8, 12, ... with 2 to the octave. */
+double ladder_step(const struct scene *scene, int per_octave, int k);
+
 #endif

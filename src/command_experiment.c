@@ -39,7 +39,8 @@ static int do_runs(const struct plan *plan, const struct arguments *arguments, i
     double jobs;
     int count = 0, code = -1;
 
-    if (!cases || argument_limits(arguments, 60, 4096, &limits) ||
+    if (!cases ||
+        argument_limits(arguments, plan->run_seconds > 0 ? plan->run_seconds : 60, 4096, &limits) ||
         argument_positive(arguments, "jobs", (double)sysconf(_SC_NPROCESSORS_ONLN), &jobs)) {
         free(cases);
         return complain(-1, "no run was started");
