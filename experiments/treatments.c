@@ -198,11 +198,11 @@ static int read_tight(struct plan *plan, struct study *study) {
         variant->cost = run_cost(&variant->tight);
         if (variant->tight.outcome == FINISHED)
             continue;
-        snprintf(
-            plan->reason, REASON_SIZE,
-            "scene %s, %s: no tight solution to compare with: %s at t = %g s; try --time-limit",
-            study->subject->name, variant->name, outcome_name(variant->tight.outcome),
-            run_number(&variant->tight, "simulated_time"));
+        snprintf(plan->reason, REASON_SIZE,
+                 "scene %s, %s: no tight solution to compare with: %s at t = %g s; try --fresh and "
+                 "--time-limit",
+                 study->subject->name, variant->name, outcome_name(variant->tight.outcome),
+                 run_number(&variant->tight, "simulated_time"));
         return 1;
     }
     return 0;

@@ -268,8 +268,9 @@ static int read_reference(struct plan *plan, struct field *field) {
     field->has_reference = field->reference.outcome == FINISHED;
     field->bound = run_number(&field->reference, "second_opinion.bound");
     if (!field->has_reference)
-        printf("  %s: no reference (%s at t = %g s), hence no errors; try --time-limit\n", group,
-               outcome_name(field->reference.outcome),
+        printf("  %s: no reference (%s at t = %g s), hence no errors; try --fresh with a longer "
+               "--time-limit\n",
+               group, outcome_name(field->reference.outcome),
                run_number(&field->reference, "simulated_time"));
     return 0;
 }

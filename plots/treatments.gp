@@ -21,7 +21,7 @@ stats table('scenes') using (strcol(1) eq 'file' ? 0 \
 
 do for [s = 1:words(scene_files)] {
     scene = word(scene_files, s)
-    eval figure(scene, 1100, 560)
+    eval figure(scene, 1100, 630)
     doubt = NaN; least = 1e300; most = 0
     low = 1e300; high = 0
     array error_of[3]; do for [k = 1:3] { error_of[k] = NaN }
@@ -89,7 +89,7 @@ do for [s = 1:words(scene_files)] {
         eval heading_done
     }
     unset offsets
-    eval legend(0, 490, 1100, 65, 2)
+    eval legend(0, 515, 1100, 105, 4)
     plot @BLANK, keyentry with linespoints lt 11 title 'penalty, ratio rising downwards', \
          keyentry with points lt 11 lc rgb '#BBBBBB' title 'within ten times the uncertainty', \
          keyentry with points lt 12 title 'projection', keyentry with points lt 13 title 'no envelope', \
