@@ -113,8 +113,12 @@ static double time_once(const struct scene *scene, const struct settings *settin
 static json_t *time_run(const struct scene *scene, const struct settings *settings,
                         const struct watch *watch) {
     json_t *seconds = json_array();
-    for (int i = 0; i < settings->timings; i++)
-        json_array_append_new(seconds, json_real(time_once(scene, settings, watch)));
+    for (int i = 0; i < settings->timings; i++) {
+        const double once = time_once(scene, settings, watch);
+        if (watch && watch->stop && *watch->stop) /* the last one was cut short */
+            break;
+        json_array_append_new(seconds, json_real(once));
+    }
     return seconds;
 }
 
