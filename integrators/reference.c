@@ -102,6 +102,14 @@ static int take_step(struct reference *r, double *t, double stop) {
     return 0;
 }
 
+/* GSL keeps the last rate as the first of the next step: it is another one where something else
+ * than a step has changed the state. The proposed step stays. */
+static void forget_rate(struct reference *r) {
+    gsl_odeiv2_evolve_reset(r->evolve);
+    gsl_odeiv2_step_reset(r->step);
+    r->rejected = 0;
+}
+
 static int reference_advance(struct stepper *stepper, double *t, double stop, double *q,
                              double *v) {
     struct reference *r = (struct reference *)stepper;
@@ -115,8 +123,10 @@ static int reference_advance(struct stepper *stepper, double *t, double stop, do
     int code = r->h == 0 ? propose_first_step(r, reached) : 0;
     if (!code)
         code = take_step(r, &reached, stop);
-    if (!code && system_has_projection(system)) /* GSL keeps nothing of the state before it */
+    if (!code && system_has_projection(system)) {
         code = system_project(system, reached, new_q, new_v);
+        forget_rate(r);
+    }
     if (code)
         return -abs(code); /* smaller steps were tried */
 
@@ -138,6 +148,12 @@ static const struct second_opinion check = {
     .options = check_options,
 };
 
+static int reference_reset(struct stepper *stepper) {
+    stepper->system->counters.restarts += stepper->system->wisps;
+    forget_rate((struct reference *)stepper);
+    return 0;
+}
+
 const struct stepper_method reference = {
     .name = "reference",
     .summary = "explicit Runge-Kutta of order 8 with error control (GSL rk8pd)",
@@ -149,5 +165,6 @@ const struct stepper_method reference = {
     .atol = 1e-11,
     .create = reference_create,
     .advance = reference_advance,
+    .reset = reference_reset,
     .free = reference_free,
 };

@@ -131,6 +131,9 @@ static int read_arguments(struct arguments *arguments, int argc, char **argv) {
             if (used < 0)
                 return -1;
             i += used;
+        } else if (argv[i][0] == '-' && argv[i][1] != '\0') {
+            return complain(-1, "%s: no option %s; options begin with two dashes", command->name,
+                            argv[i]);
         } else if (arguments->word_count < command->words_most) {
             arguments->words[arguments->word_count++] = argv[i++];
         } else {
@@ -180,7 +183,7 @@ int cli_main(int argc, char **argv) {
                WISPLAB_COMPILER, WISPLAB_LIBRARIES);
         return 0;
     }
-    if (strcmp(name, "--help") == 0 || strcmp(name, "help") == 0) {
+    if (strcmp(name, "-h") == 0 || strcmp(name, "--help") == 0 || strcmp(name, "help") == 0) {
         print_help();
         return 0;
     }
@@ -191,7 +194,7 @@ int cli_main(int argc, char **argv) {
     if (!arguments.command)
         return complain(1, "no command '%s'; see wisplab --help", name);
     for (int i = 2; i < argc; i++) {
-        if (strcmp(argv[i], "--help") == 0) {
+        if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0) {
             print_command_help(arguments.command);
             return 0;
         }

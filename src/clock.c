@@ -20,6 +20,8 @@ static double source_time(const struct clock_source *source) {
 bool clock_next(struct clock *clock, struct stop *stop) {
     if (clock->ended)
         return false;
+    while (clock->next_kink < clock->kink_count && clock->kink[clock->next_kink] <= 1e-12)
+        clock->next_kink++; /* one with the start, or before it */
 
     double t = clock->duration;
     for (int i = 0; i < clock->source_count; i++)

@@ -2,6 +2,7 @@
 #include "cli.h"
 #include "results.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -132,8 +133,9 @@ static int evaluate(const struct arguments *arguments, const struct scene *scene
 
     if (time && parse_real(time, &given))
         return complain(1, "--time %s: must be a finite number", time);
-    if (settings_resolve(scene, &request, &settings, reason))
-        return complain(1, "%s", reason);
+    const int refused = settings_resolve(scene, &request, &settings, reason);
+    if (refused)
+        return complain(outcome_exit_code((enum outcome)refused), "%s", reason);
     struct model *model =
         scene->problem->create(scene, settings.treatment, settings_lanes(&settings));
     if (!model)
@@ -153,7 +155,7 @@ static int eval(const struct arguments *arguments) {
     const char *const *sets = argument_list(arguments, "set", &count);
     struct scene *scene = scene_load(arguments->words[0], sets, count, reason);
     if (!scene)
-        return complain(1, "%s", reason);
+        return complain(errno == ENOMEM ? 2 : 1, "%s", reason);
     const int code = evaluate(arguments, scene);
     scene_free(scene);
     return code;

@@ -31,42 +31,57 @@ static int read_shard(const char *text, int *shard, int *shards) {
     return complain(-1, "--shard %s: must be I/N with 1 <= I <= N", text);
 }
 
-/* Runs this shard's cases; leaves in *missing how many others are not there yet. */
-static int do_runs(const struct plan *plan, const struct arguments *arguments, int shard,
-                   int shards, int *missing, char *reason) {
+/* How the runs are to be done. */
+struct manner {
+    int shard, shards, jobs;
+    int fresh, show_progress;
     struct run_limits limits;
-    struct run_case *cases = calloc((size_t)plan->case_count + 1, sizeof *cases);
-    double jobs;
-    int count = 0, code = -1;
+};
 
-    if (!cases ||
-        argument_limits(arguments, plan->run_seconds > 0 ? plan->run_seconds : 60, 4096, &limits) ||
-        argument_positive(arguments, "jobs", (double)sysconf(_SC_NPROCESSORS_ONLN), &jobs)) {
-        free(cases);
-        return complain(-1, "no run was started");
-    }
+/* Returns 0, or -1 having said why. */
+static int read_manner(const struct arguments *arguments, struct manner *manner) {
+    double jobs;
+    manner->fresh = argument_given(arguments, "fresh");
+    manner->show_progress = !argument_given(arguments, "no-progress");
+    if (read_shard(argument_text(arguments, "shard"), &manner->shard, &manner->shards) ||
+        argument_limits(arguments, 0, 4096, &manner->limits) ||
+        argument_positive(arguments, "jobs", (double)sysconf(_SC_NPROCESSORS_ONLN), &jobs))
+        return -1;
+    if (jobs != floor(jobs) || jobs > 1024)
+        return complain(-1, "--jobs %g: must be a whole number up to 1024", jobs);
+    manner->jobs = (int)jobs;
+    return 0;
+}
+
+/* Runs this shard's cases; leaves in *missing how many others are not there yet. Returns 0 or an
+ * exit code. */
+static int do_runs(const struct plan *plan, struct manner *manner, int *missing, char *reason) {
+    struct run_case *cases = calloc((size_t)plan->case_count + 1, sizeof *cases);
+    int count = 0;
+    if (!cases)
+        return complain(2, "out of memory");
+    if (manner->limits.seconds == 0)
+        manner->limits.seconds = plan->run_seconds > 0 ? plan->run_seconds : 60;
     for (int i = 0; i < plan->case_count; i++) {
         const struct run_case *run = &plan->cases[i].run;
         char path[PATH_SIZE];
-        if (i % shards != shard - 1)
+        if (i % manner->shards != manner->shard - 1)
             continue;
         cases[count++] = *run;
-        if (argument_given(arguments, "fresh") &&
-            path_format(path, "%s/run.json", run->folder) == 0)
+        if (manner->fresh && path_format(path, "%s/run.json", run->folder) == 0)
             unlink(path);
     }
-    const int ran = runs_do_all(cases, count, &limits, (int)ceil(jobs),
-                                !argument_given(arguments, "no-progress"), reason);
+    const int ran =
+        runs_do_all(cases, count, &manner->limits, manner->jobs, manner->show_progress, reason);
     free(cases);
-    if (ran >= 0) {
-        *missing = 0;
-        for (int i = 0; i < plan->case_count; i++)
-            *missing += !run_is_complete(plan->cases[i].run.folder);
-        if (plan->case_count > 0) /* an experiment may measure by itself */
-            printf("%s: %d runs, %d of them new\n", plan->experiment->name, count, ran);
-        code = 0;
-    }
-    return code ? complain(-1, "%s", reason) : 0;
+    if (ran < 0)
+        return complain(outcome_exit_code((enum outcome) - ran), "%s", reason);
+    *missing = 0;
+    for (int i = 0; i < plan->case_count; i++)
+        *missing += !run_is_complete(plan->cases[i].run.folder);
+    if (count > 0)
+        printf("%s: %d runs, %d of them new\n", plan->experiment->name, count, ran);
+    return 0;
 }
 
 /* Marks the runs that did not finish. Returns their number, or -1 having said why. */
@@ -142,13 +157,15 @@ static int tabulate_and_draw(struct plan *plan) {
 }
 
 static int carry_out(struct plan *plan, const struct arguments *arguments) {
-    int shard, shards, missing = 0;
-    if (read_shard(argument_text(arguments, "shard"), &shard, &shards))
+    struct manner manner;
+    int missing = 0;
+    if (read_manner(arguments, &manner))
         return 1;
     if (plan->experiment->plan(plan))
         return complain(1, "%s", plan->reason);
-    if (do_runs(plan, arguments, shard, shards, &missing, plan->reason))
-        return 2;
+    const int code = do_runs(plan, &manner, &missing, plan->reason);
+    if (code)
+        return code;
     if (missing > 0) {
         printf("%s: %d runs of other shards are missing; figures when they are there\n",
                plan->experiment->name, missing);

@@ -3,7 +3,17 @@
 #include "experiment.h"
 #include "plot.h"
 
+#include <glob.h>
 #include <string.h>
+
+static int has_tables(const char *folder) {
+    char pattern[PATH_SIZE];
+    glob_t found;
+    if (path_format(pattern, "%s/*.tsv", folder) || glob(pattern, GLOB_NOESCAPE, NULL, &found))
+        return 0;
+    globfree(&found);
+    return 1;
+}
 
 static int plot(const struct arguments *arguments) {
     char folder[PATH_SIZE], reason[REASON_SIZE];
@@ -17,7 +27,7 @@ static int plot(const struct arguments *arguments) {
         if (!all && strcmp(experiments[i]->name, name) != 0)
             continue;
         path_format(folder, "%s/%s", out ? out : "results", experiments[i]->name);
-        if (!file_exists(folder))
+        if (!has_tables(folder))
             continue;
         if (plot_experiment(experiments[i]->name, folder, reason))
             return complain(2, "%s", reason);

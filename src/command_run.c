@@ -2,6 +2,7 @@
 #include "cli.h"
 #include "results.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -46,6 +47,8 @@ static int read_request(const struct arguments *arguments, struct run_request *r
     request->threads = (int)threads;
     if (rate > 0 && request->step > 0)
         return complain(-1, "--step and --rate say the same thing; give one of them");
+    if (rate > 0 && !isfinite(1 / rate))
+        return complain(-1, "--rate %g: is too small", rate);
     if (rate > 0)
         request->step = 1 / rate;
     return 0;
@@ -98,6 +101,21 @@ static void print_profile(const char *folder) {
     run_free(&run);
 }
 
+/* How and when a run failed, as it has written itself. */
+static void say_failure(const struct run_case *run, enum outcome outcome) {
+    struct run_files files;
+    char reason[REASON_SIZE];
+    if (run_read(&files, run->folder, reason)) {
+        complain(0, "%s with %s: %s", run->scene->name, run->settings.method->name,
+                 outcome_name(outcome));
+        return;
+    }
+    complain(0, "%s with %s: %s at t = %g s: %s", run->scene->name, run->settings.method->name,
+             outcome_name(outcome), run_number(&files, "failure_time"),
+             json_string_value(json_object_get(files.json, "reason")));
+    run_free(&files);
+}
+
 static int report(const struct run_case *run, enum outcome outcome, const char *reason) {
     if (outcome == OUTPUT_FAILED)
         return complain(2, "%s", reason);
@@ -105,8 +123,7 @@ static int report(const struct run_case *run, enum outcome outcome, const char *
         printf("%s: finished; results in %s/states.tsv and %s/run.json\n", run->scene->name,
                run->folder, run->folder);
     else
-        complain(0, "%s with %s: %s; see %s/run.json", run->scene->name, run->settings.method->name,
-                 outcome_name(outcome), run->folder);
+        say_failure(run, outcome);
     return outcome_exit_code(outcome);
 }
 
@@ -122,11 +139,13 @@ static int run_scene(const struct arguments *arguments) {
         return 1;
     struct scene *scene = load(arguments, reason);
     if (!scene)
-        return complain(1, "%s", reason);
+        return complain(errno == ENOMEM ? 2 : 1, "%s", reason);
     run.scene = scene;
-    if (path_format(run.folder, "%s", out ? out : "results") ||
-        settings_resolve(scene, &request, &run.settings, reason)) {
-        complain(1, "%s", reason);
+    const int refused = settings_resolve(scene, &request, &run.settings, reason);
+    if (refused) {
+        code = complain(outcome_exit_code((enum outcome)refused), "%s", reason);
+    } else if ((out && !*out) || path_format(run.folder, "%s", out ? out : "results")) {
+        code = complain(1, "--out: the path of a folder is too long, or empty");
     } else {
         announce(&run);
         const enum outcome outcome =

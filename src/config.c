@@ -54,6 +54,11 @@ static config_setting_t *copy_setting(config_setting_t *parent, const char *name
     return to && copy_value(to, from) ? to : NULL;
 }
 
+/* What libconfig means by an array of unlike numbers. */
+static const char *hint(const char *error) {
+    return strstr(error, "element type") ? "; write 2.0 beside 2.5, not 2" : "";
+}
+
 /* Puts the text after '=' (a number, "text", true, or a [list], (list), {group}; a bare word is
  * taken as text) in the place of the setting, which is made if its group exists. */
 static void apply_set(struct config_reader *reader, const char *set) {
@@ -62,7 +67,11 @@ static void apply_set(struct config_reader *reader, const char *set) {
         config_fail(reader, NULL, "--set %s: write --set path.to.setting=value", set);
         return;
     }
-    char path[256], parent_path[256];
+    char path[256], parent_path[256], snippet[4096];
+    if ((size_t)(equals - set) >= sizeof path || strlen(equals) + 16 > sizeof snippet) {
+        config_fail(reader, NULL, "--set %.60s...: is too long", set);
+        return;
+    }
     snprintf(path, sizeof path, "%.*s", (int)(equals - set), set);
     snprintf(parent_path, sizeof parent_path, "%s", path);
     char *dot = strrchr(parent_path, '.');
@@ -70,7 +79,6 @@ static void apply_set(struct config_reader *reader, const char *set) {
     if (dot)
         *dot = '\0';
 
-    char snippet[1024];
     config_t value;
     config_init(&value);
     snprintf(snippet, sizeof snippet, "value = %s;", equals + 1);
@@ -82,8 +90,10 @@ static void apply_set(struct config_reader *reader, const char *set) {
     config_setting_t *parent =
         dot ? config_lookup(&reader->config, parent_path) : config_root_setting(&reader->config);
     if (!ok)
-        config_fail(reader, NULL, "--set %s: the value cannot be read: %s", set,
-                    config_error_text(&value));
+        config_fail(reader, NULL, "--set %s: the value cannot be read: %s%s", set,
+                    config_error_text(&value), hint(config_error_text(&value)));
+    else if (config_setting_length(config_root_setting(&value)) != 1)
+        config_fail(reader, NULL, "--set %s: holds more than one setting; repeat --set", set);
     else if (!parent || !config_setting_is_group(parent))
         config_fail(reader, NULL, "--set %s: the scene has no group %s", set, parent_path);
     else {
@@ -107,9 +117,12 @@ void config_open(struct config_reader *reader, const char *path, const char *con
         const char *file = config_error_file(&reader->config);
         reader->failed = true;
         const char *text = config_error_text(&reader->config);
-        const char *hint = strstr(text, "element type") ? "; write 2.0 beside 2.5, not 2" : "";
-        snprintf(reason, REASON_SIZE, "%.120s:%d: %s%s", file ? file : path,
-                 config_error_line(&reader->config), text, hint);
+        const int line = config_error_line(&reader->config);
+        if (line > 0)
+            snprintf(reason, REASON_SIZE, "%.120s:%d: %s%s", file ? file : path, line, text,
+                     hint(text));
+        else
+            snprintf(reason, REASON_SIZE, "%.120s: %s", path, text);
     }
     for (int i = 0; i < set_count && !reader->failed; i++)
         apply_set(reader, sets[i]);

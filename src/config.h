@@ -16,7 +16,8 @@ struct config_reader {
     config_t config;
     char file[PATH_SIZE]; /* for messages */
     bool failed;
-    char *reason; /* REASON_SIZE, the caller's */
+    bool out_of_memory; /* the failure is the machine's */
+    char *reason;       /* REASON_SIZE, the caller's */
 };
 
 /* Reads a file and applies overrides "path=value". Check reader->failed; close in any case. */

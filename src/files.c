@@ -40,9 +40,11 @@ const char *data_folder(void) {
 }
 
 int make_folder(const char *path, char *reason) {
+    enum { ROOM = 200 }; /* for what will stand in it */
     char partial[PATH_SIZE];
-    if (path_format(partial, "%s", path)) {
-        snprintf(reason, REASON_SIZE, "the path of the output folder is too long");
+    if (path[0] == '\0' || path_format(partial, "%s", path) || strlen(path) + ROOM > PATH_SIZE) {
+        snprintf(reason, REASON_SIZE, "%.60s...: the path of a folder must have 1 to %d letters",
+                 path, PATH_SIZE - ROOM);
         return -1;
     }
     for (char *p = partial + 1;; p++) {

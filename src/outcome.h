@@ -12,7 +12,7 @@
     X(STEP_TOO_SMALL, "step too small", 3, "an adaptive method could not go on at any step")     \
     X(MODEL_FAILED, "model failed", 3, "the force model could not be evaluated at a state")      \
     X(OUT_OF_TIME, "out of time", 3, "the time limit ended the run")                             \
-    X(OUT_OF_MEMORY, "out of memory", 3, "memory could not be had, or the memory limit was hit") \
+    X(OUT_OF_MEMORY, "out of memory", 2, "memory could not be had, or the memory limit was hit") \
     X(CRASHED, "crashed", 3, "the process of the run died")                                      \
     X(INTERRUPTED, "interrupted", 3, "the user ended the run")                                   \
     X(REFUSED, "refused", 1, "the combination of scene, stepper and settings is not supported")  \

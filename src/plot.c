@@ -2,6 +2,7 @@
 
 #include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <spawn.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,6 +24,22 @@ static void assign(char *text, size_t size, const char *name, const char *value)
     snprintf(text + used, size - used, "'; ");
 }
 
+/* gnuplot's own words, the last line of what it said, without the place in the script. */
+static void say_error(const char *errors, const char *name, char *reason) {
+    char line[512], last[512] = "no reason given";
+    FILE *file = fopen(errors, "r");
+    while (file && fgets(line, sizeof line, file)) {
+        line[strcspn(line, "\n")] = '\0';
+        if (strspn(line, " ^\t") < strlen(line))
+            snprintf(last, sizeof last, "%s", line);
+    }
+    if (file)
+        fclose(file);
+    const char *text = strstr(last, ": ");
+    snprintf(reason, REASON_SIZE, "the figures of %s: %.180s", name,
+             last[0] == '"' && text ? text + 2 : last);
+}
+
 /* One gnuplot over one script: everything in one format. Returns 0, or -1 with a reason. */
 static int draw(const char *name, const char *folder, const char *to, const char *format,
                 char *reason) {
@@ -39,9 +56,16 @@ static int draw(const char *name, const char *folder, const char *to, const char
     assign(variables, sizeof variables, "format", format);
     char *const argv[] = {(char *)"gnuplot", (char *)"-d", (char *)"-e", variables, script, NULL};
 
+    char errors[PATH_SIZE];
+    posix_spawn_file_actions_t actions;
+    path_format(errors, "%s/.errors", to);
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, errors, O_WRONLY | O_CREAT | O_TRUNC,
+                                     0666);
     pid_t pid;
     setenv("LC_ALL", "C.UTF-8", 1); /* the same letters and bytes wherever it is drawn */
-    const int error = posix_spawnp(&pid, argv[0], NULL, NULL, argv, environ);
+    const int error = posix_spawnp(&pid, argv[0], &actions, NULL, argv, environ);
+    posix_spawn_file_actions_destroy(&actions);
     if (error) {
         snprintf(reason, REASON_SIZE, "gnuplot cannot be started (%s); Debian: gnuplot-nox",
                  strerror(error));
@@ -52,7 +76,7 @@ static int draw(const char *name, const char *folder, const char *to, const char
         ;
     if (WIFEXITED(status) && WEXITSTATUS(status) == 0)
         return 0;
-    snprintf(reason, REASON_SIZE, "gnuplot failed on %.150s", script);
+    say_error(errors, name, reason);
     return -1;
 }
 
@@ -63,6 +87,8 @@ static int empty_folder(const char *from, const char *to, char *reason) {
     for (struct dirent *entry; dir && (entry = readdir(dir)) != NULL;) {
         char source[PATH_SIZE], target[PATH_SIZE];
         struct stat status;
+        if (strcmp(entry->d_name, ".errors") == 0 && path_format(source, "%s/.errors", from) == 0)
+            unlink(source);
         if (entry->d_name[0] == '.' || path_format(source, "%s/%s", from, entry->d_name))
             continue;
         if (to && !code && (stat(source, &status) || status.st_size == 0)) {

@@ -7,7 +7,10 @@
 #include <string.h>
 
 static int table_fail(const char *path, int line, const char *what, char *reason) {
-    snprintf(reason, REASON_SIZE, "%.150s:%d: %s", path, line, what);
+    if (line > 0)
+        snprintf(reason, REASON_SIZE, "%.150s:%d: %s", path, line, what);
+    else
+        snprintf(reason, REASON_SIZE, "%.150s: %s", path, what);
     return -1;
 }
 

@@ -107,12 +107,15 @@ struct running {
     double deadline;   /* monotonic s, after which the child is killed; infinite without a limit */
     int lock;          /* file descriptor of the locked folder, or -1 */
     int asked, killed; /* to end, by SIGTERM and by SIGKILL */
+    int resumable;     /* an interrupted run is no result, but to be done again */
 };
 
 static void remove_result(const char *folder) {
+    static const char *const files[] = {"run.json", "states.tsv"};
     char path[PATH_SIZE];
-    if (path_format(path, "%s/run.json", folder) == 0)
-        unlink(path);
+    for (int i = 0; i < 2; i++)
+        if (path_format(path, "%s/%s", folder, files[i]) == 0)
+            unlink(path);
 }
 
 static int start(struct running *slot, const struct run_case *run, const struct run_limits *limits,
@@ -165,8 +168,8 @@ static enum outcome finish(struct running *slot, int status, char *reason) {
     } else {
         outcome = bury(slot, status, reason);
     }
-    if (outcome == INTERRUPTED && slot->lock >= 0)
-        remove_result(slot->run->folder); /* of a pool: to be done again */
+    if (outcome == INTERRUPTED && slot->resumable)
+        remove_result(slot->run->folder);
     munmap(slot->report, sizeof *slot->report);
     if (slot->lock >= 0)
         close(slot->lock);
@@ -197,27 +200,6 @@ static void nap(void) {
     nanosleep(&(struct timespec){.tv_nsec = 500000}, NULL);
 }
 
-enum outcome runs_do_one(const struct run_case *run, const struct run_limits *limits,
-                         int show_progress, char *reason) {
-    struct running slot;
-    enum outcome outcome;
-    struct progress progress = progress_start(run->scene->name, show_progress);
-
-    if (make_folder(run->folder, reason) || start(&slot, run, limits, -1, reason))
-        return OUTPUT_FAILED;
-    for (long polls = 0; !poll_child(&slot, &outcome, reason); polls++) {
-        if (polls % 500 == 0) {
-            char note[80];
-            snprintf(note, sizeof note, "t = %.4g of %.4g s", slot.report->reached,
-                     run->scene->duration);
-            progress_show(&progress, slot.report->reached / run->scene->duration, note);
-        }
-        nap();
-    }
-    progress_end(&progress);
-    return outcome;
-}
-
 /* Half files of a process that was killed. */
 static void remove_leftovers(const char *folder) {
     char pattern[PATH_SIZE];
@@ -244,6 +226,30 @@ static int lock_folder(const char *folder, char *reason) {
     return -1;
 }
 
+enum outcome runs_do_one(const struct run_case *run, const struct run_limits *limits,
+                         int show_progress, char *reason) {
+    struct running slot;
+    enum outcome outcome;
+    struct progress progress = progress_start(run->scene->name, show_progress);
+
+    const int lock = lock_folder(run->folder, reason);
+    if (lock == -1)
+        snprintf(reason, REASON_SIZE, "%.150s: another run is at work there", run->folder);
+    if (lock < 0 || start(&slot, run, limits, lock, reason))
+        return OUTPUT_FAILED;
+    for (long polls = 0; !poll_child(&slot, &outcome, reason); polls++) {
+        if (polls % 500 == 0) {
+            char note[80];
+            snprintf(note, sizeof note, "t = %.4g of %.4g s", slot.report->reached,
+                     run->scene->duration);
+            progress_show(&progress, slot.report->reached / run->scene->duration, note);
+        }
+        nap();
+    }
+    progress_end(&progress);
+    return outcome;
+}
+
 struct pool {
     const struct run_case *cases;
     char *done; /* by case */
@@ -260,7 +266,8 @@ static int is_running(const struct pool *pool, const struct run_case *run) {
     return 0;
 }
 
-/* Starts the next case that nobody is at, if a slot is free. Returns 0, or -1 with a reason. */
+/* Starts the next case that nobody is at, if a slot is free. Returns 0, or the negative of an
+ * outcome with a reason. */
 static int start_next(struct pool *pool, char *reason) {
     int free_slot = 0;
     while (free_slot < pool->jobs && pool->slots[free_slot].pid)
@@ -272,12 +279,13 @@ static int start_next(struct pool *pool, char *reason) {
         if (!run_is_complete(run->folder)) {
             const int lock = lock_folder(run->folder, reason);
             if (lock == -2)
-                return -1;
+                return -OUTPUT_FAILED;
             if (lock == -1)
                 continue;
             if (!run_is_complete(run->folder)) {
                 if (start(&pool->slots[free_slot], run, pool->limits, lock, reason))
-                    return -1;
+                    return -OUTPUT_FAILED;
+                pool->slots[free_slot].resumable = 1;
                 pool->active++;
                 pool->ran++;
                 return 0;
@@ -312,10 +320,10 @@ static int run_pool(struct pool *pool, struct progress *progress, int total_done
         if (!code && !stop_request)
             code = start_next(pool, reason);
         if (tend(pool, reason))
-            code = -1;
+            code = -OUTPUT_FAILED;
         if (stop_request && pool->active == 0) {
             snprintf(reason, REASON_SIZE, "interrupted; the same command goes on from here");
-            return -1;
+            return -INTERRUPTED;
         }
         if (polls % 500 == 0) {
             char note[80];
@@ -330,7 +338,7 @@ static int run_pool(struct pool *pool, struct progress *progress, int total_done
 }
 
 /* The cases that are timed, or those that are not, through a pool of their own. Returns the number
- * that were run, or -1. */
+ * that were run, or the negative of an outcome. */
 static int run_kind(const struct run_case *cases, int count, int timed,
                     const struct run_limits *limits, int jobs, struct progress *progress,
                     int *total_done, char *reason) {
@@ -338,7 +346,7 @@ static int run_kind(const struct run_case *cases, int count, int timed,
     struct run_case *chosen = calloc((size_t)count + 1, sizeof *chosen);
     pool.done = calloc((size_t)count + 1, 1);
     pool.slots = calloc((size_t)pool.jobs, sizeof *pool.slots);
-    int code = -1;
+    int code = -OUT_OF_MEMORY;
     if (chosen && pool.done && pool.slots) {
         for (int i = 0; i < count; i++)
             if ((cases[i].settings.timings > 0) == timed)
@@ -352,7 +360,7 @@ static int run_kind(const struct run_case *cases, int count, int timed,
     free(chosen);
     free(pool.done);
     free(pool.slots);
-    return code ? -1 : pool.ran;
+    return code ? code : pool.ran;
 }
 
 int runs_do_all(const struct run_case *cases, int count, const struct run_limits *limits, int jobs,
@@ -361,7 +369,7 @@ int runs_do_all(const struct run_case *cases, int count, const struct run_limits
     int ran = 0, done = 0;
     for (int timed = 0; timed <= 1 && ran >= 0; timed++) {
         const int now = run_kind(cases, count, timed, limits, jobs, &progress, &done, reason);
-        ran = now < 0 ? -1 : ran + now;
+        ran = now < 0 ? now : ran + now;
     }
     progress_end(&progress);
     return ran;

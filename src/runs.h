@@ -28,8 +28,8 @@ enum outcome runs_do_one(const struct run_case *run, const struct run_limits *li
 
 /* Sees to it that every case's folder holds a complete run; what is there already stays, and runs
  * that another process is at are waited for. At most `jobs` at a time, and those that are timed
- * alone, after the others. Returns the number of cases that were run, or -1 with a reason where
- * results could not be written or the user ended it. */
+ * alone, after the others. Returns the number of cases that were run, or with a reason the negative
+ * of an enum outcome where results could not be written or the user ended it. */
 int runs_do_all(const struct run_case *cases, int count, const struct run_limits *limits, int jobs,
                 int show_progress, char *reason);
 

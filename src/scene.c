@@ -4,6 +4,8 @@
 #include "model.h"
 #include "scene_wisps.h"
 
+#include <ctype.h>
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -49,6 +51,10 @@ static void read_scene(struct config_reader *reader, struct scene *scene) {
     stem(reader->file, default_name, sizeof default_name);
     snprintf(scene->name, sizeof scene->name, "%.63s",
              config_text(reader, top, "name", default_name));
+    for (const char *c = scene->name; *c; c++)
+        if (iscntrl((unsigned char)*c))
+            config_fail(reader, config_setting_get_member(top, "name"),
+                        "name: holds a control character; a name is one line of text");
     scene->problem = problem_find(problem);
     if (!scene->problem)
         config_fail(reader, config_setting_get_member(top, "problem"),
@@ -65,6 +71,7 @@ static void read_scene(struct config_reader *reader, struct scene *scene) {
 }
 
 struct scene *scene_load(const char *name, const char *const *sets, int set_count, char *reason) {
+    errno = 0;
     struct scene *scene = calloc(1, sizeof *scene);
     if (!scene) {
         snprintf(reason, REASON_SIZE, "out of memory");
@@ -76,11 +83,13 @@ struct scene *scene_load(const char *name, const char *const *sets, int set_coun
     config_open(&reader, path, sets, set_count, reason);
     if (!reader.failed)
         read_scene(&reader, scene);
+    const int error = reader.out_of_memory ? ENOMEM : 0;
     if (reader.failed) {
         scene_free(scene);
         scene = NULL;
     }
     config_close(&reader);
+    errno = error;
     return scene;
 }
 

@@ -32,7 +32,8 @@ struct scene {
 
 /* Reads a scene: a path to a .cfg file, or the name of a shipped one. `sets` are `set_count`
  * overrides "path.to.setting=value". Returns a scene for scene_free, or NULL with one line in
- * `reason` (REASON_SIZE): file, line, name, what is wrong and what would be right. */
+ * `reason` (REASON_SIZE): file, line, name, what is wrong and what would be right; errno is ENOMEM
+ * where it was memory. */
 struct scene *scene_load(const char *name, const char *const *sets, int set_count, char *reason);
 
 void scene_free(struct scene *scene);

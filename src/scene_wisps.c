@@ -184,6 +184,7 @@ static void add_wisps(struct config_reader *reader, struct scene *scene, const s
     const int count = grid->count[0] * grid->count[1];
     struct wisp *wisps = realloc(scene->wisps, (size_t)(scene->wisp_count + count) * sizeof *wisps);
     if (!wisps) {
+        reader->out_of_memory = true;
         config_fail(reader, NULL, "no memory for %d wisps", scene->wisp_count + count);
         return;
     }

@@ -110,7 +110,7 @@ static int refuse_combination(const struct scene *scene, struct settings *settin
     int code = 0;
     if (!model) {
         snprintf(reason, REASON_SIZE, "out of memory");
-        return -1;
+        return OUT_OF_MEMORY;
     }
     for (int i = 0; i < model->part_count && !code; i++) {
         struct system *system = &model->parts[i].system;
@@ -122,10 +122,10 @@ static int refuse_combination(const struct scene *scene, struct settings *settin
     if (!code && scene->frame_rate == 0 && settings->frame_interval == 0 && model->part_count > 1) {
         snprintf(reason, REASON_SIZE,
                  "scene %s needs a frame_rate: its parts choose their own steps", scene->name);
-        code = -1;
+        code = REFUSED;
     }
     scene->problem->free(model);
-    return code ? -1 : 0;
+    return code ? REFUSED : 0;
 }
 
 int settings_resolve(const struct scene *scene, const struct run_request *request,
@@ -136,15 +136,15 @@ int settings_resolve(const struct scene *scene, const struct run_request *reques
     const char *name = request->stepper ? request->stepper : "rk4";
     settings->method = stepper_find(name);
     if (!settings->method)
-        return refuse_name(reason, "stepper", name, "steppers");
+        return refuse_name(reason, "stepper", name, "steppers") ? REFUSED : 0;
     options_defaults(settings->method->options, settings->stepper.option);
     if (resolve_treatment(scene, request, settings, reason) ||
         resolve_linear(scene, request, settings, reason) ||
         resolve_steps(scene, request, settings, reason))
-        return -1;
+        return REFUSED;
     for (int i = 0; i < request->option_count; i++)
         if (resolve_option(request->options[i], settings, reason))
-            return -1;
+            return REFUSED;
     return refuse_combination(scene, settings, reason);
 }
 

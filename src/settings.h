@@ -30,8 +30,9 @@ struct settings {
     int unknowns; /* of the whole model: coordinates, not counting velocities */
 };
 
-/* Completes a request for a scene. Returns 0, or -1 with one line in `reason` (REASON_SIZE) where
- * a name is unknown, a value out of range, or the combination is not supported. */
+/* Completes a request for a scene. Returns 0, or with one line in `reason` (REASON_SIZE) REFUSED
+ * where a name is unknown, a value out of range, or the combination not supported, or
+ * OUT_OF_MEMORY. */
 int settings_resolve(const struct scene *scene, const struct run_request *request,
                      struct settings *settings, char *reason);
 

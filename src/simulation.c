@@ -239,6 +239,7 @@ void simulate(const struct scene *scene, const struct settings *settings,
                              .observer = observer,
                              .watch = watch,
                              .result = result};
+    const int every_step = scene->frame_rate == 0; /* every step is a frame, stops being steps */
     struct stop stop = {0};
 
     *result = (struct run_result){.outcome = FINISHED};
@@ -255,9 +256,9 @@ void simulate(const struct scene *scene, const struct settings *settings,
         if (going(&sim) && sim.t == stop.t)
             tick(&sim, stop.events);
         const double ticked = monotonic_seconds();
-        if (going(&sim) && (sim.t < stop.t || stop.events & STOP_FRAME))
+        if (going(&sim) && (every_step || stop.events & STOP_FRAME))
             show_frame(&sim);
-        if (going(&sim) && stop.events & STOP_FRAME)
+        if (going(&sim) && (every_step || stop.events & STOP_FRAME))
             check_meaning(&sim);
         result->advance_seconds += advanced - begin;
         result->tick_seconds += ticked - advanced;
