@@ -53,7 +53,7 @@ int run_is_complete(const char *folder) {
 
 /* What a child tells its parent while it runs, in shared memory. */
 struct report {
-    volatile double reached;  /* simulated time, s */
+    _Atomic double reached;   /* simulated time, s */
     char reason[REASON_SIZE]; /* of a failure to write */
 };
 
