@@ -65,6 +65,8 @@ static void check_scene(const char *scene, const char *duration, const char *fol
     while (stepper_methods[steppers])
         steppers++;
     for (int i = 0; loaded->problem->treatments[i].name; i++) {
+        if (loaded->wisp_count > 0 && loaded->wisps->samples == 0 && i > 0)
+            break; /* treatments are of samples */
         repetition.treatment = loaded->problem->treatments[i].name;
         repetition.compared = 0;
         repetition.last = NULL;

@@ -84,8 +84,8 @@ static void check_threads(const struct scene *scene, struct run_request *request
 
 /* Every stepper on every treatment; implicit ones with each solver that takes its matrix. */
 Test(workers, bits_and_counts_of_a_run_do_not_depend_on_threads) {
-    struct scene *scene = LAB_LOAD("swing-envelope", GRID, WIND, "duration=0.02",
-                                   "frame_rate=100.0", "run.step=1e-4", "run.rtol=1e-4");
+    struct scene *scene = LAB_LOAD("swing-envelope", GRID, WIND, "duration=0.01",
+                                   "frame_rate=200.0", "run.step=1e-4", "run.rtol=1e-4");
     for (int treatment = 0; treatment < TREATMENTS; treatment++)
         for (int m = 0; stepper_methods[m]; m++) {
             struct run_request request = {.stepper = stepper_methods[m]->name,
