@@ -53,7 +53,7 @@ static int last_frame(const struct model *model, const struct table *table, cons
     for (int i = 0; i < model->row_count && !code; i++) {
         for (int j = 0; j < count; j++)
             rows[i * count + j] = table_value(table, first + i, columns[j]);
-        int sound = table_value(table, first + i, 0) == *t;
+        int sound = isfinite(*t) && table_value(table, first + i, 0) == *t;
         for (int j = 0; j < count; j++)
             sound &= isfinite(rows[i * count + j]) &&
                      (j >= 2 || rows[i * count + j] == expected[i * count + j]);

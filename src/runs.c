@@ -58,7 +58,7 @@ int run_is_complete(const char *folder) {
 
 /* What a child tells its parent while it runs, in shared memory. */
 struct report {
-    volatile double reached;  /* simulated time, s */
+    _Atomic double reached;   /* simulated time, s */
     char reason[REASON_SIZE]; /* of a failure to write */
 };
 
@@ -163,7 +163,8 @@ static enum outcome finish(struct running *slot, int status, char *reason) {
     if (WIFEXITED(status) && WEXITSTATUS(status) == OUTPUT_FAILED) {
         outcome = OUTPUT_FAILED;
         snprintf(reason, REASON_SIZE, "%s", slot->report->reason);
-    } else if (WIFEXITED(status) && run_is_complete(slot->run->folder)) {
+    } else if (WIFEXITED(status) && WEXITSTATUS(status) < OUTCOME_COUNT &&
+               run_is_complete(slot->run->folder)) {
         outcome = (enum outcome)WEXITSTATUS(status);
     } else {
         outcome = bury(slot, status, reason);

@@ -5,6 +5,7 @@
 #include "workers.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -111,7 +112,7 @@ static void close_simulation(struct simulation *sim) {
 /* After each step: tells how far the run is, and asks whether it may go on. */
 static int interrupted(struct simulation *sim, double t) {
     if (sim->watch && sim->watch->reached)
-        *sim->watch->reached = t;
+        atomic_store_explicit(sim->watch->reached, t, memory_order_relaxed);
     return sim->watch && sim->watch->stop && *sim->watch->stop;
 }
 

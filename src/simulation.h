@@ -28,7 +28,7 @@ struct observer {
 /* How the outside and a run see each other while it goes on. */
 struct watch {
     const volatile sig_atomic_t *stop; /* an enum outcome to end with, 0: go on; may be NULL */
-    volatile double *reached;          /* simulated time, s, kept up to date; may be NULL */
+    _Atomic double *reached;           /* simulated time, s, kept up to date; may be NULL */
 };
 
 /* Runs; never fails otherwise than by result->outcome. `observer` may be NULL. */

@@ -1,6 +1,7 @@
 /* tests/accuracy.tsv: what every stepper achieved when the table was last updated. */
 #include "build_info.h"
 #include "support.h"
+#include "wisp_support.h"
 
 #include <criterion/criterion.h>
 #include <math.h>
@@ -8,16 +9,16 @@
 #include <string.h>
 
 static const char header[] =
-    "# Errors and costs of every stepper on the circle to 160 s, a frame every 20 s. setting: "
-    "step,\n"
-    "# s, or rtol = atol; error: distance from the exact position at 160 s, m; max_error: in all\n"
-    "# frames; x, y: the last position, m. Methods of fixed steps must give x and y again to "
-    "1e-13\n"
-    "# and the counts exactly; of others, whose steps change with the processor's instructions, "
-    "the\n"
-    "# errors must stay within a factor 2 and the counts within 10 %. What is better than that "
-    "fails\n"
-    "# too: look why, and update the table by\n"
+    "# Errors and costs of every stepper. setting: step, s, or rtol = atol.\n"
+    "# circle: to 160 s, a frame every 20 s. error: distance from the exact position at 160 s, m;\n"
+    "# max_error: in all frames; x, y: the last position, m.\n"
+    "# swing, swing-envelope: to 0.2 s. error: rms distance of the free nodes at 0.2 s from those\n"
+    "# of `reference` with rtol 1e-13, m; max_error: the largest in all frames; x, y: of the tip.\n"
+    "# Methods of fixed steps must give x and y again to 1e-13 and the counts exactly, but for\n"
+    "# those that iterate on wisps. Of these and of others, whose steps change with the\n"
+    "# processor's instructions, the errors must stay within a factor 2 and the counts within\n"
+    "# 10 %; of methods with a history, which make much of a rounding, within a factor 5 (adams:\n"
+    "# 200) and 30 %. What is better than that fails too: look why, and update the table by\n"
     "#   cmake --build build --target update-accuracy\n";
 
 enum { KEY_SIZE = 160, ROWS_MAX = 512 };
@@ -27,7 +28,8 @@ struct row {
     char status[32];
     long long steps, evaluations;
     double error, max_error, x, y;
-    int exact; /* of fixed steps */
+    int exact;                        /* of fixed steps, without iteration */
+    double error_factor, count_share; /* else: how far from the table it may be */
 };
 
 struct rows {
@@ -35,51 +37,133 @@ struct rows {
     struct row row[ROWS_MAX];
     const char *treatment;
     const struct scene *scene;
+    struct lab_run reference; /* of wisps */
 };
 
-static void measure(const struct variant *variant, void *ctx) {
-    struct rows *rows = ctx;
+/* The settings at which a method is measured. */
+static const double *settings_of(const struct stepper_method *method, int wisps) {
+    static const double circle[2][2] = {{0.8, 0.05}, {1e-4, 1e-7}};
+    static const double explicit_steps[] = {1e-4, 2.5e-5}, implicit_steps[] = {1e-3, 2.5e-4},
+                        tolerances[] = {1e-4, 1e-6};
+    const int adaptive = (method->capabilities & STEPPER_ADAPTIVE) != 0;
+    return !wisps                                    ? circle[adaptive]
+           : adaptive                                ? tolerances
+           : method->capabilities & STEPPER_IMPLICIT ? implicit_steps
+                                                     : explicit_steps;
+}
+
+/* How far a run may be from the table. Methods with a history: 25 runs that differ in the eleventh
+ * digit of the tolerance have errors within a factor 3.7 of each other, and counts within 28 %; of
+ * Adams on the circle, where errors of the phase cancel for some time, within a factor 176. */
+static void set_bands(struct row *row, const struct variant *variant) {
+    const int adams = variant->option && strcmp(variant->option, "method=adams") == 0;
+    const int history = variant->method->reset != NULL;
+    row->error_factor = adams ? 200 : history ? 5 : 2;
+    row->count_share = history ? 0.3 : 0.1;
+}
+
+static void measure_circle(const struct rows *rows, const struct run_request *request,
+                           struct row *row) {
+    struct orbit orbit;
+    run_circle(rows->scene, request, &orbit);
+    snprintf(row->status, sizeof row->status, "%s", outcome_name(orbit.result.outcome));
+    row->steps = orbit.result.counters.steps;
+    row->evaluations = orbit.result.counters.force_evaluations;
+    row->error = orbit.error;
+    row->max_error = orbit.max_error;
+    row->x = orbit.x;
+    row->y = orbit.y;
+}
+
+static void measure_wisps(const struct rows *rows, const struct run_request *request,
+                          struct row *row) {
+    struct lab_run run;
+    lab_run(rows->scene, request, &run);
+    cr_assert_eq(run.result.outcome, FINISHED, "%s: %s", row->key, run.result.reason);
+    const double *tip = run.row + (run.frames * run.rows - 1) * run.columns;
+    snprintf(row->status, sizeof row->status, "%s", outcome_name(run.result.outcome));
+    row->steps = run.result.counters.steps;
+    row->evaluations = run.result.counters.force_evaluations;
+    row->error = lab_distance(&run, &rows->reference, run.frames - 1, 2).rms;
+    row->max_error = lab_distance(&run, &rows->reference, 1, 2).largest;
+    row->x = tip[2];
+    row->y = tip[3];
+    lab_run_free(&run);
+}
+
+/* Both settings of a variant with a linear solver, or with the default one. */
+static void measure_with(struct rows *rows, const struct variant *variant, const char *linear) {
+    const int wisps = rows->scene->problem == &wisp_problem;
     const int adaptive = (variant->method->capabilities & STEPPER_ADAPTIVE) != 0;
-    static const double steps[] = {0.8, 0.05}, tolerances[] = {1e-4, 1e-7};
     for (int i = 0; i < 2; i++) {
-        const double setting = adaptive ? tolerances[i] : steps[i];
+        const double setting = settings_of(variant->method, wisps)[i];
         const struct run_request request = {.stepper = variant->method->name,
                                             .treatment = rows->treatment,
+                                            .linear = linear,
                                             .step = adaptive ? 0 : setting,
                                             .rtol = adaptive ? setting : 0,
                                             .atol = adaptive ? setting : 0,
                                             .options = &variant->option,
                                             .option_count = variant->option != NULL};
         struct settings settings;
-        struct orbit orbit;
-        char reason[REASON_SIZE];
+        char reason[REASON_SIZE], option[80] = "-";
         if (settings_resolve(rows->scene, &request, &settings, reason))
             return; /* not supported */
-        run_circle(rows->scene, &request, &orbit);
         cr_assert(rows->count < ROWS_MAX, "too many rows");
         struct row *row = &rows->row[rows->count++];
+        if (variant->option || linear)
+            snprintf(option, sizeof option, "%s%s%s%s", variant->option ? variant->option : "",
+                     variant->option && linear ? " " : "", linear ? "linear=" : "",
+                     linear ? linear : "");
         snprintf(row->key, sizeof row->key, "%s\t%s\t%s\t%s\t%g", rows->scene->name,
-                 rows->treatment, variant->method->name, variant->option ? variant->option : "-",
-                 setting);
-        snprintf(row->status, sizeof row->status, "%s", outcome_name(orbit.result.outcome));
-        row->exact = !adaptive;
-        row->steps = orbit.result.counters.steps;
-        row->evaluations = orbit.result.counters.force_evaluations;
-        row->error = orbit.error;
-        row->max_error = orbit.max_error;
-        row->x = orbit.x;
-        row->y = orbit.y;
+                 rows->treatment, variant->method->name, option, setting);
+        const int iterates = linear && (variant->option || strcmp(linear, "direct") != 0);
+        row->exact = !adaptive && !iterates;
+        set_bands(row, variant);
+        (wisps ? measure_wisps : measure_circle)(rows, &request, row);
+    }
+}
+
+static void measure(const struct variant *variant, void *ctx) {
+    struct rows *rows = ctx;
+    const int implicit = (variant->method->capabilities & STEPPER_IMPLICIT) != 0;
+    if (!implicit || rows->scene->problem != &wisp_problem) {
+        measure_with(rows, variant, NULL);
+        return;
+    }
+    const int exact = variant->option && strcmp(variant->option, "jacobian=exact") == 0;
+    measure_with(rows, variant, exact ? "klu" : "direct");
+    if (!variant->option)
+        measure_with(rows, variant, "cg");
+}
+
+static void measure_scene(struct rows *rows, const struct scene *scene) {
+    const int wisps = scene->problem == &wisp_problem;
+    rows->scene = scene;
+    for (int i = 0; scene->problem->treatments[i].name; i++) {
+        const struct run_request tight = {.stepper = "reference",
+                                          .treatment = scene->problem->treatments[i].name,
+                                          .rtol = 1e-13,
+                                          .atol = 1e-14};
+        rows->treatment = tight.treatment;
+        if (wisps && scene->wisps->samples == 0 && i != WISP_GENERALISED)
+            continue; /* treatments are of samples */
+        if (wisps)
+            lab_run(scene, &tight, &rows->reference);
+        each_variant(measure, rows);
+        if (wisps)
+            lab_run_free(&rows->reference);
     }
 }
 
 static void measure_all(struct rows *rows) {
-    struct scene *scene = circle_scene(160, 0.05);
-    *rows = (struct rows){.scene = scene};
-    for (int i = 0; scene->problem->treatments[i].name; i++) {
-        rows->treatment = scene->problem->treatments[i].name;
-        each_variant(measure, rows);
+    struct scene *const scenes[] = {circle_scene(160, 0.05), LAB_LOAD("swing", "duration=0.2"),
+                                    LAB_LOAD("swing-envelope", "duration=0.2")};
+    rows->count = 0;
+    for (int i = 0; i < 3; i++) {
+        measure_scene(rows, scenes[i]);
+        scene_free(scenes[i]);
     }
-    scene_free(scene);
 }
 
 static void write_table(const struct rows *rows, const char *path) {
@@ -121,12 +205,12 @@ static void read_table(struct rows *rows, const char *path) {
 
 /* Errors near rounding are noise, which a factor 2 does not describe: 1e-12 is a hundred roundings
  * of each of 160 s. */
-static int within_factor_2(double now, double then) {
-    return now <= 2 * then + 1e-12 && now >= then / 2 - 1e-12;
+static int within_factor(double factor, double now, double then) {
+    return now <= factor * then + 1e-12 && now >= then / factor - 1e-12;
 }
 
-static int within_tenth(long long now, long long then) {
-    return llabs(now - then) * 10 <= then + 10;
+static int within_share(double share, long long now, long long then) {
+    return fabs((double)(now - then)) <= share * (double)then + 1;
 }
 
 static void compare(const struct row *now, const struct row *then) {
@@ -143,12 +227,12 @@ static void compare(const struct row *now, const struct row *then) {
                   now->y, then->x, then->y, verdict);
         return;
     }
-    cr_assert(within_tenth(now->steps, then->steps) &&
-                  within_tenth(now->evaluations, then->evaluations),
+    cr_assert(within_share(now->count_share, now->steps, then->steps) &&
+                  within_share(now->count_share, now->evaluations, then->evaluations),
               "%s: %lld steps and %lld evaluations, and were %lld and %lld", now->key, now->steps,
               now->evaluations, then->steps, then->evaluations);
-    cr_assert(within_factor_2(now->error, then->error) &&
-                  within_factor_2(now->max_error, then->max_error),
+    cr_assert(within_factor(now->error_factor, now->error, then->error) &&
+                  within_factor(now->error_factor, now->max_error, then->max_error),
               "%s: errors %.2e and %.2e, and were %.2e and %.2e: %s; if that is meant, "
               "cmake --build build --target update-accuracy",
               now->key, now->error, now->max_error, then->error, then->max_error, verdict);

@@ -6,23 +6,28 @@
 #include <string.h>
 
 struct repetition {
-    const char *treatment, *folder;
-    int compared;
+    const char *scene, *duration, *treatment, *folder;
+    const struct stepper_method *last; /* that was compared */
+    int compared;                      /* steppers */
 };
 
-static void check_variant(const struct variant *variant, void *ctx) {
-    struct repetition *repetition = ctx;
+static void check_twice(struct repetition *repetition, const struct variant *variant,
+                        const char *linear) {
     char *states[2] = {NULL, NULL}, path[PATH_SIZE];
     struct finished f;
     for (int i = 0; i < 2; i++) {
-        const char *words[16] = {"run",         "circle",
-                                 "--stepper",   variant->method->name,
-                                 "--duration",  "40",
-                                 "--treatment", repetition->treatment,
-                                 "--out",       repetition->folder};
+        int used = 10;
+        const char *words[16] = {
+            "run",        repetition->scene,    "--stepper",   variant->method->name,
+            "--duration", repetition->duration, "--treatment", repetition->treatment,
+            "--out",      repetition->folder};
         if (variant->option) {
-            words[10] = "--option";
-            words[11] = variant->option;
+            words[used++] = "--option";
+            words[used++] = variant->option;
+        }
+        if (linear) {
+            words[used++] = "--linear";
+            words[used++] = linear;
         }
         const struct process process = program_start(NULL, words);
         program_wait(&process, &f);
@@ -37,28 +42,46 @@ static void check_variant(const struct variant *variant, void *ctx) {
     cr_assert(strcmp(states[0], states[1]) == 0, "%s, %s: two runs differ", variant->name,
               repetition->treatment);
     cr_assert(count_lines(states[0]) > 10, "%s: nothing to compare", variant->name);
-    repetition->compared++;
+    repetition->compared += variant->method != repetition->last;
+    repetition->last = variant->method;
     free(states[0]);
     free(states[1]);
+}
+
+static void check_variant(const struct variant *variant, void *ctx) {
+    const int implicit = (variant->method->capabilities & STEPPER_IMPLICIT) != 0;
+    check_twice(ctx, variant, NULL);
+    for (int i = 0; linear_methods[i] && implicit && !variant->option; i++)
+        check_twice(ctx, variant, linear_methods[i]->name);
+}
+
+/* On each treatment of a scene every stepper is there, with each solver that takes its matrix. */
+static void check_scene(const char *scene, const char *duration, const char *folder) {
+    struct repetition repetition = {.scene = scene, .duration = duration, .folder = folder};
+    char reason[REASON_SIZE];
+    struct scene *loaded = scene_load(scene, NULL, 0, reason);
+    cr_assert(loaded, "%s", reason);
+    int steppers = 0;
+    while (stepper_methods[steppers])
+        steppers++;
+    for (int i = 0; loaded->problem->treatments[i].name; i++) {
+        if (loaded->wisp_count > 0 && loaded->wisps->samples == 0 && i > 0)
+            break; /* treatments are of samples */
+        repetition.treatment = loaded->problem->treatments[i].name;
+        repetition.compared = 0;
+        repetition.last = NULL;
+        each_variant(check_variant, &repetition);
+        cr_assert_eq(repetition.compared, steppers, "%s, %s: %d of %d steppers were compared",
+                     scene, repetition.treatment, repetition.compared, steppers);
+    }
+    scene_free(loaded);
 }
 
 Test(repeat, every_stepper_gives_the_same_bits_twice) {
     char folder[PATH_SIZE];
     folder_make(folder);
-    struct repetition repetition = {.folder = folder};
-    int steppers = 0;
-    while (stepper_methods[steppers])
-        steppers++;
-    for (int p = 0; problems[p]; p++) {
-        if (strcmp(problems[p]->name, "circle") != 0)
-            continue; /* the scene that is run above */
-        for (int i = 0; problems[p]->treatments[i].name; i++) {
-            repetition.treatment = problems[p]->treatments[i].name;
-            repetition.compared = 0;
-            each_variant(check_variant, &repetition);
-            cr_assert(repetition.compared >= steppers, "%s: only %d of %d steppers were compared",
-                      repetition.treatment, repetition.compared, steppers);
-        }
-    }
+    check_scene("circle", "40", folder);
+    check_scene("swing", "0.04", folder);
+    check_scene("swing-envelope", "0.04", folder);
     folder_remove(folder);
 }

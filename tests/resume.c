@@ -52,11 +52,34 @@ static int kept(const struct inventory *before, const struct inventory *after) {
     return same;
 }
 
+/* A gnuplot that does this and draws nothing, for tests whose subject is not the figures: drawing
+ * takes longer than all the runs. */
+static char stub[PATH_SIZE];
+
+static void put_gnuplot(const char *action) {
+    char path[PATH_SIZE], text[80], all[2 * PATH_SIZE];
+    const char *before = getenv("PATH");
+    folder_make(stub);
+    snprintf(text, sizeof text, "#!/bin/sh\n%s\n", action);
+    file_write(stub, "gnuplot", text, path);
+    cr_assert(chmod(path, 0755) == 0 && before, "no %s", path);
+    snprintf(all, sizeof all, "%s:%s", stub, before);
+    setenv("PATH", all, 1);
+}
+
+static void no_drawing(void) {
+    put_gnuplot("exit 0");
+}
+
+static void remove_stub(void) {
+    folder_remove(stub);
+}
+
 static void nap(long milliseconds) {
     nanosleep(&(struct timespec){.tv_nsec = 1000000 * milliseconds}, NULL);
 }
 
-Test(resume, slow_an_experiment_goes_on_after_kill_9) {
+Test(resume, slow_an_experiment_goes_on_after_kill_9, .init = no_drawing, .fini = remove_stub) {
     char folder[PATH_SIZE];
     const char *const words[] = {"experiment", "circle", "--quick", "--out", folder, NULL};
     struct finished f;
@@ -109,7 +132,7 @@ static int share(void) {
 }
 
 /* On a busy machine one may have done all before the other begins: that is no test. */
-Test(resume, slow_two_processes_share_a_folder) {
+Test(resume, slow_two_processes_share_a_folder, .init = no_drawing, .fini = remove_stub) {
     int shared = 0;
     for (int i = 0; i < 5 && !shared; i++)
         shared = share();
@@ -117,7 +140,7 @@ Test(resume, slow_two_processes_share_a_folder) {
 }
 
 /* Shares for a cluster: 1/2 and 2/2 leave nothing to do, and neither does the work of the other. */
-Test(resume, slow_shards_add_up) {
+Test(resume, slow_shards_add_up, .init = no_drawing, .fini = remove_stub) {
     char folder[PATH_SIZE];
     struct finished f;
     int runs, halves[2], new;
@@ -148,20 +171,53 @@ Test(resume, slow_shards_add_up) {
     folder_remove(folder);
 }
 
-/* Figures and tables from run folders alone. */
+/* Figures from run folders alone. */
 Test(resume, slow_figures_are_drawn_again_without_runs) {
-    char folder[PATH_SIZE];
+    char folder[PATH_SIZE], *path = strdup(getenv("PATH"));
     struct finished f;
     folder_make(folder);
+    no_drawing();
     PROGRAM(&f, NULL, "experiment", "circle", "--quick", "--out", folder);
+    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
+    cr_assert_eq(count_files(folder, ".svg"), 0, "figures without gnuplot");
+    const struct inventory before = look(folder);
+    remove_stub();
+    setenv("PATH", path, 1);
+    PROGRAM(&f, NULL, "plot", "circle", "--out", folder);
     cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
     const int svg = count_files(folder, ".svg"), png = count_files(folder, ".png");
     cr_assert(svg > 0 && svg == png, "%d svg and %d png files", svg, png);
-    const struct inventory before = look(folder);
-    PROGRAM(&f, NULL, "plot", "circle", "--out", folder);
-    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
     const struct inventory after = look(folder);
     cr_assert(kept(&before, &after) == before.count && before.count == after.count,
               "plot touches runs");
     folder_remove(folder);
+    free(path);
+}
+
+/* A gnuplot that fails or writes nothing into a figure: exit code 2, in one line, no half figure.
+ */
+Test(resume, a_gnuplot_that_fails_exits_2) {
+    static const struct {
+        const char *action, *says;
+    } cases[] = {
+        {"exit 1", "gnuplot failed"},
+        {"kill -9 $$", "gnuplot failed"},
+        /* the folder to draw into is in the variables, which are of gnuplot's language */
+        {"d=${3#*out=\\'}; : >\"${d%%\\'*}/half.svg\"", "empty"},
+    };
+    char folder[PATH_SIZE], *path = strdup(getenv("PATH"));
+    struct finished f;
+    folder_make(folder);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        setenv("PATH", path, 1);
+        put_gnuplot(cases[i].action);
+        PROGRAM(&f, NULL, "experiment", "circle", "--quick", "--stepper", "rk4", "--out", folder);
+        cr_assert_eq(f.code, 2, "%s: exit code %d, %s", cases[i].action, f.code, f.err);
+        cr_assert(count_lines(f.err) == 1 && strstr(f.err, cases[i].says), "%s: '%s'",
+                  cases[i].action, f.err);
+        cr_assert_eq(count_files(folder, ".svg"), 0, "%s: half a figure is left", cases[i].action);
+        remove_stub();
+    }
+    folder_remove(folder);
+    free(path);
 }

@@ -486,3 +486,32 @@ Test(wisp_jacobian, direct_solves_each_lane) {
         lab_part_free(&s.part);
     }
 }
+
+/* With a negative beta springs push apart what they hold together: the factorisation says so, also
+ * where it is one lane of four, whichever. */
+Test(wisp_jacobian, a_matrix_that_is_not_definite_is_refused) {
+    const struct shape shape = {6, 4};
+    unsigned seed = 17;
+    for (int treatment = 0; treatment < TREATMENTS; treatment++)
+        for (int lanes = 1; lanes <= 4; lanes += 3)
+            for (int stiff = -1; stiff < lanes; stiff++) {
+                make_setting(&s, lanes, &shape, BENDING_SKIP, (enum wisp_treatment)treatment,
+                             STATE_RANDOM, &seed);
+                lab_part_free(&s.part);
+                for (int k = 0; k < lanes; k++) /* at 1e-9 s^2: 1e-5 and 1e4 of a mass of 1e-4 kg */
+                    s.wisps[k].stretch_stiffness = k == stiff ? 1e8 : 0.1;
+                lab_part_make(&s.part, lanes, s.wisps, lanes, &s.around,
+                              (enum wisp_treatment)treatment);
+                linearise(&s, JACOBIAN_SPD);
+                struct system *system = &s.part.system;
+                system->reason[0] = '\0';
+                const int code = system_factor(system, 0, -1e-9);
+                if (stiff < 0)
+                    cr_assert_eq(code, 0, "%s: %s", treatment_names[treatment], system->reason);
+                else
+                    cr_assert(abs(code) == SOLVER_STALLED && strstr(system->reason, "definite"),
+                              "%s, lane %d of %d: code %d, '%s'", treatment_names[treatment], stiff,
+                              lanes, code, system->reason);
+                lab_part_free(&s.part);
+            }
+}

@@ -423,3 +423,54 @@ Test(wisp_scenes, set_works_into_groups_and_lists) {
                       bad[i].says[k], reason);
     }
 }
+
+/* What runs where the user names nothing. */
+Test(wisp_scenes, steppers_have_their_default_treatment_and_solver) {
+    static const struct {
+        const char *stepper, *treatment, *linear;
+    } defaults[] = {
+        {NULL, "generalised", NULL},        {"euler", "projection", NULL},
+        {"midpoint", "generalised", NULL},  {"implicit-euler", "penalty", "cg"},
+        {"cvode", "generalised", "direct"}, {"reference", "generalised", NULL},
+    };
+    struct scene *scene = lab_load("swing-envelope", NULL, 0);
+    for (size_t i = 0; i < sizeof defaults / sizeof *defaults; i++) {
+        const struct run_request request = {.stepper = defaults[i].stepper};
+        struct settings settings;
+        char reason[REASON_SIZE];
+        cr_assert_eq(settings_resolve(scene, &request, &settings, reason), 0, "%s", reason);
+        cr_assert_str_eq(treatment_names[settings.treatment], defaults[i].treatment);
+        cr_assert_eq(settings.stepper.linear != NULL, defaults[i].linear != NULL);
+        if (defaults[i].linear)
+            cr_assert_str_eq(settings.stepper.linear->name, defaults[i].linear);
+    }
+    scene_free(scene);
+}
+
+/* What `run` says is in a scene. */
+Test(wisp_scenes, terms_are_those_that_act) {
+    static const struct {
+        const char *scene, *set, *terms;
+    } cases[] = {
+        {"swing", "seed=1", "gravity|air|stretch|bending (skip springs)|"},
+        {"swing-envelope", "seed=1", "gravity|air|stretch|bending (skip springs)|envelope|"},
+        {"swing", "gravity=[0, 0, 0]", "air|stretch|bending (skip springs)|"},
+        {"swing", "material.bending=hinge", "gravity|air|stretch|bending (hinges)|"},
+        {"swing", "material.bending=none", "gravity|air|stretch|"},
+        {"swing", "material.bending_stiffness=0", "gravity|air|stretch|"},
+        {"swing", "material={ drag_rate=0; stretch_stiffness=0; bending=\"none\"; }", "gravity|"},
+        {"swing", "wind={ kind=\"gust\"; velocity=[1, 0, 0]; hold=1; decay=1; }",
+         "gravity|air|gust|stretch|bending (skip springs)|"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct scene *scene = LAB_LOAD(cases[i].scene, cases[i].set);
+        const char *names[16];
+        char all[200] = "";
+        const int count = problem_terms(scene, names, 16);
+        for (int k = 0; k < count; k++)
+            strcat(strcat(all, names[k]), "|");
+        cr_assert_str_eq(all, cases[i].terms, "%s: %s, not %s", cases[i].set, all, cases[i].terms);
+        cr_assert_eq(problem_terms(scene, names, 1), 1, "more names than asked for");
+        scene_free(scene);
+    }
+}
