@@ -26,7 +26,7 @@ static void assign(char *text, size_t size, const char *name, const char *value)
 
 /* gnuplot's own words, the last line of what it said, without the place in the script. */
 static void say_error(const char *errors, const char *name, char *reason) {
-    char line[512], last[512] = "no reason given";
+    char line[512], last[512] = "gnuplot failed";
     FILE *file = fopen(errors, "r");
     while (file && fgets(line, sizeof line, file)) {
         line[strcspn(line, "\n")] = '\0';
