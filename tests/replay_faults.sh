@@ -7,8 +7,18 @@ set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 word=${1-}
 work=$(mktemp -d "${TMPDIR:-/tmp}/wisplab-faults-XXXXXX")
-trap 'rm -rf "$work"' EXIT
+trap 'stop_leftovers; rm -rf "$work"' EXIT
 export TMPDIR=$work LC_ALL=C
+
+# A fault can make a run that nothing ends, and whoever started it has died by then.
+stop_leftovers() {
+    local exe
+    for exe in /proc/[0-9]*/exe; do
+        case $(readlink "$exe" 2>/dev/null || true) in
+        "$work"/*) kill -9 "$(basename "$(dirname "$exe")")" 2>/dev/null || true ;;
+        esac
+    done
+}
 
 say() { printf '%s\n' "$*"; }
 
@@ -63,6 +73,7 @@ while IFS= read -r line; do
         caught=$((caught + 1))
         say "caught  $file: '$text' -> '$instead' ($filter)"
     fi
+    stop_leftovers
     cp "$work/good" "$path"
 done < <(rows)
 
