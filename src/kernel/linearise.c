@@ -76,12 +76,6 @@ static inline struct block transpose(const struct block *a) {
     return b;
 }
 
-static inline struct vec apply(const struct block *a, struct vec x) {
-    return (struct vec){a->m[0][0] * x.x + a->m[0][1] * x.y + a->m[0][2] * x.z,
-                        a->m[1][0] * x.x + a->m[1][1] * x.y + a->m[1][2] * x.z,
-                        a->m[2][0] * x.x + a->m[2][1] * x.y + a->m[2][2] * x.z};
-}
-
 /* Adds s B to row `row`, column `column` (nodes); what concerns nodes 0 and 1 falls away. */
 static inline void gather(struct block (*lower)[3], struct block (*above)[2], int row, int column,
                           lane s, const struct block *b) {
@@ -195,7 +189,7 @@ static struct edge_blocks hinge_stiffness(const struct reach *a, const struct re
     struct edge_blocks s;
     for (int j = 0; j < 2; j++) {
         const struct vec turning =
-            add(apply(&h.m[j][0], a->velocity), apply(&h.m[j][1], b->velocity));
+            add(block_times(&h.m[j][0], a->velocity), block_times(&h.m[j][1], b->velocity));
         const struct vec right = add_scaled(scale(k, g[j]), c, turning);
         for (int i = 0; i < 2; i++) {
             s.m[i][j] = outer(lane_all(1), g[i], right);

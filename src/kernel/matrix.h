@@ -54,6 +54,19 @@ struct elimination {
     lane diagonal, diagonal_ww;             /* the node's matrix gains mu (diagonal 1 + ww w w') */
 };
 
+/* A block, and its transpose, times a vector. */
+static inline struct vec block_times(const struct block *b, struct vec x) {
+    return (struct vec){b->m[0][0] * x.x + b->m[0][1] * x.y + b->m[0][2] * x.z,
+                        b->m[1][0] * x.x + b->m[1][1] * x.y + b->m[1][2] * x.z,
+                        b->m[2][0] * x.x + b->m[2][1] * x.y + b->m[2][2] * x.z};
+}
+
+static inline struct vec transposed_times(const struct block *b, struct vec x) {
+    return (struct vec){b->m[0][0] * x.x + b->m[1][0] * x.y + b->m[2][0] * x.z,
+                        b->m[0][1] * x.x + b->m[1][1] * x.y + b->m[2][1] * x.z,
+                        b->m[0][2] * x.x + b->m[1][2] * x.y + b->m[2][2] * x.z};
+}
+
 /* Number of free nodes. */
 static inline int free_nodes(const struct kernel_part *part) {
     return part->nodes - 2;
