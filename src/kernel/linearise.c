@@ -1,4 +1,5 @@
-/* Stiffness and damping of the skeleton, block by block (section "derivatives" of the model). */
+/* Stiffness and damping of the skeleton, block by block: derivatives of the forces by positions and
+ * velocities with the frames held still. */
 #include "matrix.h"
 #include "springs.h"
 

@@ -1,8 +1,7 @@
 /* The matrices of a part's equations M v' = f with frozen frames: M, C = -df/dv and S = -df/dq.
  *
  * Skeleton: block-pentadiagonal in the free nodes, 3x3 blocks; drag is apart from C. Samples: the
- * same few numbers for all samples of a node, from which each place writes what it needs (section
- * "treatments" below):
+ * same few numbers for all samples of a node, from which each place writes what it needs:
  *
  *   per sample mass mu, with a the half-line, P = 1 - aa', k and c of the spring over mu,
  *                      node-node        node-sample      sample-node      sample-sample
