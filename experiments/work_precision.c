@@ -331,10 +331,11 @@ static const struct {
     [REFERENCES] = {"-reference",
                     "the tight solutions: bound = largest difference from the second opinion, m",
                     "treatment\tbound\tforce_evaluations\tsteps\tstatus"},
-    [SLOPES] = {"-slopes",
-                "slopes of log error over log steps, of points between a hundredth of the length "
-                "and a hundred times the reference's bound; position: the last point used",
-                "method\ttreatment\tkind\tslope\tpoints\terror\tcpu_median\tforce_evaluations"},
+    [SLOPES] =
+        {"-slopes",
+         "slopes of log error over log steps, of points between a relative error of a "
+         "hundredth and a hundred times the reference's bound; position: the last point used",
+         "method\ttreatment\tkind\tslope\tpoints\terror\tcpu_median\tforce_evaluations"},
     [FRONT] = {"-front", "Pareto fronts: what no other run beats in cost and in error",
                "treatment\tmeasure\tcost\terror\tmethod\tsetting"},
     [CHEAPEST] = {"-cheapest",
@@ -370,13 +371,12 @@ static void write_points(FILE *stream, const struct field *field) {
 
 static void write_slope(FILE *stream, const struct field *field,
                         const struct contestant *contestant) {
-    const double length = field->subject->scene->wisps[0].length;
     const double least = fmax(1e-13, 100 * field->bound);
     const struct point *last = NULL;
     struct slope slope = {.count = 0};
     for (int i = 0; i < field->count; i++) {
         const struct point *p = &field->points[i];
-        if (p->contestant != contestant || !is_finished(p) || p->deviation.rms > 0.01 * length ||
+        if (p->contestant != contestant || !is_finished(p) || p->deviation.relative > 0.01 ||
             p->deviation.rms < least)
             continue;
         slope_add(&slope, p->cost.steps, p->deviation.rms);
@@ -508,6 +508,13 @@ static int tabulate_subject(struct plan *plan, const struct subject *subject, co
     return close_tables(files, code, plan->reason) ? -1 : there;
 }
 
+static double longest_wisp(const struct scene *scene) {
+    double length = 0;
+    for (int i = 0; i < scene->wisp_count; i++)
+        length = fmax(length, scene->wisps[i].length);
+    return length;
+}
+
 /* The figures' list: scenes with at least one reference. */
 static int tabulate_all(struct plan *plan, const char *folder, FILE *list, struct field *field) {
     int drawn = 0;
@@ -521,7 +528,7 @@ static int tabulate_all(struct plan *plan, const char *folder, FILE *list, struc
         drawn += there > 0;
         if (there > 0)
             fprintf(list, "%s\t%s\t%d\t%.17g\n", subject->name, subject->scene->name,
-                    subject->scene->wisps[0].samples, subject->scene->wisps[0].length);
+                    subject->scene->wisps[0].samples, longest_wisp(subject->scene));
     }
     if (drawn > 0)
         return 0;

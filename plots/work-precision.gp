@@ -35,7 +35,7 @@ do for [s = 1:words(scene_files)] {
     scene = word(scene_files, s)
     treatments = samples_of[s] > 0 ? 'projection penalty generalised' : 'generalised'
     columns = samples_of[s] > 0 ? 3 : 2
-    TOP = length_of[s] # m: an error of the wisp's own length is as bad as none
+    TOP = length_of[s] # m: an error of the longest wisp's length is as bad as none
     page_width = samples_of[s] > 0 ? 1300 : 960
     page_height = samples_of[s] > 0 ? 1085 : 720
     eval figure(scene, page_width, page_height)
