@@ -130,7 +130,7 @@ eval figure('work-precision', 900, 640)
 eval names_of('work-precision')
 set multiplot
 eval heading('What accuracy costs', \
-    'largest position error at 9 times in 160 s; lower and further left is better; numbers: slopes')
+    'largest position error at 9 times in 160 s; lower and further left is better; legend: slopes over evaluations')
 TOP = 3. # m: whose error is larger has lost the circle, by how much is of no interest
 is_failed(status) = status ne 'finished'
 is_off(error, status) = !is_failed(status) && error > TOP
@@ -142,39 +142,13 @@ BOTTOM = 1e-13
 row_of(name) = TOP * 10 ** (0.75 * place(in_band, name))
 highest = TOP * 10 ** (0.75 * (words(in_band) + 0.7))
 
-# Slopes beside the last point that they were taken from; the last method first, each below those
-# that are in its way. An adaptive method's says only how steep it is on the whole; it stands left
-# of its curve where nothing else is.
-SLOPES = 32
-array slope_name[SLOPES]; array slope_text[SLOPES]; array slope_x[SLOPES]; array slope_y[SLOPES]
-array slope_adaptive[SLOPES]; array slope_left[SLOPES]
-slopes = 0
-short(name) = word(name, words(name))
-add_slope(name, steps, slope, x, y) = (slopes = slopes + 1, slope_name[slopes] = name, \
-    slope_text[slopes] = short(name).(steps eq 'adaptive' ? gprintf(' ≈ %.0f', slope) \
-                                                          : gprintf(' %.2f', slope)), \
-    slope_x[slopes] = x, slope_y[slopes] = y, slope_left[slopes] = steps eq 'adaptive', \
-    slope_adaptive[slopes] = steps eq 'adaptive', 0)
-stats table('work-precision-slopes') using (strcol(1) eq 'method' || slopes == SLOPES ? 0 \
-    : add_slope(strcol(1), strcol(2), $3, $5, $6), 0) nooutput
-near(i, j) = slope_left[i] == slope_left[j] && slope_adaptive[i] == slope_adaptive[j] \
-    && abs(log10(slope_x[i] / slope_x[j])) < 1.5 && abs(log10(slope_y[i] / slope_y[j])) < 0.69
-do for [n = 1:slopes] {
-    i = slopes + 1 - n
-    adaptive = slope_adaptive[i]; x = slope_x[i]; y = slope_y[i]
-    if (adaptive) {
-        stats table('work-precision') using (slope_left[i] = slope_left[i] \
-            && !($5 < 0.99 * x && $4 < 5 * y && $4 > y / 5), 0) nooutput
-    }
-    slope_x[i] = slope_left[i] ? x / 1.5 : (adaptive ? 1.4 : 1.7) * x
-    if (adaptive && !slope_left[i]) { slope_y[i] = y / 8 }
-    do for [m = 1:n - 1] {
-        j = slopes + 1 - m
-        if (near(i, j)) {
-            slope_x[i] = adaptive ? x : larger(slope_x[i], slope_x[j])
-            slope_y[i] = slope_y[j] / (adaptive ? 6 : 5)
-        }
-    }
+# Each method with its slope.
+titles = ''
+do for [m = 1:words(names)] {
+    slope = ''
+    stats table('work-precision-slopes') using (strcol(1) eq word(names, m) \
+        ? (slope = ': '.(strcol(2) eq 'adaptive' ? gprintf('≈ %.0f', $3) : gprintf('%.2f', $3)), 0) : 0, 0) nooutput
+    titles = titles.quoted(word(names, m).slope)
 }
 
 is(m) = strcol(1) eq word(names, m)
@@ -191,10 +165,10 @@ do for [p = 1:2] {
     stats table('work-precision') using (x = column(c), \
         first = x > 0 && x < first ? x : first, last = x > last ? x : last, 0) nooutput
     if (last == 0) { first = 1; last = 10 }
-    eval panel(p == 1 ? 90 : 575, 70, p == 1 ? 455 : 310, 430)
+    eval panel(p == 1 ? 90 : 505, 70, 380, 430)
     eval powers('x'); eval powers('y')
     if (p == 2) { set format y '' }
-    set xrange [0.6 * first:(p == 1 ? 90 : 1.7) * last]
+    set xrange [0.6 * first:1.7 * last]
     set yrange [BOTTOM:highest]
     set ytics 1e-12, 100, 1; set mytics 1
     set xtics offset 0, 0.3
@@ -205,18 +179,6 @@ do for [p = 1:2] {
         set arrow 1 from graph 0, first TOP to graph 1, first TOP nohead lc rgb GREY lw 0.8
         set label 3 sprintf('error above %g m', TOP) at graph 0.99, first TOP right \
             offset 0, 0.6 font ',11' textcolor rgb GREY
-    }
-    do for [i = 1:SLOPES] { unset label 100 + i }
-    if (p == 1) {
-        do for [i = 1:slopes] {
-            if (slope_left[i]) {
-                set label 100 + i slope_text[i] at slope_x[i], slope_y[i] right font ',11' \
-                    textcolor rgb ink_of(slope_name[i])
-            } else {
-                set label 100 + i slope_text[i] at slope_x[i], slope_y[i] left font ',11' \
-                    textcolor rgb ink_of(slope_name[i])
-            }
-        }
     }
     told = ''
     set bars 0
@@ -244,7 +206,7 @@ do for [p = 1:2] {
 }
 eval legend(0, 555, 900, 85, 3)
 plot @BLANK, for [m = 1:words(names)] keyentry with linespoints lt style_of(word(names, m)) \
-        title word(names, m)
+        title word(titles, m)
 unset multiplot
 
 # --- the radius that the stability function foretells ---
