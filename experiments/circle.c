@@ -268,12 +268,11 @@ static void add_to_slope(struct slope *slope, const struct point *p) {
 
 static void write_slope(FILE *stream, const struct contestant *contestant,
                         const struct slope *slope) {
-    if (slope->count < 3)
-        return;
-    const int last = slope->count - 1;
-    fprintf(stream, "%s\t%s\t%.3f\t%d\t%.17g\t%.17g\n", contestant->name,
-            contestant_is_adaptive(contestant) ? "adaptive" : "fixed", slope_fit(slope),
-            slope->count, pow(10, slope->x[last]), pow(10, slope->y[last]));
+    const struct fit fit = slope_fit(slope, contestant);
+    if (fit.points > 0)
+        fprintf(stream, "%s\t%s\t%.3f\t%.3f\t%d\n", contestant->name,
+                contestant_is_adaptive(contestant) ? "adaptive" : "fixed", fit.slope, fit.spread,
+                fit.points);
 }
 
 /* |R(-i omega h)|^n, the radius after n steps over the first, where there is a table. */
@@ -296,9 +295,10 @@ static int open_work_tables(struct work_tables *tables, struct plan *plan, const
             "method\tstepper\tsetting\terror\tforce_evaluations\tsteps\tcpu_median\tcpu_least\t"
             "cpu_greatest\tstatus\tfailure_time"))
         return -1;
-    if (open_circle_table(&tables->slopes, plan, folder, "work-precision-slopes",
-                          "slopes of log error over log evaluations; position: the last point used",
-                          "method\tsteps\tslope\tpoints\tforce_evaluations\terror")) {
+    if (open_circle_table(
+            &tables->slopes, plan, folder, "work-precision-slopes",
+            "slopes of log error over log evaluations, between 1e-10 and 0.05 m, " SLOPE_RULE,
+            "method\tkind\tslope\tspread\tpoints")) {
         atomic_discard(&tables->work);
         return -1;
     }

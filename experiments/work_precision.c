@@ -333,11 +333,11 @@ static const struct {
     [REFERENCES] = {"-reference",
                     "the tight solutions: bound = largest difference from the second opinion, m",
                     "treatment\tbound\tforce_evaluations\tsteps\tstatus"},
-    [SLOPES] =
-        {"-slopes",
-         "slopes of log error over log steps, of points between a relative error of a "
-         "hundredth and a hundred times the reference's bound; position: the last point used",
-         "method\ttreatment\tkind\tslope\tpoints\terror\tcpu_median\tforce_evaluations"},
+    [SLOPES] = {"-slopes",
+                "slopes of log error over log steps, between a relative error of a hundredth and a "
+                "hundred "
+                "times the reference's bound, " SLOPE_RULE,
+                "method\ttreatment\tkind\tslope\tspread\tpoints"},
     [FRONT] =
         {"-front",
          "Pareto fronts: what no other run beats in cost and in error, as far as the reference can "
@@ -379,7 +379,6 @@ static void write_points(FILE *stream, const struct field *field) {
 static void write_slope(FILE *stream, const struct field *field,
                         const struct contestant *contestant) {
     const double least = fmax(1e-13, 100 * field->bound);
-    const struct point *last = NULL;
     struct slope slope = {.count = 0};
     for (int i = 0; i < field->count; i++) {
         const struct point *p = &field->points[i];
@@ -387,13 +386,13 @@ static void write_slope(FILE *stream, const struct field *field,
             p->deviation.rms < least)
             continue;
         slope_add(&slope, p->cost.steps, p->deviation.rms);
-        last = p;
     }
-    if (slope.count >= 3)
-        fprintf(stream, "%s\t%s\t%s\t%.3f\t%d\t%.17g\t%.17g\t%.17g\n", contestant->name,
+    const struct fit fit = slope_fit(&slope, contestant);
+    if (fit.points > 0)
+        fprintf(stream, "%s\t%s\t%s\t%.3f\t%.3f\t%d\n", contestant->name,
                 treatment_name(field->treatment),
-                contestant_is_adaptive(contestant) ? "adaptive" : "fixed", slope_fit(&slope),
-                slope.count, last->deviation.rms, last->cost.cpu.median, last->cost.evaluations);
+                contestant_is_adaptive(contestant) ? "adaptive" : "fixed", fit.slope, fit.spread,
+                fit.points);
 }
 
 /* The next point of a front: the cheapest that is dearer than `than`. */

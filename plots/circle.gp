@@ -147,7 +147,7 @@ titles = ''
 do for [m = 1:words(names)] {
     slope = ''
     stats table('work-precision-slopes') using (strcol(1) eq word(names, m) \
-        ? (slope = ': '.(strcol(2) eq 'adaptive' ? gprintf('≈ %.0f', $3) : gprintf('%.2f', $3)), 0) : 0, 0) nooutput
+        ? (slope = ': '.slope_text(strcol(2), $3, $4), 0) : 0, 0) nooutput
     titles = titles.quoted(word(names, m).slope)
 }
 

@@ -52,7 +52,7 @@ do for [s = 1:words(scene_files)] {
         do for [t in treatments] {
             one = '–'
             stats table(scene.'-slopes') using (strcol(1) eq word(names, m) && strcol(2) eq t \
-                ? (some = 1, one = (strcol(3) eq 'adaptive' ? gprintf('≈ %.0f', $4) : gprintf('%.2f', $4)), 0) : 0, 0) nooutput
+                ? (some = 1, one = slope_text(strcol(3), $4, $5), 0) : 0, 0) nooutput
             slopes = slopes.(slopes eq '' ? ': ' : ', ').one
         }
         titles = titles.quoted(word(names, m).(some ? slopes : ''))
