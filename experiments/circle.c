@@ -153,11 +153,12 @@ static int each_panel(struct plan *plan, const char *group, FILE *stream,
 static void orbit_rows(FILE *stream, int panel, const struct run_files *run) {
     const struct table *states = &run->states;
     const int x = table_column(states, "x"), y = table_column(states, "y");
+    const double evaluations = run_number(run, "counters.force_evaluations");
     for (int i = 0; i < states->row_count; i++)
-        fprintf(stream, "%d\t%s\t%s\t%g\t%.17g\t%.17g\t%.17g\t%.17g\n", panel + 1,
+        fprintf(stream, "%d\t%s\t%s\t%g\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\n", panel + 1,
                 panels[panel].title, panels[panel].stepper, panels[panel].step,
                 table_value(states, i, 0), table_value(states, i, x), table_value(states, i, y),
-                position_error(states, i));
+                position_error(states, i), evaluations);
     fprintf(stream, "\n\n");
 }
 
@@ -168,8 +169,8 @@ static int write_orbits(struct plan *plan, const char *folder) {
         if (open_circle_table(
                 &file, plan, folder, e ? "orbits-160s" : "orbits-30s",
                 "trajectories, one block for each panel: s, m; error: distance from the exact "
-                "position, m",
-                "panel\ttitle\tstepper\tstep\tt\tx\ty\terror"))
+                "position, m; force_evaluations: of the whole run",
+                "panel\ttitle\tstepper\tstep\tt\tx\ty\terror\tforce_evaluations"))
             return -1;
         if (each_panel(plan, group, file.stream, orbit_rows)) {
             atomic_discard(&file);

@@ -6,13 +6,13 @@ RADIUS = 0.9; RATE = 0.2 / 0.9 # m, rad/s: experiments/circle.cfg
 PANELS = 7; DRAWN = 6          # the seventh run of the orbits tables is drawn in error-time only
 array title_of[PANELS]; array stepper_of[PANELS]; array step_of[PANELS]; array rows_of[PANELS]
 array end_x[PANELS]; array end_y[PANELS]; array end_error[PANELS]; array worst[PANELS]
-array reach[PANELS]
+array reach[PANELS]; array calls_of[PANELS]
 larger(a, b) = a > b ? a : b
 
 # Panel k of a table: what it is, where it ends (its last row), how far out it gets. The variant's
 # name for its style is the stepper with the word after the title's comma: 'euler projected'.
 take(k) = (title_of[k] = strcol(2), stepper_of[k] = strcol(3), step_of[k] = $4, \
-           rows_of[k] = rows_of[k] + 1, end_x[k] = $6, end_y[k] = $7, end_error[k] = $8, \
+           rows_of[k] = rows_of[k] + 1, end_x[k] = $6, end_y[k] = $7, end_error[k] = $8, calls_of[k] = $9, \
            worst[k] = larger(worst[k], $8), \
            reach[k] = larger(reach[k], larger(abs($6), abs($7))), 0)
 read_panels(name) = 'do for [k = 1:PANELS] { rows_of[k] = 0; worst[k] = 0; reach[k] = 0; ' \
@@ -82,8 +82,8 @@ do for [end in "30 160"] {
 eval figure('error-time', 900, 575)
 eval read_panels('orbits-160s')
 eval heading('Distance from the exact position, over 160 s', \
-    'steps chosen for equal cost: 200 force evaluations each; "fine" has 12 800')
-eval panel(115, 70, 470, 430)
+    'legend: step, and force evaluations of the whole run')
+eval panel(115, 70, 445, 430)
 eval powers('y')
 LOW = 1e-5; EXACT = LOW * 0.25 # an error of rounding's size has a place of its own
 set yrange [LOW * 0.07:50]; set xrange [0:165]
@@ -98,7 +98,7 @@ do for [k = 1:PANELS] {
 set xtics 20
 set xlabel 't (s)'; set ylabel 'error (m)' offset 1.5, 0
 set arrow from graph 0, first LOW * 0.6 to graph 1, first LOW * 0.6 nohead lc rgb GREY lw 0.8
-set key at screen 600./WIDTH, screen 1 - 80./HEIGHT left top Left reverse samplen 4 spacing 1.5
+set key at screen 575./WIDTH, screen 1 - 80./HEIGHT left top Left reverse samplen 4 spacing 1.5
 shown(k, e) = worst[k] < 1e-9 ? EXACT : e < LOW ? NaN : e
 do for [k = 1:PANELS] { if (rows_of[k]) { s = style_of(style_name(k)) } } # in the panels' order
 # The legend in the order of the curves' right ends.
@@ -112,7 +112,7 @@ do for [n = 1:PANELS] {
     if (best) { order = order.sprintf(' %d', best); listed = order }
 }
 every_mark(k) = larger(1, floor(20 / step_of[k] + 0.5))
-label_of(k) = sprintf('%s, %g s', title_of[k], step_of[k])
+label_of(k) = sprintf('%s, %g s: %g', title_of[k], step_of[k], calls_of[k])
 run(w) = int(word(order, w))
 if (order eq '') {
     plot RADIUS with lines lt 2 title sprintf('radius, %g m', RADIUS)
