@@ -153,11 +153,12 @@ static int each_panel(struct plan *plan, const char *group, FILE *stream,
 static void orbit_rows(FILE *stream, int panel, const struct run_files *run) {
     const struct table *states = &run->states;
     const int x = table_column(states, "x"), y = table_column(states, "y");
+    const double evaluations = run_number(run, "counters.force_evaluations");
     for (int i = 0; i < states->row_count; i++)
-        fprintf(stream, "%d\t%s\t%s\t%g\t%.17g\t%.17g\t%.17g\t%.17g\n", panel + 1,
+        fprintf(stream, "%d\t%s\t%s\t%g\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\n", panel + 1,
                 panels[panel].title, panels[panel].stepper, panels[panel].step,
                 table_value(states, i, 0), table_value(states, i, x), table_value(states, i, y),
-                position_error(states, i));
+                position_error(states, i), evaluations);
     fprintf(stream, "\n\n");
 }
 
@@ -168,8 +169,8 @@ static int write_orbits(struct plan *plan, const char *folder) {
         if (open_circle_table(
                 &file, plan, folder, e ? "orbits-160s" : "orbits-30s",
                 "trajectories, one block for each panel: s, m; error: distance from the exact "
-                "position, m",
-                "panel\ttitle\tstepper\tstep\tt\tx\ty\terror"))
+                "position, m; force_evaluations: of the whole run",
+                "panel\ttitle\tstepper\tstep\tt\tx\ty\terror\tforce_evaluations"))
             return -1;
         if (each_panel(plan, group, file.stream, orbit_rows)) {
             atomic_discard(&file);
@@ -268,12 +269,11 @@ static void add_to_slope(struct slope *slope, const struct point *p) {
 
 static void write_slope(FILE *stream, const struct contestant *contestant,
                         const struct slope *slope) {
-    if (slope->count < 3)
-        return;
-    const int last = slope->count - 1;
-    fprintf(stream, "%s\t%s\t%.3f\t%d\t%.17g\t%.17g\n", contestant->name,
-            contestant_is_adaptive(contestant) ? "adaptive" : "fixed", slope_fit(slope),
-            slope->count, pow(10, slope->x[last]), pow(10, slope->y[last]));
+    const struct fit fit = slope_fit(slope, contestant);
+    if (fit.points > 0)
+        fprintf(stream, "%s\t%s\t%.3f\t%.3f\t%d\n", contestant->name,
+                contestant_is_adaptive(contestant) ? "adaptive" : "fixed", fit.slope, fit.spread,
+                fit.points);
 }
 
 /* |R(-i omega h)|^n, the radius after n steps over the first, where there is a table. */
@@ -296,9 +296,10 @@ static int open_work_tables(struct work_tables *tables, struct plan *plan, const
             "method\tstepper\tsetting\terror\tforce_evaluations\tsteps\tcpu_median\tcpu_least\t"
             "cpu_greatest\tstatus\tfailure_time"))
         return -1;
-    if (open_circle_table(&tables->slopes, plan, folder, "work-precision-slopes",
-                          "slopes of log error over log evaluations; position: the last point used",
-                          "method\tsteps\tslope\tpoints\tforce_evaluations\terror")) {
+    if (open_circle_table(
+            &tables->slopes, plan, folder, "work-precision-slopes",
+            "slopes of log error over log evaluations, between 1e-10 and 0.05 m, " SLOPE_RULE,
+            "method\tkind\tslope\tspread\tpoints")) {
         atomic_discard(&tables->work);
         return -1;
     }

@@ -175,13 +175,23 @@ void slope_add(struct slope *slope, double cost, double error) {
     slope->count++;
 }
 
-double slope_fit(const struct slope *slope) {
-    double c0, c1, cov00, cov01, cov11, sum;
-    if (slope->count < 3)
-        return NAN;
-    gsl_fit_linear(slope->x, 1, slope->y, 1, (size_t)slope->count, &c0, &c1, &cov00, &cov01, &cov11,
-                   &sum);
-    return c1;
+struct fit slope_fit(const struct slope *slope, const struct contestant *contestant) {
+    const int count = slope->count;
+    const int used =
+        contestant_is_adaptive(contestant) || count < SLOPE_FINEST ? count : SLOPE_FINEST;
+    const double *x = slope->x + count - used, *y = slope->y + count - used;
+    double least = INFINITY, most = -INFINITY, c0, c1, cov00, cov01, cov11, sum;
+    if (count < SLOPE_FINEST)
+        return (struct fit){NAN, NAN, 0};
+    for (int i = 1; i < used; i++) {
+        if (x[i] == x[i - 1])
+            continue;
+        const double local = (y[i] - y[i - 1]) / (x[i] - x[i - 1]);
+        least = fmin(least, local);
+        most = fmax(most, local);
+    }
+    gsl_fit_linear(x, 1, y, 1, (size_t)used, &c0, &c1, &cov00, &cov01, &cov11, &sum);
+    return (struct fit){c1, most - least, used};
 }
 
 /* --- what linear theory says of a scene --- */

@@ -58,14 +58,27 @@ int measure_deviation(const struct scene *scene, const struct table *run,
                       const struct table *reference, double floor, struct deviation *deviation,
                       char *reason);
 
-/* The slope of log error over log cost, by least squares. */
-enum { SLOPE_POINTS = 48 };
+/* The slope of log error over log cost, of points added from coarse to fine. */
+enum { SLOPE_POINTS = 48, SLOPE_FINEST = 3 };
 struct slope {
     double x[SLOPE_POINTS], y[SLOPE_POINTS];
     int count;
 };
 void slope_add(struct slope *slope, double cost, double error);
-double slope_fit(const struct slope *slope); /* NaN with fewer than 3 points */
+
+/* By least squares: of a fixed-step method the finest three points, where it is nearest to its
+ * order; of an adaptive one all, which only says how steep it is on the whole. */
+struct fit {
+    double slope;
+    double spread; /* largest less least of the slopes from point to point */
+    int points;    /* 0, and no numbers: there were fewer than three */
+};
+struct fit slope_fit(const struct slope *slope, const struct contestant *contestant);
+
+/* The same for a table's first line. */
+#define SLOPE_RULE                                                                                 \
+    "by least squares: with fixed steps of the finest three points, else of all; spread: how far " \
+    "slopes from point to point differ: with fixed steps figures give one digit and ≈ above 0.05"
 
 /* The largest of the highest stretch frequencies of the scene's wisps, rad/s (a chain's is below
  * 2 sqrt(k/m), and comes near it), with its damping time over stiffness, s. */

@@ -166,7 +166,7 @@ struct variant {
     struct run_files tight;
     struct cost cost;
     struct deviation distance;   /* from the exact constrained motion */
-    struct practical stable;     /* the longest step that is not wrong by a tenth of the length */
+    struct practical stable;     /* the longest step that is not wrong by a tenth of each length */
     struct practical sufficient; /* the longest whose error is a tenth of the distance */
 };
 
@@ -237,13 +237,12 @@ static void consider(struct practical *best, double step, const struct cost *cos
 /* A step is taken only if all shorter ones of the ladder do as well. */
 static int try_steps(struct plan *plan, struct study *study, int v) {
     struct variant *variant = &study->variants[v];
-    const double wrong = 0.1 * study->subject->scene->wisps[0].length;
     int stable = 1, sufficient = 1;
     variant->stable.step = variant->sufficient.step = NAN;
     for (int rung = rungs(study->subject->scene) - 1; rung >= 0 && stable; rung--) {
         char label[32];
         struct run_files run;
-        struct deviation error = {.rms = INFINITY, .end = INFINITY};
+        struct deviation error = {.relative = INFINITY, .end = INFINITY};
         snprintf(label, sizeof label, "rk4 %d", rung);
         const struct labelled_case *one = variant_case(plan, study, v, label);
         if (!one)
@@ -258,7 +257,7 @@ static int try_steps(struct plan *plan, struct study *study, int v) {
         run_free(&run);
         if (code)
             return -1;
-        stable = error.rms < wrong;
+        stable = error.relative < 0.1;
         sufficient = sufficient && stable && error.end <= 0.1 * variant->distance.end;
         if (stable)
             consider(&variant->stable, step_of(study->subject->scene, rung), &cost, error.end);
@@ -341,15 +340,12 @@ static void print_study(const struct study *study) {
 
 static const char what[] =
     "distance of tight solutions from the exact constrained motion, m: end = rms over free nodes "
-    "at "
-    "the end, end_largest, end_all = rms over all nodes; rms and largest over all frames. Exact: "
-    "penalty at ratios 300, 1000, 3000, each state a polynomial of degree 2 in 1/sqrt(ratio), at "
-    "0; "
-    "uncertainty = twice what ratio 100 and one more degree change in it (rms at the end, m); "
-    "limited = "
-    "within ten times that. Costs: of the tight solution; of rk4 at the longest stable step "
-    "(error below a tenth of the length); and at the longest whose error is a tenth of the "
-    "distance";
+    "at the end, end_largest, end_all = rms over all nodes; rms and largest over all frames. "
+    "Exact: penalty at ratios 300, 1000, 3000, each state a polynomial of degree 2 in "
+    "1/sqrt(ratio), at 0; uncertainty = twice what ratio 100 and one more degree change in it "
+    "(rms at the end, m); limited = within ten times that. Costs: of the tight solution; of rk4 "
+    "at the longest stable step (error below a tenth, each node's over its wisp's length); and at "
+    "the longest whose error is a tenth of the distance";
 
 static const char columns[] =
     "name\tratio\tend\tend_largest\tend_all\trms\tlargest\tuncertainty\tbound\tlimited\ttight_"

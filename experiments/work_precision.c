@@ -173,7 +173,8 @@ struct point {
     struct cost cost;
     struct deviation deviation; /* NaN where the run did not finish */
     int limited;                /* closer to the reference than ten times its bound */
-    int front[2];               /* none is cheaper and better: by CPU time, by evaluations */
+    int front[2];               /* not limited, and none is cheaper and better: by CPU time, by
+                                   evaluations */
     char note[REASON_SIZE];
 };
 
@@ -279,11 +280,12 @@ static double cost_of(const struct point *p, int measure) {
     return measure == 0 ? p->cost.cpu.median : p->cost.evaluations;
 }
 
-/* Marks the points that no other one beats in cost and in error. */
+/* Marks the points that no other one beats in cost and in error. A limited one may beat another but
+ * has no place itself: how good it is cannot be told from the reference. */
 static void mark_front(struct field *field, int measure) {
     for (int i = 0; i < field->count; i++) {
         struct point *p = &field->points[i];
-        p->front[measure] = is_finished(p);
+        p->front[measure] = is_finished(p) && !p->limited;
         for (int j = 0; j < field->count && p->front[measure]; j++) {
             const struct point *other = &field->points[j];
             const int as_good = is_finished(other) && j != i &&
@@ -323,8 +325,8 @@ static const struct {
          "relative = rms over length; end = rms at the end, m; velocity = rms, m/s; "
          "radius = rms of the samples' distance from their node, m; mescd at the end; CPU "
          "time, s, of repeated runs; setting: step, s, or rtol; limited: within ten times "
-         "the reference's bound; front: Pareto, by CPU time and by force evaluations; nan: "
-         "there is no number, see status and note",
+         "the reference's bound, and so on no front; front: Pareto, by CPU time and by force "
+         "evaluations; nan: there is no number, see status and note",
          "method\ttreatment\tstepper\tsetting\tstatus\tfailure_time\terror\tlargest\trelative"
          "\tend\tvelocity\tradius\tmescd\tcpu_median\tcpu_least\tcpu_greatest"
          "\tforce_evaluations\tsteps\tlimited\tfront_cpu\tfront_evaluations\tnote"},
@@ -332,15 +334,21 @@ static const struct {
                     "the tight solutions: bound = largest difference from the second opinion, m",
                     "treatment\tbound\tforce_evaluations\tsteps\tstatus"},
     [SLOPES] = {"-slopes",
-                "slopes of log error over log steps, of points between a hundredth of the length "
-                "and a hundred times the reference's bound; position: the last point used",
-                "method\ttreatment\tkind\tslope\tpoints\terror\tcpu_median\tforce_evaluations"},
-    [FRONT] = {"-front", "Pareto fronts: what no other run beats in cost and in error",
-               "treatment\tmeasure\tcost\terror\tmethod\tsetting"},
-    [CHEAPEST] = {"-cheapest",
-                  "the least CPU time, s, for an error of at most target, m, and the next method",
-                  "treatment\ttarget\tmethod\tsetting\terror\tcpu_median\tcpu_least\tcpu_greatest"
-                  "\tnext_method\tnext_setting\tnext_cpu_median"},
+                "slopes of log error over log steps, between a relative error of a hundredth and a "
+                "hundred "
+                "times the reference's bound, " SLOPE_RULE,
+                "method\ttreatment\tkind\tslope\tspread\tpoints"},
+    [FRONT] =
+        {"-front",
+         "Pareto fronts: what no other run beats in cost and in error, as far as the reference can "
+         "tell (limited ones left out)",
+         "treatment\tmeasure\tcost\terror\tmethod\tsetting"},
+    [CHEAPEST] =
+        {"-cheapest",
+         "the least CPU time, s, for an error of at most target, m, and the next method; to the "
+         "error of a limited run the reference's bound is added",
+         "treatment\ttarget\tmethod\tsetting\terror\tcpu_median\tcpu_least\tcpu_greatest"
+         "\tnext_method\tnext_setting\tnext_cpu_median"},
 };
 
 static void write_point(FILE *stream, const struct field *field, const struct point *p) {
@@ -370,23 +378,21 @@ static void write_points(FILE *stream, const struct field *field) {
 
 static void write_slope(FILE *stream, const struct field *field,
                         const struct contestant *contestant) {
-    const double length = field->subject->scene->wisps[0].length;
     const double least = fmax(1e-13, 100 * field->bound);
-    const struct point *last = NULL;
     struct slope slope = {.count = 0};
     for (int i = 0; i < field->count; i++) {
         const struct point *p = &field->points[i];
-        if (p->contestant != contestant || !is_finished(p) || p->deviation.rms > 0.01 * length ||
+        if (p->contestant != contestant || !is_finished(p) || p->deviation.relative > 0.01 ||
             p->deviation.rms < least)
             continue;
         slope_add(&slope, p->cost.steps, p->deviation.rms);
-        last = p;
     }
-    if (slope.count >= 3)
-        fprintf(stream, "%s\t%s\t%s\t%.3f\t%d\t%.17g\t%.17g\t%.17g\n", contestant->name,
+    const struct fit fit = slope_fit(&slope, contestant);
+    if (fit.points > 0)
+        fprintf(stream, "%s\t%s\t%s\t%.3f\t%.3f\t%d\n", contestant->name,
                 treatment_name(field->treatment),
-                contestant_is_adaptive(contestant) ? "adaptive" : "fixed", slope_fit(&slope),
-                slope.count, last->deviation.rms, last->cost.cpu.median, last->cost.evaluations);
+                contestant_is_adaptive(contestant) ? "adaptive" : "fixed", fit.slope, fit.spread,
+                fit.points);
 }
 
 /* The next point of a front: the cheapest that is dearer than `than`. */
@@ -412,13 +418,18 @@ static void write_front(FILE *stream, const struct field *field) {
     }
 }
 
+/* The error of a run at most: a limited one's is known to within the reference's bound. */
+static double error_at_most(const struct field *field, const struct point *p) {
+    return p->deviation.rms + (p->limited ? field->bound : 0);
+}
+
 /* The cheapest run within the target, of another contestant than `besides`; or NULL. */
 static const struct point *cheapest(const struct field *field, double target,
                                     const struct contestant *besides) {
     const struct point *best = NULL;
     for (int i = 0; i < field->count; i++) {
         const struct point *p = &field->points[i];
-        if (is_finished(p) && p->deviation.rms <= target && p->contestant != besides &&
+        if (is_finished(p) && error_at_most(field, p) <= target && p->contestant != besides &&
             (!best || p->cost.cpu.median < best->cost.cpu.median))
             best = p;
     }
@@ -508,6 +519,13 @@ static int tabulate_subject(struct plan *plan, const struct subject *subject, co
     return close_tables(files, code, plan->reason) ? -1 : there;
 }
 
+static double longest_wisp(const struct scene *scene) {
+    double length = 0;
+    for (int i = 0; i < scene->wisp_count; i++)
+        length = fmax(length, scene->wisps[i].length);
+    return length;
+}
+
 /* The figures' list: scenes with at least one reference. */
 static int tabulate_all(struct plan *plan, const char *folder, FILE *list, struct field *field) {
     int drawn = 0;
@@ -521,7 +539,7 @@ static int tabulate_all(struct plan *plan, const char *folder, FILE *list, struc
         drawn += there > 0;
         if (there > 0)
             fprintf(list, "%s\t%s\t%d\t%.17g\n", subject->name, subject->scene->name,
-                    subject->scene->wisps[0].samples, subject->scene->wisps[0].length);
+                    subject->scene->wisps[0].samples, longest_wisp(subject->scene));
     }
     if (drawn > 0)
         return 0;

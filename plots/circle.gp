@@ -6,13 +6,13 @@ RADIUS = 0.9; RATE = 0.2 / 0.9 # m, rad/s: experiments/circle.cfg
 PANELS = 7; DRAWN = 6          # the seventh run of the orbits tables is drawn in error-time only
 array title_of[PANELS]; array stepper_of[PANELS]; array step_of[PANELS]; array rows_of[PANELS]
 array end_x[PANELS]; array end_y[PANELS]; array end_error[PANELS]; array worst[PANELS]
-array reach[PANELS]
+array reach[PANELS]; array calls_of[PANELS]
 larger(a, b) = a > b ? a : b
 
 # Panel k of a table: what it is, where it ends (its last row), how far out it gets. The variant's
 # name for its style is the stepper with the word after the title's comma: 'euler projected'.
 take(k) = (title_of[k] = strcol(2), stepper_of[k] = strcol(3), step_of[k] = $4, \
-           rows_of[k] = rows_of[k] + 1, end_x[k] = $6, end_y[k] = $7, end_error[k] = $8, \
+           rows_of[k] = rows_of[k] + 1, end_x[k] = $6, end_y[k] = $7, end_error[k] = $8, calls_of[k] = $9, \
            worst[k] = larger(worst[k], $8), \
            reach[k] = larger(reach[k], larger(abs($6), abs($7))), 0)
 read_panels(name) = 'do for [k = 1:PANELS] { rows_of[k] = 0; worst[k] = 0; reach[k] = 0; ' \
@@ -82,8 +82,8 @@ do for [end in "30 160"] {
 eval figure('error-time', 900, 575)
 eval read_panels('orbits-160s')
 eval heading('Distance from the exact position, over 160 s', \
-    'steps chosen for equal cost: 200 force evaluations each; "fine" has 12 800')
-eval panel(115, 70, 470, 430)
+    'legend: step, and force evaluations of the whole run')
+eval panel(115, 70, 445, 430)
 eval powers('y')
 LOW = 1e-5; EXACT = LOW * 0.25 # an error of rounding's size has a place of its own
 set yrange [LOW * 0.07:50]; set xrange [0:165]
@@ -98,7 +98,7 @@ do for [k = 1:PANELS] {
 set xtics 20
 set xlabel 't (s)'; set ylabel 'error (m)' offset 1.5, 0
 set arrow from graph 0, first LOW * 0.6 to graph 1, first LOW * 0.6 nohead lc rgb GREY lw 0.8
-set key at screen 600./WIDTH, screen 1 - 80./HEIGHT left top Left reverse samplen 4 spacing 1.5
+set key at screen 575./WIDTH, screen 1 - 80./HEIGHT left top Left reverse samplen 4 spacing 1.5
 shown(k, e) = worst[k] < 1e-9 ? EXACT : e < LOW ? NaN : e
 do for [k = 1:PANELS] { if (rows_of[k]) { s = style_of(style_name(k)) } } # in the panels' order
 # The legend in the order of the curves' right ends.
@@ -112,7 +112,7 @@ do for [n = 1:PANELS] {
     if (best) { order = order.sprintf(' %d', best); listed = order }
 }
 every_mark(k) = larger(1, floor(20 / step_of[k] + 0.5))
-label_of(k) = sprintf('%s, %g s', title_of[k], step_of[k])
+label_of(k) = sprintf('%s, %g s: %g', title_of[k], step_of[k], calls_of[k])
 run(w) = int(word(order, w))
 if (order eq '') {
     plot RADIUS with lines lt 2 title sprintf('radius, %g m', RADIUS)
@@ -130,7 +130,7 @@ eval figure('work-precision', 900, 640)
 eval names_of('work-precision')
 set multiplot
 eval heading('What accuracy costs', \
-    'largest position error at 9 times in 160 s; lower and further left is better; numbers: slopes')
+    'largest position error at 9 times in 160 s; lower and further left is better; legend: slopes over evaluations')
 TOP = 3. # m: whose error is larger has lost the circle, by how much is of no interest
 is_failed(status) = status ne 'finished'
 is_off(error, status) = !is_failed(status) && error > TOP
@@ -142,39 +142,13 @@ BOTTOM = 1e-13
 row_of(name) = TOP * 10 ** (0.75 * place(in_band, name))
 highest = TOP * 10 ** (0.75 * (words(in_band) + 0.7))
 
-# Slopes beside the last point that they were taken from; the last method first, each below those
-# that are in its way. An adaptive method's says only how steep it is on the whole; it stands left
-# of its curve where nothing else is.
-SLOPES = 32
-array slope_name[SLOPES]; array slope_text[SLOPES]; array slope_x[SLOPES]; array slope_y[SLOPES]
-array slope_adaptive[SLOPES]; array slope_left[SLOPES]
-slopes = 0
-short(name) = word(name, words(name))
-add_slope(name, steps, slope, x, y) = (slopes = slopes + 1, slope_name[slopes] = name, \
-    slope_text[slopes] = short(name).(steps eq 'adaptive' ? gprintf(' ≈ %.0f', slope) \
-                                                          : gprintf(' %.2f', slope)), \
-    slope_x[slopes] = x, slope_y[slopes] = y, slope_left[slopes] = steps eq 'adaptive', \
-    slope_adaptive[slopes] = steps eq 'adaptive', 0)
-stats table('work-precision-slopes') using (strcol(1) eq 'method' || slopes == SLOPES ? 0 \
-    : add_slope(strcol(1), strcol(2), $3, $5, $6), 0) nooutput
-near(i, j) = slope_left[i] == slope_left[j] && slope_adaptive[i] == slope_adaptive[j] \
-    && abs(log10(slope_x[i] / slope_x[j])) < 1.5 && abs(log10(slope_y[i] / slope_y[j])) < 0.69
-do for [n = 1:slopes] {
-    i = slopes + 1 - n
-    adaptive = slope_adaptive[i]; x = slope_x[i]; y = slope_y[i]
-    if (adaptive) {
-        stats table('work-precision') using (slope_left[i] = slope_left[i] \
-            && !($5 < 0.99 * x && $4 < 5 * y && $4 > y / 5), 0) nooutput
-    }
-    slope_x[i] = slope_left[i] ? x / 1.5 : (adaptive ? 1.4 : 1.7) * x
-    if (adaptive && !slope_left[i]) { slope_y[i] = y / 8 }
-    do for [m = 1:n - 1] {
-        j = slopes + 1 - m
-        if (near(i, j)) {
-            slope_x[i] = adaptive ? x : larger(slope_x[i], slope_x[j])
-            slope_y[i] = slope_y[j] / (adaptive ? 6 : 5)
-        }
-    }
+# Each method with its slope.
+titles = ''
+do for [m = 1:words(names)] {
+    slope = ''
+    stats table('work-precision-slopes') using (strcol(1) eq word(names, m) \
+        ? (slope = ': '.slope_text(strcol(2), $3, $4), 0) : 0, 0) nooutput
+    titles = titles.quoted(word(names, m).slope)
 }
 
 is(m) = strcol(1) eq word(names, m)
@@ -191,10 +165,10 @@ do for [p = 1:2] {
     stats table('work-precision') using (x = column(c), \
         first = x > 0 && x < first ? x : first, last = x > last ? x : last, 0) nooutput
     if (last == 0) { first = 1; last = 10 }
-    eval panel(p == 1 ? 90 : 575, 70, p == 1 ? 455 : 310, 430)
+    eval panel(p == 1 ? 90 : 505, 70, 380, 430)
     eval powers('x'); eval powers('y')
     if (p == 2) { set format y '' }
-    set xrange [0.6 * first:(p == 1 ? 90 : 1.7) * last]
+    set xrange [0.6 * first:1.7 * last]
     set yrange [BOTTOM:highest]
     set ytics 1e-12, 100, 1; set mytics 1
     set xtics offset 0, 0.3
@@ -205,18 +179,6 @@ do for [p = 1:2] {
         set arrow 1 from graph 0, first TOP to graph 1, first TOP nohead lc rgb GREY lw 0.8
         set label 3 sprintf('error above %g m', TOP) at graph 0.99, first TOP right \
             offset 0, 0.6 font ',11' textcolor rgb GREY
-    }
-    do for [i = 1:SLOPES] { unset label 100 + i }
-    if (p == 1) {
-        do for [i = 1:slopes] {
-            if (slope_left[i]) {
-                set label 100 + i slope_text[i] at slope_x[i], slope_y[i] right font ',11' \
-                    textcolor rgb ink_of(slope_name[i])
-            } else {
-                set label 100 + i slope_text[i] at slope_x[i], slope_y[i] left font ',11' \
-                    textcolor rgb ink_of(slope_name[i])
-            }
-        }
     }
     told = ''
     set bars 0
@@ -244,7 +206,7 @@ do for [p = 1:2] {
 }
 eval legend(0, 555, 900, 85, 3)
 plot @BLANK, for [m = 1:words(names)] keyentry with linespoints lt style_of(word(names, m)) \
-        title word(names, m)
+        title word(titles, m)
 unset multiplot
 
 # --- the radius that the stability function foretells ---
@@ -253,10 +215,19 @@ eval figure('radius', 900, 600)
 eval names_of('radius-predicted')
 foretold = names
 eval names_of('radius')
+mark_size(name) = place(foretold, name) ? 0.85 : 1.5 # a variant stands around its method's mark
 ROUNDING = 3e-12 # |R|^n has itself no more digits
+# Iterated implicit Euler has the orbit of R too, but lets a deviation from it grow by
+# (1 + x^2) / (1 - x^2) a step, x = omega h: its step maps s = v / p to s' with
+# s = (s' + h |s'|^2) / (1 - h s'), to be linearised at -i omega. (With h = 2.5 s and 20 digits in
+# place of 16 its radius is that of R; Newton's tolerance changes nothing.)
+growth(x) = abs((1 + x ** 2) / (1 - x ** 2))
+off = NaN
+stats table('radius') using (strcol(1) eq 'implicit-euler newton' && abs(log($5 / $6)) > 0.1 \
+    ? (off = $3, off_growth = growth($4), off_steps = $7, 0) : 0, 0) nooutput
 set multiplot
 eval heading('Radius after 160 s: measured, and foretold by the stability function', \
-    'marks: measured; curves: 0.9 m · |R(−iωh)|^n, R the method''s stability function')
+    'marks: measured (none: the run failed); curves: 0.9 m · |R(−iωh)|^n, R the method''s stability function')
 eval powers('x')
 set xrange [1.5e-3:30]
 set xtics offset 0, 0.3
@@ -274,12 +245,18 @@ do for [p = 1:2] {
         drawn(r) = larger(abs(r / RADIUS - 1), 1e-13)
     }
     if (p == 1) { set arrow 1 from graph 0, first RADIUS to graph 1, first RADIUS nohead lt 2 } \
-    else { unset arrow 1 }
+    else { unset arrow 1; unset label 3 }
+    if (p == 1 && off == off) {
+        set label 3 sprintf("newton at %g s: what deviates from\nthe spiral grows %.2g-fold a step, so\n" \
+            ."rounding (2^{−53}) is as large as it\nafter %.0f steps of %.0f", off, off_growth, \
+            53 * log(2) / log(off_growth), off_steps) at graph 0.02, graph 0.27 left font ',11' \
+            textcolor rgb ink_of('implicit-euler')
+    }
     plot 1 with dots lc bgnd, \
          for [m = 1:words(names)] table('radius-predicted') using (is(m) && !(p == 2 && drawn($4) < ROUNDING) ? $3 : NaN):(drawn($4)) \
             with lines lt style_of(word(names, m)), \
          for [m = 1:words(names)] table('radius') using (is(m) ? $3 : NaN):(drawn($5)) \
-            with points lt style_of(word(names, m))
+            with points lt style_of(word(names, m)) ps mark_size(word(names, m))
     eval heading_done
 }
 eval legend(0, 520, 900, 75, 3)
@@ -287,6 +264,6 @@ plot @BLANK, keyentry with lines lt 2 title 'exact: 0.9 m', \
      for [m = 1:words(foretold)] keyentry with linespoints lt style_of(word(foretold, m)) \
         title word(foretold, m), \
      for [m = 1:words(names)] keyentry with points lt style_of(word(names, m)) \
-        title place(foretold, word(names, m)) ? '' : word(names, m)
+        ps mark_size(word(names, m)) title place(foretold, word(names, m)) ? '' : word(names, m)
 unset multiplot
 set output

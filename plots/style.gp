@@ -7,6 +7,7 @@
 #   escaped(name)                        a user's text for a title
 #   eval panel(70, 60, 380, 300)         the next plot's axes: left, top, width, height in pixels
 #   eval names_of('one')                 `names`: what is in the first column of data/one.tsv
+#   slope_text(kind, slope, spread)      as many digits of a slope as mean something
 #   plot ... lt style_of('cvode adams')  colour, dash and mark of a stepper or of its variant
 
 set encoding utf8
@@ -30,6 +31,10 @@ with_name(list, name) = name eq '' || place(list, name) ? list : list.quoted(nam
 heads = '"method" "stepper" "name"' # the column's own name is no row
 names_of(name) = 'names = ""; stats table("'.name.'") using ' \
     .'(names = place(heads, strcol(1)) ? names : with_name(names, strcol(1)), 0) nooutput'
+
+# An adaptive method's slope only says how steep it is on the whole.
+slope_text(kind, slope, spread) = kind eq 'adaptive' ? gprintf('≈ %.0f', slope) \
+    : spread > 0.05 ? gprintf('≈ %.1f', slope) : gprintf('%.2f', slope)
 
 # --- colour, dash and mark ---
 

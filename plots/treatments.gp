@@ -36,7 +36,9 @@ do for [s = 1:words(scene_files)] {
     }
     bottom = (doubt < least ? doubt : least) / 2
     set multiplot
-    eval heading('Treatments of the envelope: '.escaped(word(scene_names, s)), \
+    # The shipped scene has the experiment's name.
+    name = word(scene_names, s) eq 'treatments' ? '' : ': '.escaped(word(scene_names, s))
+    eval heading('Treatments of the envelope'.name, \
         sprintf('rms distance of the free nodes from the exact constrained motion, after %s s; ', \
         word(ends, s)).'tight solutions: no integrator has a part in it')
     do for [p = 1:3] {
@@ -47,7 +49,7 @@ do for [s = 1:words(scene_files)] {
         else { set xrange [0.6 * low:1.6 * high] }
         set xlabel p == 1 ? 'penalty ratio' : p == 2 ? 'force evaluations' \
             : 'CPU time (s): median, least to greatest' offset 0, 0.3
-        set ylabel p == 1 ? 'treatment error (m)' : '' offset 1, 0
+        set ylabel p == 1 ? 'treatment error (m)' : '' offset 0, 0
         set xtics offset 0, 0.3
         unset label 3; unset arrow
         do for [k = 1:3] { unset label 10 + k }

@@ -19,9 +19,6 @@ is_good(m) = is_point(m) && strcol(STATUS) eq 'finished'
 kinds = ''
 say(status, t) = status.(t == t ? sprintf(' at t = %.2g s', t) : '')
 count_failure(m) = (failures = failures + 1, kinds = kinds eq '' ? say(strcol(STATUS), $6) : kinds, 0)
-slope_text = ''
-add_slope(kind, slope) = slope_text = slope_text.(slope_text eq '' ? ': ' : ', ') \
-    .(kind eq 'adaptive' ? gprintf('≈ %.0f', slope) : gprintf('%.2f', slope))
 at(x) = x > 0 ? x : 0.6 * first # a run that was killed could not say what it had done
 row_of(name) = TOP * 10 ** (0.6 * place(in_band, name))
 
@@ -35,7 +32,7 @@ do for [s = 1:words(scene_files)] {
     scene = word(scene_files, s)
     treatments = samples_of[s] > 0 ? 'projection penalty generalised' : 'generalised'
     columns = samples_of[s] > 0 ? 3 : 2
-    TOP = length_of[s] # m: an error of the wisp's own length is as bad as none
+    TOP = length_of[s] # m: an error of the longest wisp's length is as bad as none
     page_width = samples_of[s] > 0 ? 1300 : 960
     page_height = samples_of[s] > 0 ? 1085 : 720
     eval figure(scene, page_width, page_height)
@@ -48,18 +45,23 @@ do for [s = 1:words(scene_files)] {
         && column(ERROR) < lowest ? column(ERROR) : lowest, 0) nooutput
     highest = TOP * 10 ** (0.6 * (words(in_band) + 0.8))
     bottom = larger(1e-15, lowest / 10)
-    # Each method with its slopes, of every treatment that has one.
+    # Each method with its slopes, one for each treatment.
     titles = ''
     do for [m = 1:words(names)] {
-        slope_text = ''
-        stats table(scene.'-slopes') using (strcol(1) eq word(names, m) \
-            ? (add_slope(strcol(3), $4), 0) : 0, 0) nooutput
-        titles = titles.quoted(word(names, m).slope_text)
+        slopes = ''; some = 0
+        do for [t in treatments] {
+            one = '–'
+            stats table(scene.'-slopes') using (strcol(1) eq word(names, m) && strcol(2) eq t \
+                ? (some = 1, one = slope_text(strcol(3), $4, $5), 0) : 0, 0) nooutput
+            slopes = slopes.(slopes eq '' ? ': ' : ', ').one
+        }
+        titles = titles.quoted(word(names, m).(some ? slopes : ''))
     }
     set multiplot
     eval heading('What accuracy costs: '.escaped(word(scene_names, s)), \
         'rms distance of the free nodes from the tight solution of the same treatment, all frames; '\
-        .'×: failed; legend: slopes over steps')
+        .'×: failed; legend: slopes over steps' \
+        .(words(treatments) > 1 ? ', of the panels from left to right (–: none)' : ''))
     do for [p = 0:(samples_of[s] > 0 ? 5 : 1)] {
         row = samples_of[s] > 0 ? p / 3 : 0
         place_x = samples_of[s] > 0 ? p % 3 : p

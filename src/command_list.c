@@ -60,7 +60,7 @@ static int is_scene(const struct dirent *entry) {
     return length > 4 && strcmp(entry->d_name + length - 4, ".cfg") == 0;
 }
 
-/* A scene's description is the first line of its file, a comment. */
+/* A scene's description is the first line of its file: a comment that is one whole sentence. */
 static void list_scenes(int verbose) {
     (void)verbose;
     char folder[PATH_SIZE], path[PATH_SIZE], line[256];

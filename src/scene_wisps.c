@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Groups of later chapters, which would otherwise be passed over in silence. */
+/* Groups that only other versions read, which would otherwise be passed over in silence. */
 static void refuse_absent_features(struct config_reader *reader, config_setting_t *top) {
     static const char *const absent[] = {"body", "contacts", "subdivision", "style",
                                          "head", "start",    "render",      NULL};

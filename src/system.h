@@ -28,12 +28,12 @@ enum matrix_property {
     MATRIX_FACTORABLE = 8, /* the model's own factor and solve take it */
 };
 
-/* A square sparse matrix by columns, row indices ascending in each, diagonal always present. */
+/* Where a square sparse matrix has its entries, by columns; row indices ascending in each, the
+ * diagonal always present. */
 struct sparse_matrix {
     int size;
     int *column_start; /* size + 1 */
     int *row;          /* column_start[size] */
-    double *value;     /* column_start[size] */
 };
 
 /* What a model implements. Vectors have `size` doubles and never alias; `ctx` is the model's own.
@@ -86,7 +86,7 @@ struct system {
     unsigned matrix[JACOBIAN_COUNT]; /* enum matrix_property, by kind of Jacobian */
     const char *matrix_note;         /* why the matrix is not symmetric, or NULL */
     int bdf_order;                   /* highest order of BDF where nothing is said; 0: no opinion */
-    const struct sparse_matrix *pattern; /* of assemble; values unused; NULL without assemble */
+    const struct sparse_matrix *pattern; /* of assemble; NULL without it */
     struct counters counters;
     struct profile *profile; /* NULL: none is kept */
     char reason[240];        /* of the last failure, for the user */

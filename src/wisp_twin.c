@@ -30,7 +30,7 @@ static inline void across(const double x[3], const double n[3], double y[3]) {
         y[k] = x[k] - along * n[k];
 }
 
-/* ---- Section 2: geometry and mass */
+/* ---- Geometry and mass */
 
 static void rest_position(const struct wisp_twin *twin, int node, double position[3]) {
     for (int k = 0; k < 3; k++)
@@ -97,7 +97,7 @@ static int set_state(struct wisp_twin *twin, const double *q, const double *v) {
     return segments(twin);
 }
 
-/* ---- Section 3: forces on the skeleton */
+/* ---- Forces on the skeleton (Plante 1999, section 4.1.1; gravity, air and wind besides) */
 
 static void wind(const struct wisp_twin *twin, double t, double w[3]) {
     const struct wind *law = &twin->wind;
@@ -254,7 +254,7 @@ static int skeleton_forces(struct wisp_twin *twin, const double w[3]) {
     return bend(twin, twin->bend_constant, twin->bend_damping);
 }
 
-/* ---- Section 4: the envelope's frames */
+/* ---- The envelope's frames (Plante 1999, section 4.1.2) */
 
 /* The unit normal of the bisector plane of free node i, or at the end of the last segment's. */
 static inline void plane_normal(const struct wisp_twin *twin, int i, const double previous[3],
@@ -321,7 +321,8 @@ static inline void half_line(const struct wisp_twin *twin, int i, int j, double 
         a[k] = twin->cosine[j] * twin->frame_u[i][k] + twin->sine[j] * twin->frame_v[i][k];
 }
 
-/* ---- Section 5: the treatments, for one free node.
+/* ---- The treatments, for one free node (Plante 1999, section 4.2.1, which takes `projection`; 6.1
+ * for springs in place of constraints).
  * r and rate (e and e_rate) are the node's samples in q and v; the force of the skeleton is known;
  * the accelerations go to node and sample. */
 

@@ -1,10 +1,11 @@
-/* The slow, obvious twin of the wisp model: MODEL.md sections 2 to 6 for one wisp, term by term, in
- * plain scalar C. Tests hold the vectorised kernel against it, so the two share no code; it is also
- * the baseline of speed comparisons, so it does nothing that a plain program would not.
+/* The slow, obvious twin of the kernel: the same model of one wisp, term by term, in plain scalar C
+ * (Plante 1999, sections 4.1 and 4.2.1; README.md says where the model differs). Tests hold the
+ * vectorised kernel against it, so the two share no code; it is also the baseline of speed
+ * comparisons, so it does nothing that a plain program would not.
  *
  * Vectors: the free nodes 2, 3, ..., n-1 in turn; of each x y z, then r_0 ... r_{M-1}, or with
  * `penalty` e_0x e_0y e_0z e_1x ...; v holds the rates of the same. They never alias. The head is
- * at rest: nodes 0 and 1 stay where the wisp starts. No style. */
+ * at rest: nodes 0 and 1 stay where the wisp starts. */
 #ifndef WISPLAB_WISP_TWIN_H
 #define WISPLAB_WISP_TWIN_H
 
@@ -67,7 +68,7 @@ void wisp_twin_rest(const struct wisp_twin *twin, double *q, double *v);
 int wisp_twin_acceleration(struct wisp_twin *twin, double t, const double *q, const double *v,
                            double *a);
 
-/* The same with the frames given, n rows each (u, v and w of section 4). */
+/* The same with the frames given, n rows each (u, v and w of wisp_twin_frames). */
 int wisp_twin_acceleration_frozen(struct wisp_twin *twin, double t, const double *q,
                                   const double *v, const double (*u)[3],
                                   const double (*v_normal)[3], const double (*w)[3], double *a);

@@ -459,6 +459,8 @@ Test(command_line, lists_are_one_line_each) {
             const char *tab = strchr(line, '\t');
             cr_assert(tab && tab > line && tab[1] && !strchr(tab + 1, '\t'),
                       "list %s: '%s' is not name, tab, description", kinds[i], line);
+            cr_assert(strcmp(kinds[i], "scenes") != 0 || line[strlen(line) - 1] == '.',
+                      "list scenes: '%s' is no whole sentence", line);
             lines++;
         }
         cr_assert(lines > 0, "list %s is empty", kinds[i]);

@@ -136,7 +136,7 @@ Test(oracle, tables_have_the_written_out_stability_functions) {
     }
 }
 
-/* MODEL.md section 1; half a unit of the last printed digit. */
+/* Worked out by hand from the discrete solutions; half a unit of the last printed digit. */
 static const struct row {
     const char *stepper, *treatment;
     double step, error_30, error_160, radius_160;

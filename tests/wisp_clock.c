@@ -232,7 +232,7 @@ Test(wisp_clock, slow_the_reference_with_ticks_agrees_with_its_second_opinion) {
 
 /* --- wind --- */
 
-/* The formulas of section 3, in another form. */
+/* Each kind's formula in another form than the program's. */
 Test(wisp_clock, wind_follows_its_formulas) {
     const struct wind steady = {.kind = WIND_STEADY, .velocity = {3, -2, 0.5}};
     const struct wind gust = {

@@ -37,8 +37,8 @@ static void place(const struct wisp *wisp, const double *q, positions p) {
                             : q[3 * (i - 2) + k];
 }
 
-/* Section 3's energies, written down again from the page: of stretch springs from node 1 on, and
- * of the bending law. */
+/* The energies written down again, not taken from src/: of stretch springs from node 1 on, and of
+ * the bending law. */
 static double stretch_energy(const struct wisp *wisp, positions p) {
     const double l = wisp->length / (wisp->nodes - 1), k = wisp->stretch_stiffness / l;
     double energy = 0;
@@ -146,7 +146,7 @@ Test(wisp_physics, springs_change_neither_momentum_nor_moment) {
                     }
 }
 
-/* Kernel: energies of the page; of the twin with samples, and their sum over lanes. */
+/* Kernel: the energies above; of the twin with samples, and their sum over lanes. */
 Test(wisp_physics, energy_of_the_kernel) {
     static struct wisp_twin twin;
     static double q[LAB_SIZE], v[LAB_SIZE], Q[LAB_LANES * LAB_SIZE], V[LAB_LANES * LAB_SIZE];
@@ -458,8 +458,8 @@ Test(wisp_physics, a_hanging_chain_has_the_frequencies_of_bessel) {
 /* --- the thesis's procedure --- */
 
 /* One wisp of the thesis: samples as points in space that move along lines fixed in space, then are
- * put onto the new lines with the distance and rate they have (4.2.1). Forces are added up here
- * from springs and sections 3 and 5, not by the twin. */
+ * put onto the new lines with the distance and rate they have (section 4.2.1). Forces are
+ * added up here, spring by spring, not by the twin. */
 struct literal {
     const struct wisp *wisp;
     struct surroundings around;

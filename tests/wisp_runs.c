@@ -108,9 +108,10 @@ Test(wisp_runs, slow_the_reference_agrees_with_itself_and_with_its_second_opinio
         }
 }
 
-/* A single run is a draw from a distribution (RESEARCH.md: up to 12-fold), so each decade of rtol
- * need only halve the error; five of them bring 5e3 where they could bring 1e5 (the tolerance is of
- * one step, and there are more of them), and 300 is asked for. */
+/* A single run is a draw from a distribution (on stiff chains a change of rtol by 1e-12 of itself
+ * has moved errors 12-fold), so each decade of rtol need only halve the error; five of them bring
+ * 5e3 where they could bring 1e5 (the tolerance is of one step, and there are more of them), and
+ * 300 is asked for. */
 Test(wisp_runs, errors_of_cvode_fall_with_its_tolerance) {
     for (int treatment = 0; treatment < TREATMENTS; treatment++) {
         struct scene *scene = LAB_LOAD("swing-envelope", "duration=0.2");
@@ -143,9 +144,9 @@ static void run_at(const struct scene *scene, const char *stepper, double rate,
     lab_run(scene, &request, run);
 }
 
-/* Section 12, on `swing` over 0.5 s. At 8000 Hz explicit Euler grows out of rounding, so only that
- * it is beyond the model counts, not when or how. Runge-Kutta 4 at 3000 Hz stays finite, and must
- * be told from a result by its strain. */
+/* On `swing` over 0.5 s. At 8000 Hz explicit Euler grows out of rounding, so only that it is beyond
+ * the model counts, not when or how. Runge-Kutta 4 at 3000 Hz stays finite, and must be told from a
+ * result by its strain. */
 Test(wisp_runs, limits_of_stability) {
     struct scene *scene = LAB_LOAD("swing", "duration=0.5");
     const struct run_request tight = {.stepper = "reference"};
@@ -191,7 +192,7 @@ Test(wisp_runs, limits_of_stability) {
 
 enum { NODES = 6 };
 
-/* The nodes of section 5's wisp after 0.3 s. */
+/* The nodes of TREATMENT_WISP after 0.3 s. */
 static void fall(const char *scene_name, const char *treatment, const char *set,
                  double p[NODES][3]) {
     const char *sets[] = {"duration=0.3",
@@ -222,8 +223,8 @@ static double extrapolate(const double x[3], const double y[3]) {
     return sum;
 }
 
-/* The page gives two digits over all nodes, an independent implementation three or four over the
- * four free ones: within half of their last digit. */
+/* What two other programs for the same equations found, written apart from this one: two digits
+ * over all nodes, and three or four over the four free ones; within half of their last digit. */
 static const struct {
     const char *scene, *treatment, *set;
     double all, all_digit, free, free_digit; /* mm */
@@ -234,7 +235,7 @@ static const struct {
     {"swing-envelope", "penalty", "envelope.penalty_ratio=100", 0.013, 0.001, 0.0159, 0.0001},
 };
 
-Test(wisp_runs, treatments_cost_what_the_model_says) {
+Test(wisp_runs, treatments_cost_what_other_programs_say) {
     static const char *const ratios[] = {
         "envelope.penalty_ratio=300", "envelope.penalty_ratio=1000", "envelope.penalty_ratio=3000"};
     static const double x[3] = {1. / 300, 1. / 1000, 1. / 3000};

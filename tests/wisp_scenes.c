@@ -203,7 +203,7 @@ static const struct wrong {
      " frequencies = [1.0]; };",
      7,
      {"amplitudes", "finite"}},
-    /* of later chapters */
+    /* what this version has not */
     {"body", "body = ( { name = \"head\"; } );", 7, {"body"}},
     {"contacts", "contacts = { };", 7, {"contacts"}},
     {"subdivision", "subdivision = { };", 7, {"subdivision"}},
@@ -312,7 +312,7 @@ Test(wisp_scenes, the_named_defaults_hold) {
     scene_free(spare_envelope);
 }
 
-/* Masses and constants of section 2 and 3, by other formulas: what hangs below node 1.5 is there,
+/* Masses and spring constants by other formulas: what hangs below node 1.5 is there,
  * and the skip spring has the hinge's energy at the bending angle (to (angle)^2 / 24 of it, from
  * 2 l (1 - cos(angle / 2)) = l angle^2 / 4). */
 Test(wisp_scenes, masses_and_constants_follow) {

@@ -26,8 +26,8 @@
     void kernel_restore_##lanes(void *part, int which, const double *rows, int stride, double *q,  \
                                 double *v);                                                        \
                                                                                                    \
-    /* The clamp of section "clock": samples nearer to their node than 1e-3 R are put there and    \
-     * no longer move inwards. Returns whether any lane changed. */                                \
+    /* Keeps samples on their side of the node (Plante 1999, section 4.1.2): those nearer than     \
+     * 1e-3 R are put there and no longer move inwards. Returns whether any lane changed. */       \
     int kernel_clamp_##lanes(void *part, double *q, double *v);                                    \
                                                                                                    \
     /* Largest | L / rest length - 1 | over the segments of a lane. */                             \

@@ -1,4 +1,5 @@
-/* Stiffness and damping of the skeleton, block by block (section "derivatives" of the model). */
+/* Stiffness and damping of the skeleton, block by block: derivatives of the forces by positions and
+ * velocities with the frames held still. */
 #include "matrix.h"
 #include "springs.h"
 
@@ -74,12 +75,6 @@ static inline struct block transpose(const struct block *a) {
         EACH (j, 0, 3)
             b.m[i][j] = a->m[j][i];
     return b;
-}
-
-static inline struct vec apply(const struct block *a, struct vec x) {
-    return (struct vec){a->m[0][0] * x.x + a->m[0][1] * x.y + a->m[0][2] * x.z,
-                        a->m[1][0] * x.x + a->m[1][1] * x.y + a->m[1][2] * x.z,
-                        a->m[2][0] * x.x + a->m[2][1] * x.y + a->m[2][2] * x.z};
 }
 
 /* Adds s B to row `row`, column `column` (nodes); what concerns nodes 0 and 1 falls away. */
@@ -195,7 +190,7 @@ static struct edge_blocks hinge_stiffness(const struct reach *a, const struct re
     struct edge_blocks s;
     for (int j = 0; j < 2; j++) {
         const struct vec turning =
-            add(apply(&h.m[j][0], a->velocity), apply(&h.m[j][1], b->velocity));
+            add(block_times(&h.m[j][0], a->velocity), block_times(&h.m[j][1], b->velocity));
         const struct vec right = add_scaled(scale(k, g[j]), c, turning);
         for (int i = 0; i < 2; i++) {
             s.m[i][j] = outer(lane_all(1), g[i], right);

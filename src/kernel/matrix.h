@@ -1,8 +1,7 @@
 /* The matrices of a part's equations M v' = f with frozen frames: M, C = -df/dv and S = -df/dq.
  *
  * Skeleton: block-pentadiagonal in the free nodes, 3x3 blocks; drag is apart from C. Samples: the
- * same few numbers for all samples of a node, from which each place writes what it needs (section
- * "treatments" below):
+ * same few numbers for all samples of a node, from which each place writes what it needs:
  *
  *   per sample mass mu, with a the half-line, P = 1 - aa', k and c of the spring over mu,
  *                      node-node        node-sample      sample-node      sample-sample
@@ -53,6 +52,19 @@ struct elimination {
     lane inverse_along, inverse_across;     /* 1 / A */
     lane diagonal, diagonal_ww;             /* the node's matrix gains mu (diagonal 1 + ww w w') */
 };
+
+/* A block, and its transpose, times a vector. */
+static inline struct vec block_times(const struct block *b, struct vec x) {
+    return (struct vec){b->m[0][0] * x.x + b->m[0][1] * x.y + b->m[0][2] * x.z,
+                        b->m[1][0] * x.x + b->m[1][1] * x.y + b->m[1][2] * x.z,
+                        b->m[2][0] * x.x + b->m[2][1] * x.y + b->m[2][2] * x.z};
+}
+
+static inline struct vec transposed_times(const struct block *b, struct vec x) {
+    return (struct vec){b->m[0][0] * x.x + b->m[1][0] * x.y + b->m[2][0] * x.z,
+                        b->m[0][1] * x.x + b->m[1][1] * x.y + b->m[2][1] * x.z,
+                        b->m[0][2] * x.x + b->m[1][2] * x.y + b->m[2][2] * x.z};
+}
 
 /* Number of free nodes. */
 static inline int free_nodes(const struct kernel_part *part) {

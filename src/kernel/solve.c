@@ -57,18 +57,6 @@ static inline void add_node(lane *y, int node, struct vec a) {
     y[3 * node + 2] += a.z;
 }
 
-static inline struct vec block_times(const struct block *b, struct vec x) {
-    return (struct vec){b->m[0][0] * x.x + b->m[0][1] * x.y + b->m[0][2] * x.z,
-                        b->m[1][0] * x.x + b->m[1][1] * x.y + b->m[1][2] * x.z,
-                        b->m[2][0] * x.x + b->m[2][1] * x.y + b->m[2][2] * x.z};
-}
-
-static inline struct vec transposed_times(const struct block *b, struct vec x) {
-    return (struct vec){b->m[0][0] * x.x + b->m[1][0] * x.y + b->m[2][0] * x.z,
-                        b->m[0][1] * x.x + b->m[1][1] * x.y + b->m[2][1] * x.z,
-                        b->m[0][2] * x.x + b->m[1][2] * x.y + b->m[2][2] * x.z};
-}
-
 /* y += (d C + k S) x of the skeleton; x and y have one vector for each free node. */
 static void skeleton_times(const struct kernel_part *part, lane d, lane k, const struct vec *x,
                            lane *y) {
