@@ -2,11 +2,9 @@
  * 2.4 and 2.5, and what they do not show: error against time and against cost. */
 #include "circle.h"
 
-#include "experiment.h"
-#include "results.h"
+#include "measure.h"
 
 #include <complex.h>
-#include <gsl/gsl_fit.h>
 #include <math.h>
 #include <string.h>
 
@@ -37,19 +35,18 @@ static const struct panel {
 };
 enum { PANELS = sizeof panels / sizeof *panels, DRAWN_PANELS = 6 };
 
-/* A curve of the work-precision chart. */
-static const struct contestant {
-    const char *name, *stepper, *option;
-    int adaptive;
-} contestants[] = {
-    {"euler", "euler", NULL, 0},
-    {"midpoint", "midpoint", NULL, 0},
-    {"rk4", "rk4", NULL, 0},
-    {"implicit-euler", "implicit-euler", NULL, 0},
-    {"implicit-euler newton", "implicit-euler", "newton.iterations=30", 0},
-    {"cvode bdf", "cvode", "method=bdf", 1},
-    {"cvode adams", "cvode", "method=adams", 1},
-    {"reference", "reference", NULL, 1},
+/* The curves of the work-precision chart. */
+static const struct contestant contestants[] = {
+    {.name = "euler", .stepper = "euler"},
+    {.name = "midpoint", .stepper = "midpoint"},
+    {.name = "rk4", .stepper = "rk4"},
+    {.name = "implicit-euler", .stepper = "implicit-euler"},
+    {.name = "implicit-euler newton",
+     .stepper = "implicit-euler",
+     .option = "newton.iterations=30"},
+    {.name = "cvode bdf", .stepper = "cvode", .option = "method=bdf"},
+    {.name = "cvode adams", .stepper = "cvode", .option = "method=adams"},
+    {.name = "reference", .stepper = "reference"},
 };
 enum { CONTESTANTS = sizeof contestants / sizeof *contestants };
 
@@ -77,11 +74,11 @@ static int plan_panels(struct plan *plan) {
 /* The step or the tolerance of a contestant's k-th point. Steps divide the 20 s between frames;
  * the coarsest, 20 s, is 0.7 of a turn. */
 static double setting(const struct contestant *contestant, int k) {
-    return contestant->adaptive ? pow(10, -2 - k) : ldexp(20, -k);
+    return contestant_is_adaptive(contestant) ? pow(10, -2 - k) : ldexp(20, -k);
 }
 
 static int points(const struct plan *plan, const struct contestant *contestant) {
-    return plan->quick ? 6 : contestant->adaptive ? 11 : 14;
+    return plan->quick ? 6 : contestant_is_adaptive(contestant) ? 11 : 14;
 }
 
 static int plan_work(struct plan *plan) {
@@ -94,14 +91,8 @@ static int plan_work(struct plan *plan) {
         if (!plan_wants(plan, contestant->stepper))
             continue;
         for (int k = 0; k < points(plan, contestant); k++) {
-            const double value = setting(contestant, k);
-            struct run_request request = {.stepper = contestant->stepper,
-                                          .options = &contestant->option,
-                                          .option_count = contestant->option != NULL,
-                                          .timings = 9};
-            *(contestant->adaptive ? &request.rtol : &request.step) = value;
-            if (contestant->adaptive)
-                request.atol = value;
+            struct run_request request = contestant_request(contestant, setting(contestant, k), 1);
+            request.timings = 9;
             if (plan_add(plan, scene, &request, "work", "%d %d", c, k))
                 return -1;
         }
@@ -132,24 +123,11 @@ static double radius(const struct table *states, int row) {
                  table_value(states, row, table_column(states, "y")));
 }
 
-/* The first case of the plan in a group with that label, or NULL. */
-static const struct labelled_case *find_case(const struct plan *plan, const char *group,
-                                             const char *label) {
-    for (int i = 0; i < plan->case_count; i++)
-        if (strcmp(plan->cases[i].group, group) == 0 && strcmp(plan->cases[i].label, label) == 0)
-            return &plan->cases[i];
-    return NULL;
-}
-
-static int open_table(struct atomic_file *file, struct plan *plan, const char *folder,
-                      const char *name, const char *what, const char *columns) {
-    char path[PATH_SIZE];
-    path_format(path, "%s/%s.tsv", folder, name);
-    if (atomic_open(file, path, plan->reason))
-        return -1;
-    write_provenance(file->stream, what, plan->case_count ? plan->cases[0].run.scene : NULL);
-    fprintf(file->stream, "%s\n", columns);
-    return 0;
+/* A table of the plan's, whose scene is that of its first run. */
+static int open_circle_table(struct atomic_file *file, struct plan *plan, const char *folder,
+                             const char *name, const char *what, const char *columns) {
+    return open_table(file, folder, name, what, plan->case_count ? plan->cases[0].run.scene : NULL,
+                      columns, plan->reason);
 }
 
 /* Calls `row` for each panel's run of a group with its files. */
@@ -187,7 +165,7 @@ static int write_orbits(struct plan *plan, const char *folder) {
     for (int e = 0; e < 2; e++) {
         struct atomic_file file;
         const char *group = e ? "160 s" : "30 s";
-        if (open_table(
+        if (open_circle_table(
                 &file, plan, folder, e ? "orbits-160s" : "orbits-30s",
                 "trajectories, one block for each panel: s, m; error: distance from the exact "
                 "position, m",
@@ -238,10 +216,11 @@ static int write_panel_table(struct plan *plan, const char *folder) {
     struct panel_errors errors[PANELS];
     struct atomic_file file;
     if (read_panels(plan, errors) ||
-        open_table(&file, plan, folder, "table",
-                   "position errors, m, beside the expected ones and the thesis's words",
-                   "method\ttreatment\tstep\terror_30s\texpected_30s\terror_160s\texpected_160s\t"
-                   "radius_160s\texpected_radius\tforce_evaluations\tthesis"))
+        open_circle_table(
+            &file, plan, folder, "table",
+            "position errors, m, beside the expected ones and the thesis's words",
+            "method\ttreatment\tstep\terror_30s\texpected_30s\terror_160s\texpected_160s\t"
+            "radius_160s\texpected_radius\tforce_evaluations\tthesis"))
         return -1;
     printf("  %-26s %8s %10s %10s %10s   %s\n", "method", "step s", "30 s: m", "160 s: m",
            "radius m", "the thesis says");
@@ -263,22 +242,14 @@ static int write_panel_table(struct plan *plan, const char *folder) {
 
 struct point {
     int contestant, k;
-    enum outcome outcome;
-    const char *reason;
-    double setting, error, evaluations, steps, failure_time, last_radius;
-    struct spread cpu;
+    double setting, error, last_radius;
+    struct cost cost;
 };
 
 static struct point read_point(const struct labelled_case *labelled, const struct run_files *run) {
-    struct point p = {.outcome = run->outcome, .error = NAN, .last_radius = NAN};
+    struct point p = {.error = NAN, .last_radius = NAN, .cost = run_cost(run)};
     sscanf(labelled->label, "%d %d", &p.contestant, &p.k);
     p.setting = setting(&contestants[p.contestant], p.k);
-    p.evaluations = run_number(run, "counters.force_evaluations");
-    p.steps = run_number(run, "counters.steps");
-    p.failure_time = run_number(run, "failure_time");
-    p.cpu = run_cpu_time(run);
-    if (run->outcome != FINISHED) /* is not repeated: its place in the chart is its own time */
-        p.cpu.median = p.cpu.least = p.cpu.greatest = run_number(run, "cpu_seconds");
     const struct table *states = &run->states;
     if (run->outcome == FINISHED) {
         p.error = 0;
@@ -289,31 +260,20 @@ static struct point read_point(const struct labelled_case *labelled, const struc
     return p;
 }
 
-/* Slope of log error against log evaluations, by least squares over the points whose error is
- * neither of the circle's size nor of rounding's. */
-struct slope {
-    double x[32], y[32];
-    size_t count;
-};
-
-static void slope_add(struct slope *slope, const struct point *p) {
-    if (p->error < 0.05 && p->error > 1e-10 && slope->count < 32) {
-        slope->x[slope->count] = log10(p->evaluations);
-        slope->y[slope->count] = log10(p->error);
-        slope->count++;
-    }
+/* Points whose error is neither of the circle's size nor of rounding's make the slope. */
+static void add_to_slope(struct slope *slope, const struct point *p) {
+    if (p->error < 0.05 && p->error > 1e-10)
+        slope_add(slope, p->cost.evaluations, p->error);
 }
 
 static void write_slope(FILE *stream, const struct contestant *contestant,
                         const struct slope *slope) {
-    double c0, c1, cov00, cov01, cov11, sum;
     if (slope->count < 3)
         return;
-    gsl_fit_linear(slope->x, 1, slope->y, 1, slope->count, &c0, &c1, &cov00, &cov01, &cov11, &sum);
-    const size_t last = slope->count - 1;
-    fprintf(stream, "%s\t%s\t%.3f\t%zu\t%.17g\t%.17g\n", contestant->name,
-            contestant->adaptive ? "adaptive" : "fixed", c1, slope->count, pow(10, slope->x[last]),
-            pow(10, slope->y[last]));
+    const int last = slope->count - 1;
+    fprintf(stream, "%s\t%s\t%.3f\t%d\t%.17g\t%.17g\n", contestant->name,
+            contestant_is_adaptive(contestant) ? "adaptive" : "fixed", slope_fit(slope),
+            slope->count, pow(10, slope->x[last]), pow(10, slope->y[last]));
 }
 
 /* |R(-i omega h)|^n, the radius after n steps over the first, where there is a table. */
@@ -328,7 +288,7 @@ struct work_tables {
 };
 
 static int open_work_tables(struct work_tables *tables, struct plan *plan, const char *folder) {
-    if (open_table(
+    if (open_circle_table(
             &tables->work, plan, folder, "work-precision",
             "largest position error at the 9 frames of 160 s, m, against force evaluations "
             "and CPU time, s, of 9 repeated runs; setting: step, s, or rtol = atol; nan: "
@@ -336,15 +296,15 @@ static int open_work_tables(struct work_tables *tables, struct plan *plan, const
             "method\tstepper\tsetting\terror\tforce_evaluations\tsteps\tcpu_median\tcpu_least\t"
             "cpu_greatest\tstatus\tfailure_time"))
         return -1;
-    if (open_table(&tables->slopes, plan, folder, "work-precision-slopes",
-                   "slopes of log error over log evaluations; position: the last point used",
-                   "method\tsteps\tslope\tpoints\tforce_evaluations\terror")) {
+    if (open_circle_table(&tables->slopes, plan, folder, "work-precision-slopes",
+                          "slopes of log error over log evaluations; position: the last point used",
+                          "method\tsteps\tslope\tpoints\tforce_evaluations\terror")) {
         atomic_discard(&tables->work);
         return -1;
     }
-    if (open_table(&tables->radius, plan, folder, "radius",
-                   "radius after 160 s, m, measured and as |R(-i omega h)|^n foretells it",
-                   "method\tstepper\tstep\tomega_h\tradius\tpredicted\tsteps")) {
+    if (open_circle_table(&tables->radius, plan, folder, "radius",
+                          "radius after 160 s, m, measured and as |R(-i omega h)|^n foretells it",
+                          "method\tstepper\tstep\tomega_h\tradius\tpredicted\tsteps")) {
         atomic_discard(&tables->work);
         atomic_discard(&tables->slopes);
         return -1;
@@ -354,14 +314,15 @@ static int open_work_tables(struct work_tables *tables, struct plan *plan, const
 
 static void write_point(const struct work_tables *tables, const struct point *p) {
     const struct contestant *c = &contestants[p->contestant];
+    const struct cost *cost = &p->cost;
     fprintf(tables->work.stream,
             "%s\t%s\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%s\t%.17g\n", c->name,
-            c->stepper, p->setting, p->error, p->evaluations, p->steps, p->cpu.median, p->cpu.least,
-            p->cpu.greatest, outcome_name(p->outcome), p->failure_time);
-    if (stepper_find(c->stepper)->table && p->outcome == FINISHED)
+            c->stepper, p->setting, p->error, cost->evaluations, cost->steps, cost->cpu.median,
+            cost->cpu.least, cost->cpu.greatest, outcome_name(cost->outcome), cost->failure_time);
+    if (stepper_find(c->stepper)->table && cost->outcome == FINISHED)
         fprintf(tables->radius.stream, "%s\t%s\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\n", c->name,
                 c->stepper, p->setting, CIRCLE_RATE * p->setting, p->last_radius,
-                predicted_radius(c, p->setting, p->steps), p->steps);
+                predicted_radius(c, p->setting, cost->steps), cost->steps);
 }
 
 /* Rows of one contestant, in the order of its settings; blocks are parted by two blank lines. */
@@ -377,7 +338,7 @@ static int write_contestant(struct plan *plan, int c, const struct work_tables *
             return -1;
         const struct point point = read_point(&plan->cases[i], &run);
         write_point(tables, &point);
-        slope_add(&slope, &point);
+        add_to_slope(&slope, &point);
         run_free(&run);
     }
     write_slope(tables->slopes.stream, &contestants[c], &slope);
@@ -406,9 +367,9 @@ static int write_work(struct plan *plan, const char *folder) {
 /* The prediction as a curve: radius after 160 s with steps of h, for every method with a table. */
 static int write_prediction(struct plan *plan, const char *folder) {
     struct atomic_file file;
-    if (open_table(&file, plan, folder, "radius-predicted",
-                   "0.9 |R(-i omega h)|^(160 s / h), m, from the stability function",
-                   "method\tstepper\tstep\tradius"))
+    if (open_circle_table(&file, plan, folder, "radius-predicted",
+                          "0.9 |R(-i omega h)|^(160 s / h), m, from the stability function",
+                          "method\tstepper\tstep\tradius"))
         return -1;
     for (int c = 0; c < CONTESTANTS; c++) {
         if (!stepper_find(contestants[c].stepper)->table || contestants[c].option ||

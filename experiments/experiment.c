@@ -1,14 +1,20 @@
 #include "experiment.h"
 
+#include "model.h"
+#include "scene_wisps.h"
+
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
-extern const struct experiment circle_experiment, kernel_experiment;
+extern const struct experiment circle_experiment, treatments_experiment, work_precision_experiment,
+    kernel_experiment;
 
 /* A new experiment is one file and one line here. */
 const struct experiment *const experiments[] = {
     &circle_experiment,
+    &treatments_experiment,
+    &work_precision_experiment,
     &kernel_experiment,
     NULL,
 };
@@ -20,18 +26,81 @@ const struct experiment *experiment_find(const char *name) {
     return NULL;
 }
 
-const struct scene *plan_scene(struct plan *plan, const char *name, const char *const *sets,
-                               int set_count) {
-    struct scene *scene = scene_load(name, sets, set_count, plan->reason);
+/* Takes the scene over, NULL or not. */
+static const struct scene *keep_scene(struct plan *plan, struct scene *scene) {
     struct scene **loaded =
         scene ? realloc(plan->loaded, (size_t)(plan->loaded_count + 1) * sizeof *loaded) : NULL;
     if (!loaded) {
+        if (scene)
+            snprintf(plan->reason, REASON_SIZE, "out of memory");
         scene_free(scene);
         return NULL;
     }
     plan->loaded = loaded;
     plan->loaded[plan->loaded_count++] = scene;
     return scene;
+}
+
+const struct scene *plan_scene(struct plan *plan, const char *name, const char *const *sets,
+                               int set_count) {
+    return keep_scene(plan, scene_load(name, sets, set_count, plan->reason));
+}
+
+const struct scene *plan_scene_bare(struct plan *plan, const char *name, double frame_rate) {
+    char rate[64];
+    const char *const sets[] = {rate};
+    snprintf(rate, sizeof rate, "frame_rate=%.17e", frame_rate);
+    struct scene *scene = scene_load(name, sets, 1, plan->reason);
+    if (scene)
+        scene_remove_envelope(scene);
+    return keep_scene(plan, scene);
+}
+
+static void name_subject(const struct plan *plan, struct subject *subject) {
+    static const char safe[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-";
+    int same = 0;
+    snprintf(subject->name, sizeof subject->name, "%s", subject->scene->name);
+    for (char *at = subject->name; *at; at++)
+        if (!strchr(safe, *at) || (at == subject->name && *at == '.'))
+            *at = '-';
+    const size_t length = strlen(subject->name);
+    for (int i = 0; i < plan->subject_count; i++)
+        same += strncmp(plan->subjects[i].name, subject->name, length) == 0;
+    if (same > 0 || length == 0)
+        snprintf(subject->name + length, sizeof subject->name - length, "-%d", same + 1);
+}
+
+static int add_subject(struct plan *plan, const char *name) {
+    static const char *const frames[] = {"frame_rate=30"};
+    const struct scene *scene = plan_scene(plan, name, NULL, 0);
+    if (scene && scene->problem != &wisp_problem) {
+        snprintf(plan->reason, REASON_SIZE, "experiment %s is of wisps, and scene %s has none",
+                 plan->experiment->name, scene->name);
+        return -1;
+    }
+    if (scene && scene->frame_rate == 0)
+        scene = plan_scene(plan, name, frames, 1);
+    if (!scene)
+        return -1;
+    struct subject *subject = &plan->subjects[plan->subject_count];
+    *subject = (struct subject){.scene = scene, .source = name};
+    name_subject(plan, subject);
+    plan->subject_count++;
+    return 0;
+}
+
+int plan_subjects(struct plan *plan, const char *const *own, int own_count) {
+    const char *const *names = plan->scene_count ? plan->scenes : own;
+    const int count = plan->scene_count ? plan->scene_count : own_count;
+    plan->subjects = calloc((size_t)count + 1, sizeof *plan->subjects);
+    if (!plan->subjects) {
+        snprintf(plan->reason, REASON_SIZE, "out of memory");
+        return -1;
+    }
+    for (int i = 0; i < count; i++)
+        if (add_subject(plan, names[i]))
+            return -1;
+    return 0;
 }
 
 int plan_wants(const struct plan *plan, const char *stepper) {
@@ -71,5 +140,6 @@ void plan_free(struct plan *plan) {
     for (int i = 0; i < plan->loaded_count; i++)
         scene_free(plan->loaded[i]);
     free(plan->loaded);
+    free(plan->subjects);
     free(plan->cases);
 }

@@ -8,16 +8,25 @@
 /* A run and what the tables call it. */
 struct labelled_case {
     struct run_case run;
-    char group[32]; /* the table that it is for */
-    char label[64]; /* its row or curve */
+    char group[128]; /* the table that it is for */
+    char label[64];  /* its row or curve */
+};
+
+/* A scene under study, and what its tables, figures and runs are called: its name, made safe for
+ * files, and with a number where another one has it. */
+struct subject {
+    const struct scene *scene;
+    const char *source; /* what it was loaded by */
+    char name[72];
 };
 
 /* What was asked for, and the runs that answer it. */
 struct plan {
     const struct experiment *experiment;
-    const char *out;                             /* root folder of results */
-    int quick;                                   /* a stated subset */
-    int fresh;                                   /* what is there already does not count */
+    const char *out;    /* root folder of results */
+    int quick;          /* a stated subset */
+    int fresh;          /* what is there already does not count */
+    double run_seconds; /* wall time for a run where the user sets none; 0: the program's default */
     const char *const *scenes, *const *steppers; /* chosen by the user; none: the experiment's */
     int scene_count, stepper_count;
 
@@ -25,6 +34,8 @@ struct plan {
     int case_count, case_capacity;
     struct scene **loaded; /* owned */
     int loaded_count;
+    struct subject *subjects; /* owned; see plan_subjects */
+    int subject_count;
     char reason[REASON_SIZE]; /* of a failure */
 };
 
@@ -36,7 +47,7 @@ struct experiment {
     int (*plan)(struct plan *plan);
 
     /* Writes the tables into `folder` from the run folders, and prints the answer in a few lines.
-     * Returns 0, or -1 with plan->reason. */
+     * Returns 0, or -1 with plan->reason, or 1 with one where the runs left nothing to tabulate. */
     int (*tabulate)(struct plan *plan, const char *folder);
 };
 
@@ -47,6 +58,14 @@ const struct experiment *experiment_find(const char *name);
 /* Loads a scene with overrides; it belongs to the plan. NULL with plan->reason on failure. */
 const struct scene *plan_scene(struct plan *plan, const char *name, const char *const *sets,
                                int set_count);
+
+/* The same without its envelope, at a frame rate in Hz. */
+const struct scene *plan_scene_bare(struct plan *plan, const char *name, double frame_rate);
+
+/* Makes the user's scenes, or else the experiment's own, the plan's subjects. They must be scenes
+ * of wisps, and get 30 frames a second where they have none: runs are compared at the same times.
+ * Returns 0, or -1 with plan->reason. */
+int plan_subjects(struct plan *plan, const char *const *own, int own_count);
 
 /* Whether the user's choice of steppers leaves this one in. */
 int plan_wants(const struct plan *plan, const char *stepper);

@@ -107,6 +107,10 @@ static int newton_iteration(struct implicit_euler *self, double t1, double h, co
     return 0;
 }
 
+static int has_converged(const struct implicit_euler *self, int n) {
+    return largest(self->change, n) <= self->tolerance * (1 + largest(self->v, n));
+}
+
 static int implicit_euler_step(struct stepper *stepper, double t, double h, double *q, double *v) {
     struct implicit_euler *self = (struct implicit_euler *)stepper;
     struct system *system = stepper->system;
@@ -120,8 +124,7 @@ static int implicit_euler_step(struct stepper *stepper, double t, double h, doub
         const int code = newton_iteration(self, t + h, h, q, v);
         if (code)
             return code;
-        const double limit = self->tolerance * (1 + largest(self->v, n));
-        converged = self->iterations == 1 || largest(self->change, n) <= limit;
+        converged = self->iterations == 1 || has_converged(self, n);
     }
     if (!converged)
         return system_fail(system, SOLVER_STALLED,

@@ -4,6 +4,7 @@
 #   eval require('one two')              stops with one message unless data/one.tsv, two.tsv are there
 #   eval figure('name', 900, 600)        begins out/name.format of that many pixels
 #   eval heading('title', 'subtitle')    its title, top left, on the next plot
+#   escaped(name)                        a user's text for a title
 #   eval panel(70, 60, 380, 300)         the next plot's axes: left, top, width, height in pixels
 #   eval names_of('one')                 `names`: what is in the first column of data/one.tsv
 #   plot ... lt style_of('cvode adams')  colour, dash and mark of a stepper or of its variant
@@ -96,6 +97,9 @@ page = 'set border 3 lc rgb "#444444" lw 1; set tics nomirror out scale 0.6; ' \
     .'set grid lc rgb "#E2E2E2" lw 0.8 dt solid, lc rgb "#E2E2E2" lw 0.8 dt solid; ' \
     .'set key noautotitle noenhanced; set minussign; ' \
     .'set datafile separator "\t"; set encoding utf8'
+
+# A user's text as it is: no character in it is markup.
+escaped(s) = s eq '' ? '' : (strstrt('_^@&{}~\', s[1:1]) ? "\\" : '').s[1:1].escaped(s[2:*])
 
 heading(title, subtitle) = (TITLE = title, SUBTITLE = subtitle, \
     'set label 1 "{/=16:Bold ".TITLE."}" at screen 12./WIDTH, screen 1 - 20./HEIGHT left; ' \

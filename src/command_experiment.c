@@ -39,7 +39,8 @@ static int do_runs(const struct plan *plan, const struct arguments *arguments, i
     double jobs;
     int count = 0, code = -1;
 
-    if (!cases || argument_limits(arguments, 60, 4096, &limits) ||
+    if (!cases ||
+        argument_limits(arguments, plan->run_seconds > 0 ? plan->run_seconds : 60, 4096, &limits) ||
         argument_positive(arguments, "jobs", (double)sysconf(_SC_NPROCESSORS_ONLN), &jobs)) {
         free(cases);
         return complain(-1, "no run was started");
@@ -68,27 +69,73 @@ static int do_runs(const struct plan *plan, const struct arguments *arguments, i
     return code ? complain(-1, "%s", reason) : 0;
 }
 
-/* Every run that did not finish, in one line each: failures are results. */
-static int list_failures(const struct plan *plan) {
+/* Marks the runs that did not finish. Returns their number, or -1 having said why. */
+static int find_failures(const struct plan *plan, char *failed) {
+    int count = 0;
     for (int i = 0; i < plan->case_count; i++) {
         struct run_files run;
         char reason[REASON_SIZE];
         if (run_read(&run, plan->cases[i].run.folder, reason))
             return complain(-1, "%s", reason);
-        if (run.outcome != FINISHED)
-            printf("  %s, %s: %s at t = %g s (%s)\n", plan->cases[i].group, plan->cases[i].label,
-                   outcome_name(run.outcome), run_number(&run, "simulated_time"),
-                   json_string_value(json_object_get(run.json, "reason")));
+        failed[i] = run.outcome != FINISHED;
+        count += failed[i];
         run_free(&run);
     }
-    return 0;
+    return count;
+}
+
+static void say_failure(const struct labelled_case *one) {
+    struct run_files run;
+    char reason[REASON_SIZE];
+    if (run_read(&run, one->run.folder, reason))
+        return;
+    printf("  %s, %s: %s at t = %g s (%s)\n", one->group, one->label, outcome_name(run.outcome),
+           run_number(&run, "simulated_time"),
+           json_string_value(json_object_get(run.json, "reason")));
+    run_free(&run);
+}
+
+/* One line for the group of case `first`, and none where an earlier case spoke for it. */
+static void say_group(const struct plan *plan, const char *failed, int first) {
+    const char *group = plan->cases[first].group;
+    int runs = 0, failures = 0;
+    for (int i = 0; i < plan->case_count; i++) {
+        if (strcmp(plan->cases[i].group, group) != 0)
+            continue;
+        if (i < first)
+            return;
+        runs++;
+        failures += failed[i];
+    }
+    if (failures > 0)
+        printf("  %s: %d of %d runs did not finish\n", group, failures, runs);
+}
+
+/* Failures are results: every run that did not finish in one line, or where there are many, how
+ * many in each group; the tables have them all. */
+static int list_failures(const struct plan *plan) {
+    enum { FEW = 12 };
+    char *failed = calloc((size_t)plan->case_count + 1, 1);
+    const int count = failed ? find_failures(plan, failed) : complain(-1, "out of memory");
+    for (int i = 0; i < plan->case_count && count > 0; i++) {
+        if (count > FEW)
+            say_group(plan, failed, i);
+        else if (failed[i])
+            say_failure(&plan->cases[i]);
+    }
+    free(failed);
+    return count < 0 ? -1 : 0;
 }
 
 static int tabulate_and_draw(struct plan *plan) {
     char folder[PATH_SIZE];
     const char *name = plan->experiment->name;
-    if (path_format(folder, "%s/%s", plan->out, name) || make_folder(folder, plan->reason) ||
-        plan->experiment->tabulate(plan, folder) || plot_experiment(name, folder, plan->reason))
+    if (path_format(folder, "%s/%s", plan->out, name) || make_folder(folder, plan->reason))
+        return complain(2, "%s", plan->reason);
+    const int code = plan->experiment->tabulate(plan, folder);
+    if (code)
+        return complain(code > 0 ? 3 : 2, "%s", plan->reason);
+    if (plot_experiment(name, folder, plan->reason))
         return complain(2, "%s", plan->reason);
     printf("%s: tables and figures in %s\n", name, folder);
     return 0;

@@ -1,5 +1,6 @@
 /* wisplab run: one scene, one stepper, into one folder. */
 #include "cli.h"
+#include "results.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -19,6 +20,7 @@ static const struct cli_option options[] = {
     {"set", "PATH=VALUE", "override a setting of the scene: --set run.step=0.1", 1},
     {"threads", "N", "threads that share a scene's wisps (results do not depend on it)", 0},
     {"out", "DIR", "folder for states.tsv and run.json (default results)", 0},
+    {"profile", NULL, "time every call to the model; printed, and in run.json", 0},
     CLI_LIMIT_OPTIONS,
     {0},
 };
@@ -30,6 +32,7 @@ static int read_request(const struct arguments *arguments, struct run_request *r
         .stepper = argument_text(arguments, "stepper"),
         .treatment = argument_text(arguments, "treatment"),
         .linear = argument_text(arguments, "linear"),
+        .profile = argument_given(arguments, "profile"),
     };
     request->options = argument_list(arguments, "option", &request->option_count);
     if (argument_positive(arguments, "step", 0, &request->step) ||
@@ -81,6 +84,20 @@ static void announce(const struct run_case *run) {
     putchar('\n');
 }
 
+/* The times that the run has written, a line each. */
+static void print_profile(const char *folder) {
+    struct run_files run;
+    char reason[REASON_SIZE];
+    const char *name;
+    json_t *seconds;
+    if (run_read(&run, folder, reason))
+        return;
+    printf("wall time, s\n");
+    json_object_foreach(json_object_get(run.json, "seconds"), name, seconds)
+        printf("  %-14s %10.6f\n", name, json_number_value(seconds));
+    run_free(&run);
+}
+
 static int report(const struct run_case *run, enum outcome outcome, const char *reason) {
     if (outcome == OUTPUT_FAILED)
         return complain(2, "%s", reason);
@@ -115,6 +132,8 @@ static int run_scene(const struct arguments *arguments) {
         const enum outcome outcome =
             runs_do_one(&run, &limits, !argument_given(arguments, "no-progress"), reason);
         code = report(&run, outcome, reason);
+        if (run.settings.profile)
+            print_profile(run.folder);
     }
     scene_free(scene);
     return code;

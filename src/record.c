@@ -2,6 +2,7 @@
 
 #include "build_info.h"
 #include "identity.h"
+#include "second_opinion.h"
 
 #include <errno.h>
 #include <math.h>
@@ -79,45 +80,7 @@ static int close_frames(struct frame_writer *writer, const struct run_result *re
     return -1;
 }
 
-/* --- the second opinion --- */
-
-/* All frames of the first run, and the largest difference of the second from them so far. */
-struct comparison {
-    double *frames;
-    size_t size, used, capacity; /* doubles of a frame; used or compared; allocated */
-    double difference;           /* largest distance of a node, m */
-};
-
-static int keep_frame(void *ctx, const struct model *model, double t, const double *rows) {
-    (void)t;
-    struct comparison *c = ctx;
-    c->size = (size_t)(model->row_count * model->column_count);
-    if (c->used + c->size > c->capacity) {
-        const size_t capacity = 2 * (c->used + c->size);
-        double *frames = realloc(c->frames, capacity * sizeof *frames);
-        if (!frames)
-            return OUT_OF_MEMORY;
-        c->frames = frames;
-        c->capacity = capacity;
-    }
-    memcpy(c->frames + c->used, rows, c->size * sizeof *rows);
-    c->used += c->size;
-    return 0;
-}
-
-static int compare_frame(void *ctx, const struct model *model, double t, const double *rows) {
-    (void)t;
-    struct comparison *c = ctx;
-    const int columns = model->column_count;
-    const double *kept = c->frames + c->used;
-    for (int i = 0; i < model->row_count; i++) {
-        const double *a = kept + i * columns + 2, *b = rows + i * columns + 2;
-        c->difference = fmax(c->difference, hypot(hypot(a[0] - b[0], a[1] - b[1]), a[2] - b[2]));
-    }
-    c->used += c->size;
-    return 0;
-}
-
+/* A frame for each of two observers. */
 struct two_observers {
     struct observer first, second;
 };
@@ -126,25 +89,6 @@ static int both(void *ctx, const struct model *model, double t, const double *ro
     struct two_observers *two = ctx;
     const int code = two->first.frame(two->first.ctx, model, t, rows);
     return code ? code : two->second.frame(two->second.ctx, model, t, rows);
-}
-
-/* Runs the other method over the same frames. New reference: what it found. */
-static json_t *second_opinion(const struct scene *scene, const struct settings *settings,
-                              struct comparison *comparison, const struct watch *watch) {
-    struct settings second;
-    struct run_result result;
-    char reason[REASON_SIZE];
-    const char *method = settings->method->checked_by->method;
-    comparison->used = 0;
-    if (settings_second_opinion(scene, settings, &second, reason))
-        return json_pack("{s:s, s:n, s:s}", "stepper", method, "bound", "reason", reason);
-    const struct watch stop_only = {.stop = watch ? watch->stop : NULL};
-    simulate(scene, &second, &(struct observer){compare_frame, comparison}, &stop_only, &result);
-    if (result.outcome != FINISHED)
-        return json_pack("{s:s, s:n, s:s}", "stepper", method, "bound", "reason",
-                         outcome_name(result.outcome));
-    return json_pack("{s:o, s:f}", "settings", settings_to_json(scene, &second), "bound",
-                     comparison->difference);
 }
 
 /* --- CPU time --- */
@@ -169,8 +113,12 @@ static double time_once(const struct scene *scene, const struct settings *settin
 static json_t *time_run(const struct scene *scene, const struct settings *settings,
                         const struct watch *watch) {
     json_t *seconds = json_array();
-    for (int i = 0; i < settings->timings; i++)
-        json_array_append_new(seconds, json_real(time_once(scene, settings, watch)));
+    for (int i = 0; i < settings->timings; i++) {
+        const double once = time_once(scene, settings, watch);
+        if (watch && watch->stop && *watch->stop) /* the last one was cut short */
+            break;
+        json_array_append_new(seconds, json_real(once));
+    }
     return seconds;
 }
 
@@ -193,6 +141,18 @@ static json_t *terms_to_json(const struct scene *scene) {
     return json;
 }
 
+/* Wall time by stage, and by call to the model where it was profiled. */
+static json_t *seconds_to_json(const struct settings *settings, const struct run_result *result) {
+    json_t *json = json_pack("{s:f, s:f, s:f}", "advance", result->advance_seconds, "ticks",
+                             result->tick_seconds, "frames", result->frame_seconds);
+    if (settings->profile) {
+#define X(call) json_object_set_new(json, #call, json_real(result->profile.call));
+        SYSTEM_CALLS(X)
+#undef X
+    }
+    return json;
+}
+
 static json_t *result_to_json(const struct scene *scene, const struct settings *settings,
                               const struct run_result *result) {
     char scene_text[HASH_SIZE], run_text[HASH_SIZE];
@@ -200,13 +160,14 @@ static json_t *result_to_json(const struct scene *scene, const struct settings *
     run_hash(scene, settings, run_text);
     const int failed = result->outcome != FINISHED;
     return json_pack(
-        "{s:s, s:s, s:o, s:f, s:i, s:i, s:o, s:o, s:f, s:s, s:s, s:O, s:o, s:o, s:o}", "status",
-        outcome_name(result->outcome), "reason", result->reason, "failure_time",
+        "{s:s, s:s, s:o, s:f, s:i, s:i, s:o, s:o, s:f, s:o, s:s, s:s, s:O, s:o, s:o, s:o}",
+        "status", outcome_name(result->outcome), "reason", result->reason, "failure_time",
         failed ? json_real(result->time) : json_null(), "simulated_time", result->time, "frames",
         result->frames, "unknowns", settings->unknowns, "terms", terms_to_json(scene), "counters",
-        counters_to_json(&result->counters), "cpu_seconds", result->cpu_seconds, "run_hash",
-        run_text, "scene_hash", scene_text, "scene", scene->source, "settings",
-        settings_to_json(scene, settings), "build", build_to_json(), "machine", machine_to_json());
+        counters_to_json(&result->counters), "cpu_seconds", result->cpu_seconds, "seconds",
+        seconds_to_json(settings, result), "run_hash", run_text, "scene_hash", scene_text, "scene",
+        scene->source, "settings", settings_to_json(scene, settings), "build", build_to_json(),
+        "machine", machine_to_json());
 }
 
 static int write_json(const json_t *json, const char *folder, char *reason) {
@@ -235,8 +196,8 @@ static void lift_memory_limit(void) {
 enum outcome record_run(const struct scene *scene, const struct settings *settings,
                         const char *folder, const struct watch *watch, char *reason) {
     struct frame_writer writer;
-    struct comparison comparison = {0};
-    struct two_observers two = {{write_frame, &writer}, {keep_frame, &comparison}};
+    struct kept_frames kept = {0};
+    struct two_observers two = {{write_frame, &writer}, {keep_frame, &kept}};
     const struct observer write_only = two.first, write_and_keep = {both, &two};
     const int checked = settings->method->checked_by != NULL;
     struct run_result result;
@@ -246,16 +207,15 @@ enum outcome record_run(const struct scene *scene, const struct settings *settin
     simulate(scene, settings, checked ? &write_and_keep : &write_only, watch, &result);
     lift_memory_limit();
     if (close_frames(&writer, &result, reason)) {
-        free(comparison.frames);
+        kept_frames_free(&kept);
         return OUTPUT_FAILED;
     }
     json_t *json = result_to_json(scene, settings, &result);
     if (checked && result.outcome == FINISHED)
-        json_object_set_new(json, "second_opinion",
-                            second_opinion(scene, settings, &comparison, watch));
+        json_object_set_new(json, "second_opinion", second_opinion(scene, settings, &kept, watch));
     if (settings->timings > 0 && result.outcome == FINISHED)
         json_object_set_new(json, "cpu_seconds_repeated", time_run(scene, settings, watch));
-    free(comparison.frames);
+    kept_frames_free(&kept);
     const int failed = write_json(json, folder, reason);
     json_decref(json);
     return failed ? OUTPUT_FAILED : result.outcome;

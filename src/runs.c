@@ -3,6 +3,7 @@
 #include "identity.h"
 #include "progress.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <glob.h>
@@ -38,9 +39,13 @@ void runs_catch_signals(void) {
 
 void run_folder(const char *root, const struct scene *scene, const struct settings *settings,
                 char *folder) {
-    char hash[HASH_SIZE];
+    char hash[HASH_SIZE], name[sizeof scene->name];
     run_hash(scene, settings, hash);
-    path_format(folder, "%s/runs/%s-%s-%s-%s", root, scene->name, settings->method->name,
+    snprintf(name, sizeof name, "%s", scene->name);
+    for (char *c = name; *c; c++)
+        if (!isalnum((unsigned char)*c) && *c != '-' && *c != '_')
+            *c = '_'; /* a name is free text: no slash, no dots */
+    path_format(folder, "%s/runs/%s-%s-%s-%s", root, name, settings->method->name,
                 scene->problem->treatments[settings->treatment].name, hash);
 }
 

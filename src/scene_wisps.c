@@ -247,3 +247,13 @@ void scene_read_wisps(struct config_reader *reader, config_setting_t *top, struc
     for (int i = 0; i < config_setting_length(wisps) && !reader->failed; i++)
         read_entry(reader, config_setting_get_elem(wisps, (unsigned)i), &material, scene);
 }
+
+void scene_remove_envelope(struct scene *scene) {
+    json_object_del(scene->source, "envelope");
+    for (int i = 0; i < scene->wisp_count; i++) {
+        struct wisp *wisp = &scene->wisps[i];
+        wisp->samples = 0;
+        wisp->radius = wisp->mass_fraction = 0;
+        wisp->frequency = wisp->damping_ratio = wisp->penalty_ratio = 0;
+    }
+}

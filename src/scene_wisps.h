@@ -8,4 +8,7 @@
 /* Fills scene->around, wisps and rates from the top group; errors are the reader's. */
 void scene_read_wisps(struct config_reader *reader, config_setting_t *top, struct scene *scene);
 
+/* Makes of a scene what it would be without the group `envelope`. */
+void scene_remove_envelope(struct scene *scene);
+
 #endif

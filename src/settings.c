@@ -131,7 +131,8 @@ static int refuse_combination(const struct scene *scene, struct settings *settin
 int settings_resolve(const struct scene *scene, const struct run_request *request,
                      struct settings *settings, char *reason) {
     *settings = (struct settings){.timings = request->timings,
-                                  .threads = request->threads > 0 ? request->threads : 1};
+                                  .threads = request->threads > 0 ? request->threads : 1,
+                                  .profile = request->profile};
     const char *name = request->stepper ? request->stepper : "rk4";
     settings->method = stepper_find(name);
     if (!settings->method)

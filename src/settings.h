@@ -15,6 +15,7 @@ struct run_request {
     int option_count;
     int timings; /* how often the run is repeated for its CPU time */
     int threads; /* that share out a scene's parts; 0: one */
+    int profile; /* whether calls to the model are timed */
 };
 
 struct settings {
@@ -25,6 +26,7 @@ struct settings {
     double frame_interval; /* s, where the scene has no frame rate; 0: every accepted step */
     int timings;
     int threads;  /* results do not depend on it */
+    int profile;  /* nor on this */
     int unknowns; /* of the whole model: coordinates, not counting velocities */
 };
 

@@ -1,6 +1,7 @@
 #include "simulation.h"
 
 #include "clock.h"
+#include "progress.h"
 #include "workers.h"
 
 #include <math.h>
@@ -13,6 +14,7 @@
 struct progress_of_part {
     double reached; /* s */
     int code;       /* of the step that failed, or 0 */
+    struct profile profile;
 };
 
 struct simulation {
@@ -68,6 +70,8 @@ static void open_simulation(struct simulation *sim) {
         end_with(sim, OUT_OF_MEMORY, "no memory for the steppers");
     for (int i = 0; i < sim->model->part_count && going(sim); i++) {
         struct system *system = &sim->model->parts[i].system;
+        if (sim->settings->profile)
+            system->profile = &sim->progress[i].profile;
         sim->steppers[i] = stepper_create(sim->settings->method, &sim->settings->stepper, system);
         if (!sim->steppers[i])
             end_with(sim, OUT_OF_MEMORY, "no memory for a stepper");
@@ -80,10 +84,18 @@ static void add_counters(struct counters *sum, const struct counters *part) {
 #undef X
 }
 
+static void add_profile(struct profile *sum, const struct profile *part) {
+#define X(call) sum->call += part->call;
+    SYSTEM_CALLS(X)
+#undef X
+}
+
 static void close_simulation(struct simulation *sim) {
     if (sim->model) {
         for (int i = 0; i < sim->model->part_count; i++) {
             add_counters(&sim->result->counters, &sim->model->parts[i].system.counters);
+            if (sim->progress)
+                add_profile(&sim->result->profile, &sim->progress[i].profile);
             if (sim->steppers && sim->steppers[i])
                 sim->settings->method->free(sim->steppers[i]);
         }
@@ -235,15 +247,21 @@ void simulate(const struct scene *scene, const struct settings *settings,
         show_frame(&sim);
     const double start = cpu_now();
     while (going(&sim) && (sim.t < stop.t || clock_next(&sim.clock, &stop))) {
+        const double begin = monotonic_seconds();
         advance_parts(&sim, stop.t);
         if (going(&sim))
             check_finite(&sim);
+        const double advanced = monotonic_seconds();
         if (going(&sim) && sim.t == stop.t)
             tick(&sim, stop.events);
+        const double ticked = monotonic_seconds();
         if (going(&sim) && (sim.t < stop.t || stop.events & STOP_FRAME))
             show_frame(&sim);
         if (going(&sim) && stop.events & STOP_FRAME)
             check_meaning(&sim);
+        result->advance_seconds += advanced - begin;
+        result->tick_seconds += ticked - advanced;
+        result->frame_seconds += monotonic_seconds() - ticked;
     }
     result->cpu_seconds = cpu_now() - start;
     close_simulation(&sim);

@@ -14,6 +14,8 @@ struct run_result {
     int frames;
     struct counters counters;
     double cpu_seconds; /* of the process, from the first step to the last */
+    double advance_seconds, tick_seconds, frame_seconds; /* wall time of the stages */
+    struct profile profile;                              /* of settings->profile, else zeros */
 };
 
 /* Receives each frame: the model's rows, row_count times column_count numbers. Returns 0, or the

@@ -1,11 +1,24 @@
 #include "system.h"
 
+#include "progress.h"
+
 #include <stdarg.h>
 #include <stdio.h>
 
+/* Does something, and adds its time to the profile where there is one. */
+#define TIMED(s, call, what)                                         \
+    do {                                                             \
+        const double begin = (s)->profile ? monotonic_seconds() : 0; \
+        what;                                                        \
+        if ((s)->profile)                                            \
+            (s)->profile->call += monotonic_seconds() - begin;       \
+    } while (0)
+
 int system_acceleration(struct system *s, double t, const double *q, const double *v, double *a) {
+    int code;
     s->counters.force_evaluations += s->wisps;
-    return s->ops->acceleration(s->ctx, t, q, v, a);
+    TIMED(s, acceleration, code = s->ops->acceleration(s->ctx, t, q, v, a));
+    return code;
 }
 
 int system_has_projection(const struct system *s) {
@@ -13,33 +26,39 @@ int system_has_projection(const struct system *s) {
 }
 
 int system_project(struct system *s, double t, double *q, double *v) {
+    int code;
     s->counters.projections += s->wisps;
-    return s->ops->project(s->ctx, t, q, v);
+    TIMED(s, project, code = s->ops->project(s->ctx, t, q, v));
+    return code;
 }
 
 int system_linearise(struct system *s, enum jacobian kind, double t, const double *q,
                      const double *v) {
+    int code;
     s->counters.linearisations += s->wisps;
-    return s->ops->linearise(s->ctx, kind, t, q, v);
+    TIMED(s, linearise, code = s->ops->linearise(s->ctx, kind, t, q, v));
+    return code;
 }
 
 void system_product(struct system *s, double m, double d, double k, const double *x, double *y) {
     s->counters.jacobian_products += s->wisps;
-    s->ops->product(s->ctx, m, d, k, x, y);
+    TIMED(s, product, s->ops->product(s->ctx, m, d, k, x, y));
 }
 
 int system_factor(struct system *s, double alpha, double beta) {
+    int code;
     s->counters.factorisations += s->wisps;
-    return s->ops->factor(s->ctx, alpha, beta);
+    TIMED(s, factor, code = s->ops->factor(s->ctx, alpha, beta));
+    return code;
 }
 
 void system_solve(struct system *s, const double *b, double *x) {
-    s->ops->solve(s->ctx, b, x);
+    TIMED(s, solve, s->ops->solve(s->ctx, b, x));
 }
 
 void system_assemble(struct system *s, double alpha, double beta, double *values) {
     s->counters.assemblies += s->wisps;
-    s->ops->assemble(s->ctx, alpha, beta, values);
+    TIMED(s, assemble, s->ops->assemble(s->ctx, alpha, beta, values));
 }
 
 int system_fail(struct system *s, int code, const char *format, ...) {

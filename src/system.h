@@ -64,6 +64,18 @@ struct system_ops {
     double (*energy)(void *ctx, double t, const double *q, const double *v);
 };
 
+/* The calls to a model, for profiles. */
+#define SYSTEM_CALLS(X) \
+    X(acceleration) X(project) X(linearise) X(product) X(factor) X(solve) X(assemble)
+
+/* Seconds of wall time spent in each; only where a profile was asked for, since reading a clock
+ * costs a tenth of an evaluation. */
+struct profile {
+#define X(call) double call;
+    SYSTEM_CALLS(X)
+#undef X
+};
+
 struct system {
     const struct system_ops *ops;
     void *ctx;                       /* owned by the model */
@@ -76,7 +88,8 @@ struct system {
     int bdf_order;                   /* highest order of BDF where nothing is said; 0: no opinion */
     const struct sparse_matrix *pattern; /* of assemble; values unused; NULL without assemble */
     struct counters counters;
-    char reason[240]; /* of the last failure, for the user */
+    struct profile *profile; /* NULL: none is kept */
+    char reason[240];        /* of the last failure, for the user */
 };
 
 /* The wrappers: they count, and are the only way to a model. See struct system_ops. */

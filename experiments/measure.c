@@ -1,0 +1,214 @@
+#include "measure.h"
+
+#include <complex.h>
+#include <gsl/gsl_fit.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* --- contestants and cases --- */
+
+int contestant_is_adaptive(const struct contestant *contestant) {
+    return (stepper_find(contestant->stepper)->capabilities & STEPPER_ADAPTIVE) != 0;
+}
+
+struct run_request contestant_request(const struct contestant *contestant, double setting,
+                                      double atol_ratio) {
+    const int adaptive = contestant_is_adaptive(contestant);
+    return (struct run_request){.stepper = contestant->stepper,
+                                .linear = contestant->linear,
+                                .options = &contestant->option,
+                                .option_count = contestant->option != NULL,
+                                .step = adaptive ? 0 : setting,
+                                .rtol = adaptive ? setting : 0,
+                                .atol = adaptive ? setting * atol_ratio : 0};
+}
+
+const struct labelled_case *find_case(const struct plan *plan, const char *group,
+                                      const char *label) {
+    for (int i = 0; i < plan->case_count; i++)
+        if (strcmp(plan->cases[i].group, group) == 0 && strcmp(plan->cases[i].label, label) == 0)
+            return &plan->cases[i];
+    return NULL;
+}
+
+int open_table(struct atomic_file *file, const char *folder, const char *name, const char *what,
+               const struct scene *scene, const char *columns, char *reason) {
+    char path[PATH_SIZE];
+    if (path_format(path, "%s/%s.tsv", folder, name)) {
+        snprintf(reason, REASON_SIZE, "the path of table %.100s is too long", name);
+        return -1;
+    }
+    if (atomic_open(file, path, reason))
+        return -1;
+    write_provenance(file->stream, what, scene);
+    fprintf(file->stream, "%s\n", columns);
+    return 0;
+}
+
+struct cost run_cost(const struct run_files *run) {
+    struct cost cost = {.outcome = run->outcome,
+                        .evaluations = run_number(run, "counters.force_evaluations"),
+                        .steps = run_number(run, "counters.steps"),
+                        .failure_time = run_number(run, "failure_time"),
+                        .cpu = run_cpu_time(run)};
+    if (run->outcome != FINISHED || isnan(cost.cpu.median)) /* is not repeated */
+        cost.cpu.median = cost.cpu.least = cost.cpu.greatest = run_number(run, "cpu_seconds");
+    return cost;
+}
+
+/* --- distance of a run from another --- */
+
+enum { WISP = 1, NODE, POSITION, VELOCITY = 6, SAMPLES = 9 }; /* columns of states.tsv */
+
+static double distance(const double *a, const double *b) {
+    return hypot(hypot(a[0] - b[0], a[1] - b[1]), a[2] - b[2]);
+}
+
+/* Distance of sample j from its node: r itself, or in `penalty` that of the particle, which is r
+ * but for the square of how far the particle is off its line. */
+static double sample_radius(const struct table *states, const double *row, int j) {
+    if (strcmp(states->name[SAMPLES], "r0") == 0)
+        return row[SAMPLES + 2 * j];
+    return distance(row + SAMPLES + 6 * j, row + POSITION);
+}
+
+static int sample_count(const struct table *states) {
+    if (states->column_count <= SAMPLES)
+        return 0;
+    const int each = strcmp(states->name[SAMPLES], "r0") == 0 ? 2 : 6;
+    return (states->column_count - SAMPLES) / each;
+}
+
+static int same_samples(const struct table *a, const struct table *b) {
+    return a->column_count == b->column_count && a->column_count > SAMPLES &&
+           strcmp(a->name[SAMPLES], b->name[SAMPLES]) == 0;
+}
+
+/* Sums of squares, to become means. */
+struct sums {
+    double all, free, relative, end_all, end, velocity, radius, worst_component;
+    double rows, free_rows, end_rows, free_end_rows, samples;
+};
+
+static void add_row(struct sums *sums, struct deviation *d, const double *a, const double *b,
+                    double length, int at_end) {
+    const int is_free = b[NODE] >= 2;
+    const double error = distance(a + POSITION, b + POSITION), square = error * error;
+    sums->all += square;
+    sums->rows++;
+    sums->end_all += at_end * square;
+    sums->end_rows += at_end;
+    if (!is_free)
+        return;
+    const double slip = distance(a + VELOCITY, b + VELOCITY);
+    sums->free += square;
+    sums->relative += square / (length * length);
+    sums->velocity += slip * slip;
+    sums->free_rows++;
+    sums->end += at_end * square;
+    sums->free_end_rows += at_end;
+    d->largest = fmax(d->largest, error);
+    d->end_largest = fmax(d->end_largest, at_end * error);
+}
+
+static void add_samples(struct sums *sums, const struct table *run, const double *a,
+                        const struct table *reference, const double *b) {
+    for (int j = 0; j < sample_count(run) && b[NODE] >= 2; j++) {
+        const double error = sample_radius(run, a, j) - sample_radius(reference, b, j);
+        sums->radius += error * error;
+        sums->samples++;
+    }
+}
+
+static void add_components(struct sums *sums, const double *a, const double *b, int from, int to,
+                           double floor) {
+    for (int i = from; i < to && b[NODE] >= 2; i++)
+        sums->worst_component =
+            fmax(sums->worst_component, fabs(a[i] - b[i]) / (floor + fabs(b[i])));
+}
+
+static void finish(const struct sums *sums, struct deviation *d) {
+    d->rms = sqrt(sums->free / sums->free_rows);
+    d->rms_all = sqrt(sums->all / sums->rows);
+    d->relative = sqrt(sums->relative / sums->free_rows);
+    d->end = sqrt(sums->end / sums->free_end_rows);
+    d->end_all = sqrt(sums->end_all / sums->end_rows);
+    d->velocity = sqrt(sums->velocity / sums->free_rows);
+    d->radius = sums->samples > 0 ? sqrt(sums->radius / sums->samples) : 0;
+    d->mescd = -log10(sums->worst_component);
+}
+
+int measure_deviation(const struct scene *scene, const struct table *run,
+                      const struct table *reference, double floor, struct deviation *deviation,
+                      char *reason) {
+    struct sums sums = {0};
+    *deviation = (struct deviation){0};
+    const int rows = reference->row_count, samples = same_samples(run, reference);
+    const double end = rows > 0 ? table_value(reference, rows - 1, 0) : 0;
+    for (int i = 0; i < rows; i++) {
+        const double *a = run->value + (size_t)i * (size_t)run->column_count;
+        const double *b = reference->value + (size_t)i * (size_t)reference->column_count;
+        if (run->row_count != rows || a[WISP] != b[WISP] || a[NODE] != b[NODE] ||
+            fabs(a[0] - b[0]) > 1e-12 * fmax(1, b[0])) {
+            snprintf(reason, REASON_SIZE, "scene %s: two runs have not the same frames",
+                     scene->name);
+            return -1;
+        }
+        add_row(&sums, deviation, a, b, scene->wisps[(int)b[WISP]].length, b[0] == end);
+        if (samples)
+            add_samples(&sums, run, a, reference, b);
+        if (b[0] == end)
+            add_components(&sums, a, b, POSITION, samples ? run->column_count : SAMPLES, floor);
+    }
+    finish(&sums, deviation);
+    return 0;
+}
+
+/* --- slopes --- */
+
+void slope_add(struct slope *slope, double cost, double error) {
+    if (slope->count == SLOPE_POINTS)
+        return;
+    slope->x[slope->count] = log10(cost);
+    slope->y[slope->count] = log10(error);
+    slope->count++;
+}
+
+double slope_fit(const struct slope *slope) {
+    double c0, c1, cov00, cov01, cov11, sum;
+    if (slope->count < 3)
+        return NAN;
+    gsl_fit_linear(slope->x, 1, slope->y, 1, (size_t)slope->count, &c0, &c1, &cov00, &cov01, &cov11,
+                   &sum);
+    return c1;
+}
+
+/* --- what linear theory says of a scene --- */
+
+struct mode stiffest_mode(const struct scene *scene) {
+    struct mode mode = {0, 0};
+    for (int i = 0; i < scene->wisp_count; i++) {
+        const struct wisp *wisp = &scene->wisps[i];
+        const double mass = wisp_node_mass(wisp, 2);
+        const double frequency = 2 * sqrt(wisp_stretch_constant(wisp) / mass);
+        if (frequency > mode.frequency)
+            mode = (struct mode){frequency, wisp->stretch_time};
+    }
+    return mode;
+}
+
+int is_stable(const struct butcher_table *table, const struct mode *mode, double h) {
+    const double w = mode->frequency, half_rate = mode->damping_time * w * w / 2;
+    const double complex root = csqrt(half_rate * half_rate - w * w);
+    return cabs(butcher_stability(table, h * (-half_rate + root))) <= 1 &&
+           cabs(butcher_stability(table, h * (-half_rate - root))) <= 1;
+}
+
+double ladder_step(const struct scene *scene, int per_octave, int k) {
+    const double rate = scene->wisps[0].samples > 0 ? fmax(scene->collision_rate, scene->frame_rate)
+                                                    : scene->frame_rate;
+    const double coarsest = 1 / rate / ceil(60 / rate - 1e-9);
+    const int p = per_octave, q = k - (p - 1);
+    return coarsest / (q < 0 ? k + 1 : ldexp(p + q % p, q / p));
+}

@@ -1,0 +1,85 @@
+/* What experiments have in common: whom they compare, how far a run is from another, what it cost,
+ * and the tables that say so. */
+#ifndef WISPLAB_MEASURE_H
+#define WISPLAB_MEASURE_H
+
+#include "experiment.h"
+#include "results.h"
+
+/* A curve of a comparison: a stepper with its settings. */
+struct contestant {
+    const char *name;    /* in tables and legends; its first word gives the colour */
+    const char *stepper; /* in the registry */
+    const char *linear;  /* solver, or NULL for the default */
+    const char *option;  /* "key=value", or NULL */
+    double finest;       /* tolerance of an adaptive method that is worth trying */
+    double cost;         /* CPU time of a fixed step, s per unknown, roughly */
+};
+
+int contestant_is_adaptive(const struct contestant *contestant);
+
+/* The request for a run of the contestant: `setting` is its step, s, or its rtol, with
+ * atol = setting * atol_ratio. It points into the contestant. */
+struct run_request contestant_request(const struct contestant *contestant, double setting,
+                                      double atol_ratio);
+
+/* The first case of the plan in a group with that label, or NULL. */
+const struct labelled_case *find_case(const struct plan *plan, const char *group,
+                                      const char *label);
+
+/* Opens folder/name.tsv and writes where it comes from, and the names of its columns. Returns 0, or
+ * -1 with a reason. */
+int open_table(struct atomic_file *file, const char *folder, const char *name, const char *what,
+               const struct scene *scene, const char *columns, char *reason);
+
+/* What a run took, whether or not it got to its end; NaN where it could not say. */
+struct cost {
+    enum outcome outcome;
+    double evaluations, steps, failure_time;
+    struct spread cpu; /* of one that failed: the one time that it took to get there */
+};
+struct cost run_cost(const struct run_files *run);
+
+/* Distance of one run of wisps from another, at all frames (the common start among them) or at the
+ * last one; over the free nodes where nothing else is said. */
+struct deviation {
+    double rms, largest;     /* m */
+    double relative;         /* rms over the length of the node's wisp */
+    double end, end_largest; /* rms and largest at the last frame, m */
+    double rms_all, end_all; /* rms over the prescribed nodes too, m */
+    double velocity;         /* rms, m/s */
+    double radius;           /* rms of the samples' distances from their node, m; 0: none */
+    double mescd;            /* -log10 of the largest error at the end over atol/rtol + |value| */
+};
+
+/* Compares run and reference, tables of states of `scene`; samples, where both have the same ones.
+ * `floor` is atol/rtol of the mescd. Returns 0, or -1 with a reason where their frames differ. */
+int measure_deviation(const struct scene *scene, const struct table *run,
+                      const struct table *reference, double floor, struct deviation *deviation,
+                      char *reason);
+
+/* The slope of log error over log cost, by least squares. */
+enum { SLOPE_POINTS = 48 };
+struct slope {
+    double x[SLOPE_POINTS], y[SLOPE_POINTS];
+    int count;
+};
+void slope_add(struct slope *slope, double cost, double error);
+double slope_fit(const struct slope *slope); /* NaN with fewer than 3 points */
+
+/* The largest of the highest stretch frequencies of the scene's wisps, rad/s (a chain's is below
+ * 2 sqrt(k/m), and comes near it), with its damping time over stiffness, s. */
+struct mode {
+    double frequency, damping_time;
+};
+struct mode stiffest_mode(const struct scene *scene);
+
+/* Whether a Runge-Kutta method's steps of h are stable on that mode by linear theory. */
+int is_stable(const struct butcher_table *table, const struct mode *mode, double h);
+
+/* The k-th step of a ladder downwards, s, with that many rungs to the octave: the time between
+ * stops of the scene's clock, or 1/60 s where that is longer, over whole numbers, so that steps
+ * divide it: 1, 2, 3, 4, 6, 8, 12, ... with 2 to the octave. */
+double ladder_step(const struct scene *scene, int per_octave, int k);
+
+#endif

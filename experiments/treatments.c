@@ -1,0 +1,402 @@
+/* How far is each treatment of the envelope from the exact constrained motion, and what does
+ * exactness cost? The samples of an envelope should stay on their half-lines; `penalty` holds them
+ * with springs, and is exact in the limit of stiff ones; `projection` and `generalised` leave terms
+ * out. Distances here are between tight solutions: no integrator has a part in them. */
+#include "measure.h"
+#include "model.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const own_scenes[] = {"treatments"};
+
+/* Spring constants across the line over those along it. The four marked are the ones the limit is
+ * taken from, and are there with --quick too. */
+static const double ratios[] = {3, 10, 30, 100, 300, 1000, 3000};
+enum { RATIOS = sizeof ratios / sizeof *ratios, LIMIT_FIRST = 3, LIMIT_COUNT = 4 };
+
+/* Everything whose distance is asked for. */
+enum { PROJECTION = RATIOS, GENERALISED, BARE, VARIANTS };
+
+enum { RUNGS_MAX = 64 };
+
+static const char *variant_treatment(int variant) {
+    return wisp_problem
+        .treatments[variant < RATIOS        ? WISP_PENALTY
+                    : variant == PROJECTION ? WISP_PROJECTION
+                                            : WISP_GENERALISED]
+        .name;
+}
+
+static void name_variant(char *name, size_t size, int variant) {
+    if (variant < RATIOS)
+        snprintf(name, size, "penalty %g", ratios[variant]);
+    else
+        snprintf(name, size, "%s", variant == BARE ? "no envelope" : variant_treatment(variant));
+}
+
+static int is_in(const struct plan *plan, int variant) {
+    return !plan->quick || variant >= LIMIT_FIRST;
+}
+
+/* --- the runs --- */
+
+/* The practical stepper, rk4, gets steps with four rungs to the octave, from what is surely too
+ * long down to a 32nd of what linear theory allows on the stretch springs. */
+static double step_of(const struct scene *scene, int rung) {
+    return ladder_step(scene, 4, rung);
+}
+
+static int rungs(const struct scene *scene) {
+    const struct mode mode = stiffest_mode(scene);
+    const struct butcher_table *table = stepper_find("rk4")->table;
+    int rung = 0;
+    while (rung < RUNGS_MAX && !is_stable(table, &mode, step_of(scene, rung)))
+        rung++;
+    return rung + 4 * 5 < RUNGS_MAX ? rung + 4 * 5 : RUNGS_MAX;
+}
+
+static const struct scene *variant_scene(struct plan *plan, const char *name, int variant,
+                                         double frame_rate) {
+    char ratio[64], rate[64];
+    const char *const sets[] = {rate, ratio};
+    if (variant == BARE)
+        return plan_scene_bare(plan, name, frame_rate);
+    snprintf(rate, sizeof rate, "frame_rate=%.17e", frame_rate);
+    snprintf(ratio, sizeof ratio, "envelope.penalty_ratio=%.17e",
+             variant < RATIOS ? ratios[variant] : 100.);
+    return plan_scene(plan, name, sets, 2);
+}
+
+static int plan_variant(struct plan *plan, const struct subject *subject, int variant) {
+    char name[32];
+    name_variant(name, sizeof name, variant);
+    const struct scene *scene =
+        variant_scene(plan, subject->source, variant, subject->scene->frame_rate);
+    const struct run_request tight = {.stepper = "reference",
+                                      .treatment = variant_treatment(variant),
+                                      .timings = plan->quick ? 1 : 5};
+    char group[128];
+    snprintf(group, sizeof group, "%s, %s", subject->name, name);
+    if (!scene || plan_add(plan, scene, &tight, group, "tight"))
+        return -1;
+    for (int rung = 0; rung < rungs(subject->scene); rung += plan->quick ? 2 : 1) {
+        const struct run_request request = {.stepper = "rk4",
+                                            .treatment = variant_treatment(variant),
+                                            .step = step_of(subject->scene, rung),
+                                            .timings = plan->quick ? 1 : 3};
+        if (plan_add(plan, scene, &request, group, "rk4 %d", rung))
+            return -1;
+    }
+    return 0;
+}
+
+static int treatments_plan(struct plan *plan) {
+    if (plan->stepper_count > 0) {
+        snprintf(plan->reason, REASON_SIZE,
+                 "experiment treatments compares treatments, not steppers; leave out --stepper");
+        return -1;
+    }
+    if (plan_subjects(plan, own_scenes, 1))
+        return -1;
+    for (int i = 0; i < plan->subject_count; i++) {
+        if (plan->subjects[i].scene->wisps[0].samples == 0) {
+            snprintf(plan->reason, REASON_SIZE,
+                     "scene %s has no envelope, so there is no treatment to compare",
+                     plan->subjects[i].scene->name);
+            return -1;
+        }
+        for (int v = 0; v < VARIANTS; v++)
+            if (is_in(plan, v) && plan_variant(plan, &plan->subjects[i], v))
+                return -1;
+    }
+    return 0;
+}
+
+/* --- the limit --- */
+
+/* The samples' damper sees them move with the line as it turns, and pushes them off it by
+ * c_p r da/dt / k_p ~ 1/sqrt(ratio); so the motion is a series in e = 1/sqrt(ratio), whose first
+ * term is small but there. Lagrange's polynomial in e through `count` of the runs, at e = 0: the
+ * weight of run i is the product over the others of e_j / (e_j - e_i). */
+static double limit_weight(const double *ratio, int count, int i) {
+    double weight = 1;
+    for (int j = 0; j < count; j++)
+        if (j != i)
+            weight *= sqrt(ratio[i]) / (sqrt(ratio[i]) - sqrt(ratio[j]));
+    return weight;
+}
+
+/* The weighted sum of tables of the same frames; time, wisp and node are the first one's. Returns
+ * 0, or -1 where memory cannot be had or they differ. */
+static int extrapolate(const struct table *const *tables, const double *ratio, int count,
+                       struct table *limit) {
+    enum { LABELS = 3 };
+    const struct table *first = tables[0];
+    const size_t size = (size_t)(first->row_count * first->column_count);
+    *limit = (struct table){.row_count = first->row_count, .column_count = first->column_count};
+    limit->value = calloc(size + 1, sizeof(double));
+    for (int i = 0; i < count; i++)
+        if (!limit->value || tables[i]->row_count != first->row_count)
+            return -1;
+    for (size_t k = 0; k < size; k++) {
+        if (k % (size_t)first->column_count < LABELS)
+            limit->value[k] = first->value[k];
+        else
+            for (int i = 0; i < count; i++)
+                limit->value[k] += limit_weight(ratio, count, i) * tables[i]->value[k];
+    }
+    memcpy(limit->name, first->name, sizeof limit->name); /* lent */
+    return 0;
+}
+
+/* --- reading the runs --- */
+
+struct practical {
+    double step; /* s; NaN: no rung did */
+    double error;
+    struct cost cost;
+};
+
+struct variant {
+    int there;
+    char name[32];
+    const struct scene *scene;
+    struct run_files tight;
+    struct cost cost;
+    struct deviation distance;   /* from the exact constrained motion */
+    struct practical stable;     /* the longest step that is not wrong by a tenth of the length */
+    struct practical sufficient; /* the longest whose error is a tenth of the distance */
+};
+
+struct study {
+    const struct subject *subject;
+    struct variant variants[VARIANTS];
+    struct table limit;
+    struct deviation uncertainty; /* of the limit */
+};
+
+static const struct labelled_case *variant_case(const struct plan *plan, const struct study *study,
+                                                int variant, const char *label) {
+    char group[128];
+    snprintf(group, sizeof group, "%s, %s", study->subject->name, study->variants[variant].name);
+    return find_case(plan, group, label);
+}
+
+static int read_tight(struct plan *plan, struct study *study) {
+    for (int v = 0; v < VARIANTS; v++) {
+        struct variant *variant = &study->variants[v];
+        name_variant(variant->name, sizeof variant->name, v);
+        const struct labelled_case *one = variant_case(plan, study, v, "tight");
+        if (!one)
+            continue;
+        if (run_read(&variant->tight, one->run.folder, plan->reason))
+            return -1;
+        variant->there = 1;
+        variant->scene = one->run.scene;
+        variant->cost = run_cost(&variant->tight);
+        if (variant->tight.outcome == FINISHED)
+            continue;
+        snprintf(plan->reason, REASON_SIZE,
+                 "scene %s, %s: no tight solution to compare with: %s at t = %g s; try --fresh and "
+                 "--time-limit",
+                 study->subject->name, variant->name, outcome_name(variant->tight.outcome),
+                 run_number(&variant->tight, "simulated_time"));
+        return 1;
+    }
+    return 0;
+}
+
+/* The limit is taken from ratios 300, 1000, 3000; twice what ratio 100 would change in it, with one
+ * more term of the series, is its uncertainty. (On the shipped scene the change is 6.9e-8 m, and
+ * ratios up to 1e5 move the limit by 9.3e-8 m. Series in 1/ratio are 4.5e-7 m off.) */
+static int find_limit(struct plan *plan, struct study *study) {
+    const struct table *tables[LIMIT_COUNT];
+    struct table more;
+    for (int i = 0; i < LIMIT_COUNT; i++)
+        tables[i] = &study->variants[LIMIT_FIRST + i].tight.states;
+    int code = extrapolate(tables + 1, ratios + LIMIT_FIRST + 1, LIMIT_COUNT - 1, &study->limit);
+    code = extrapolate(tables, ratios + LIMIT_FIRST, LIMIT_COUNT, &more) || code ? -1 : 0;
+    if (code)
+        snprintf(plan->reason, REASON_SIZE, "scene %s: no limit could be taken",
+                 study->subject->name);
+    else
+        code = measure_deviation(study->subject->scene, &more, &study->limit, 1,
+                                 &study->uncertainty, plan->reason);
+    free(more.value);
+    study->uncertainty.end *= 2;
+    return code;
+}
+
+static void consider(struct practical *best, double step, const struct cost *cost, double error) {
+    if (isnan(best->step) || step > best->step)
+        *best = (struct practical){step, error, *cost};
+}
+
+/* A step is taken only if all shorter ones of the ladder do as well. */
+static int try_steps(struct plan *plan, struct study *study, int v) {
+    struct variant *variant = &study->variants[v];
+    const double wrong = 0.1 * study->subject->scene->wisps[0].length;
+    int stable = 1, sufficient = 1;
+    variant->stable.step = variant->sufficient.step = NAN;
+    for (int rung = rungs(study->subject->scene) - 1; rung >= 0 && stable; rung--) {
+        char label[32];
+        struct run_files run;
+        struct deviation error = {.rms = INFINITY, .end = INFINITY};
+        snprintf(label, sizeof label, "rk4 %d", rung);
+        const struct labelled_case *one = variant_case(plan, study, v, label);
+        if (!one)
+            continue;
+        if (run_read(&run, one->run.folder, plan->reason))
+            return -1;
+        const struct cost cost = run_cost(&run);
+        int code = 0;
+        if (run.outcome == FINISHED)
+            code = measure_deviation(variant->scene, &run.states, &variant->tight.states, 1, &error,
+                                     plan->reason);
+        run_free(&run);
+        if (code)
+            return -1;
+        stable = error.rms < wrong;
+        sufficient = sufficient && stable && error.end <= 0.1 * variant->distance.end;
+        if (stable)
+            consider(&variant->stable, step_of(study->subject->scene, rung), &cost, error.end);
+        if (sufficient)
+            consider(&variant->sufficient, step_of(study->subject->scene, rung), &cost, error.end);
+    }
+    return 0;
+}
+
+static int read_study(struct plan *plan, struct study *study) {
+    int code = read_tight(plan, study);
+    if (!code)
+        code = find_limit(plan, study);
+    for (int v = 0; v < VARIANTS && !code; v++) {
+        struct variant *variant = &study->variants[v];
+        if (!variant->there)
+            continue;
+        code = measure_deviation(variant->scene, &variant->tight.states, &study->limit, 1,
+                                 &variant->distance, plan->reason);
+        if (!code)
+            code = try_steps(plan, study, v);
+    }
+    return code;
+}
+
+static void free_study(struct study *study) {
+    for (int v = 0; v < VARIANTS; v++)
+        run_free(&study->variants[v].tight);
+    free(study->limit.value);
+}
+
+/* --- tables --- */
+
+static void write_practical(FILE *stream, const struct practical *p) {
+    const int there = !isnan(p->step);
+    fprintf(stream, "\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g", p->step, there ? p->error : NAN,
+            there ? p->cost.evaluations : NAN, there ? p->cost.cpu.median : NAN,
+            there ? p->cost.cpu.least : NAN, there ? p->cost.cpu.greatest : NAN);
+}
+
+static void write_variant(FILE *stream, const struct study *study, int v) {
+    const struct variant *variant = &study->variants[v];
+    const struct deviation *d = &variant->distance;
+    fprintf(stream,
+            "%s\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%d\t%.17g\t%.17g"
+            "\t%.17g\t%.17g",
+            variant->name, v < RATIOS ? ratios[v] : NAN, d->end, d->end_largest, d->end_all, d->rms,
+            d->largest, study->uncertainty.end, run_number(&variant->tight, "second_opinion.bound"),
+            d->end < 10 * study->uncertainty.end, variant->cost.evaluations,
+            variant->cost.cpu.median, variant->cost.cpu.least, variant->cost.cpu.greatest);
+    write_practical(stream, &variant->stable);
+    write_practical(stream, &variant->sufficient);
+    fprintf(stream, "\n");
+}
+
+static void print_variant(const struct variant *variant) {
+    const struct practical *p = &variant->sufficient;
+    printf("  %-14s %10.4f %10.4f %10.4f %9.0f %7.2f", variant->name, 1e3 * variant->distance.end,
+           1e3 * variant->distance.end_largest, 1e3 * variant->distance.end_all,
+           variant->cost.evaluations, 1e3 * variant->cost.cpu.median);
+    if (isnan(variant->stable.step))
+        printf("   rk4: no step of the ladder is stable\n");
+    else if (isnan(p->step))
+        printf(" %8.0f        none is enough\n", 1 / variant->stable.step);
+    else
+        printf(" %8.0f %8.0f %9.0f %7.2f\n", 1 / variant->stable.step, 1 / p->step,
+               p->cost.evaluations, 1e3 * p->cost.cpu.median);
+}
+
+static void print_study(const struct study *study) {
+    printf("  %s: distance from the exact constrained motion at the end, mm; the limit is good to "
+           "%.2g mm\n",
+           study->subject->name, 1e3 * study->uncertainty.end);
+    printf("  %-14s %10s %10s %10s %9s %7s %8s %8s %9s %7s\n", "", "rms, free", "largest",
+           "rms, all", "tight: f", "ms", "stable", "rk4: Hz", "f", "ms");
+    for (int v = 0; v < VARIANTS; v++)
+        if (study->variants[v].there)
+            print_variant(&study->variants[v]);
+}
+
+static const char what[] =
+    "distance of tight solutions from the exact constrained motion, m: end = rms over free nodes "
+    "at "
+    "the end, end_largest, end_all = rms over all nodes; rms and largest over all frames. Exact: "
+    "penalty at ratios 300, 1000, 3000, each state a polynomial of degree 2 in 1/sqrt(ratio), at "
+    "0; "
+    "uncertainty = twice what ratio 100 and one more degree change in it (rms at the end, m); "
+    "limited = "
+    "within ten times that. Costs: of the tight solution; of rk4 at the longest stable step "
+    "(error below a tenth of the length); and at the longest whose error is a tenth of the "
+    "distance";
+
+static const char columns[] =
+    "name\tratio\tend\tend_largest\tend_all\trms\tlargest\tuncertainty\tbound\tlimited\ttight_"
+    "evaluations\ttight_cpu_median\ttight_cpu_least\ttight_cpu_greatest\tstable_step\tstable_error"
+    "\tstable_evaluations\tstable_cpu_median\tstable_cpu_least\tstable_cpu_greatest\trk4_step"
+    "\trk4_error\trk4_evaluations\trk4_cpu_median\trk4_cpu_least\trk4_cpu_greatest";
+
+static int tabulate_subject(struct plan *plan, const struct subject *subject, const char *folder) {
+    struct study study = {.subject = subject};
+    struct atomic_file file;
+    int code = read_study(plan, &study);
+    if (!code)
+        code =
+            open_table(&file, folder, subject->name, what, subject->scene, columns, plan->reason);
+    if (!code) {
+        for (int v = 0; v < VARIANTS; v++)
+            if (study.variants[v].there)
+                write_variant(file.stream, &study, v);
+        print_study(&study);
+        code = atomic_commit(&file, plan->reason);
+    }
+    free_study(&study);
+    return code;
+}
+
+static int treatments_tabulate(struct plan *plan, const char *folder) {
+    struct atomic_file list;
+    for (int i = 0; i < plan->subject_count; i++) {
+        const int code = tabulate_subject(plan, &plan->subjects[i], folder);
+        if (code)
+            return code;
+    }
+    if (open_table(&list, folder, "scenes",
+                   plan->quick
+                       ? "scenes drawn; --quick: penalty from ratio 100 on, every other step"
+                       : "scenes drawn",
+                   NULL, "file\tname\tduration", plan->reason))
+        return -1;
+    for (int i = 0; i < plan->subject_count; i++)
+        fprintf(list.stream, "%s\t%s\t%g\n", plan->subjects[i].name, plan->subjects[i].scene->name,
+                plan->subjects[i].scene->duration);
+    return atomic_commit(&list, plan->reason);
+}
+
+const struct experiment treatments_experiment = {
+    .name = "treatments",
+    .question = "how exactly does each treatment keep the envelope on its lines, and at what cost?",
+    .plan = treatments_plan,
+    .tabulate = treatments_tabulate,
+};
