@@ -133,7 +133,8 @@ static const char *const check_options[] = {"method=bdf", "max_order=5", NULL};
  * least it can do is rtol 1e-15, so the reference may have 1e-12. */
 static const struct second_opinion check = {
     .method = "cvode",
-    .rtol_ratio = 1e-3,
+    .rtol_ratio = 1e-2, /* BDF is less accurate at equal tolerances; below 1e-13 it can be lost in
+                           rounding when it begins anew after a tick */
     .options = check_options,
 };
 
@@ -144,8 +145,8 @@ const struct stepper_method reference = {
     .order = 8,
     .capabilities = STEPPER_ADAPTIVE | STEPPER_PROJECTS,
     .checked_by = &check,
-    .rtol = 1e-12,
-    .atol = 1e-12,
+    .rtol = 1e-11,
+    .atol = 1e-11,
     .create = reference_create,
     .advance = reference_advance,
     .free = reference_free,

@@ -40,6 +40,7 @@ static int draw(const char *name, const char *folder, const char *to, const char
     char *const argv[] = {(char *)"gnuplot", (char *)"-d", (char *)"-e", variables, script, NULL};
 
     pid_t pid;
+    setenv("LC_ALL", "C.UTF-8", 1); /* the same letters and bytes wherever it is drawn */
     const int error = posix_spawnp(&pid, argv[0], NULL, NULL, argv, environ);
     if (error) {
         snprintf(reason, REASON_SIZE, "gnuplot cannot be started (%s); Debian: gnuplot-nox",
