@@ -85,10 +85,9 @@ static int load_state(struct model *model, const char *file, double *t, char *re
     return code;
 }
 
-static void print_rows(const struct scene *scene, const struct model *model, double t,
-                       const double *rows) {
+static void print_rows(const struct scene *scene, const struct model *model, const double *rows) {
     char what[80];
-    snprintf(what, sizeof what, "accelerations at t = %.17g s: m/s^2", t);
+    snprintf(what, sizeof what, "accelerations at t = %.17g s: m/s^2", model->t);
     write_provenance(stdout, what, scene);
     for (int i = 0; i < model->rate_column_count; i++)
         printf("%s%s", i ? "\t" : "", model->rate_columns[i]);
@@ -100,7 +99,7 @@ static void print_rows(const struct scene *scene, const struct model *model, dou
 }
 
 /* Evaluates every part and prints. Returns the exit code. */
-static int print_accelerations(const struct scene *scene, struct model *model, double t) {
+static int print_accelerations(const struct scene *scene, struct model *model) {
     const size_t parts = (size_t)model->part_count;
     double **a = calloc(parts, sizeof *a);
     double *rows = calloc((size_t)(model->row_count * model->rate_column_count), sizeof *rows);
@@ -110,12 +109,12 @@ static int print_accelerations(const struct scene *scene, struct model *model, d
         a[i] = calloc((size_t)part->system.size, sizeof(double));
         if (!a[i])
             code = complain(2, "out of memory");
-        else if (system_acceleration(&part->system, t, part->q, part->v, a[i]))
+        else if (system_acceleration(&part->system, model->t, part->q, part->v, a[i]))
             code = complain(3, "%s: %s", scene->name, part->system.reason);
     }
     if (!code) {
         model->problem->sample_accelerations(model, a, rows);
-        print_rows(scene, model, t, rows);
+        print_rows(scene, model, rows);
     }
     for (size_t i = 0; a && i < parts; i++)
         free(a[i]);
@@ -143,8 +142,9 @@ static int evaluate(const struct arguments *arguments, const struct scene *scene
     int code = 0;
     if (state && load_state(model, state, &t, reason))
         code = complain(1, "%s", reason);
+    model->t = time ? given : t;
     if (!code)
-        code = print_accelerations(scene, model, time ? given : t);
+        code = print_accelerations(scene, model);
     scene->problem->free(model);
     return code;
 }

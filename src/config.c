@@ -183,11 +183,8 @@ double config_number(struct config_reader *reader, config_setting_t *group, cons
     return x;
 }
 
-int config_numbers(struct config_reader *reader, config_setting_t *group, const char *name,
-                   int least, int count, double *values) {
-    config_setting_t *setting = group ? config_setting_get_member(group, name) : NULL;
-    if (!setting)
-        return 0;
+int config_numbers_of(struct config_reader *reader, const config_setting_t *setting,
+                      const char *name, int least, int count, double *values) {
     const int length = config_setting_is_aggregate(setting) ? config_setting_length(setting) : -1;
     if (config_setting_is_group(setting) || length < least || length > count) {
         if (least == count)
@@ -203,6 +200,25 @@ int config_numbers(struct config_reader *reader, config_setting_t *group, const 
             config_fail(reader, setting, "%s: number %d of it is not a finite number", name, i + 1);
     }
     return length;
+}
+
+int config_numbers(struct config_reader *reader, config_setting_t *group, const char *name,
+                   int least, int count, double *values) {
+    const config_setting_t *setting = group ? config_setting_get_member(group, name) : NULL;
+    return setting ? config_numbers_of(reader, setting, name, least, count, values) : 0;
+}
+
+void config_vectors(struct config_reader *reader, config_setting_t *group, const char *name,
+                    int count, double (*vectors)[3]) {
+    const config_setting_t *list = config_setting_get_member(group, name);
+    if (!list || !config_setting_is_list(list) || config_setting_length(list) != count) {
+        config_fail(reader, list ? list : group,
+                    "%s: must be a list of %d vectors, ([x, y, z], ...)", name, count);
+        return;
+    }
+    for (int k = 0; k < count; k++)
+        config_numbers_of(reader, config_setting_get_elem(list, (unsigned)k), name, 3, 3,
+                          vectors[k]);
 }
 
 void config_vector(struct config_reader *reader, config_setting_t *group, const char *name,

@@ -45,6 +45,14 @@ const char *config_text(struct config_reader *reader, config_setting_t *group, c
 int config_numbers(struct config_reader *reader, config_setting_t *group, const char *name,
                    int least, int count, double *values);
 
+/* The same of a setting itself; `name` is for messages. */
+int config_numbers_of(struct config_reader *reader, const config_setting_t *setting,
+                      const char *name, int least, int count, double *values);
+
+/* A list of `count` vectors, ([x, y, z], ...), which must be there. */
+void config_vectors(struct config_reader *reader, config_setting_t *group, const char *name,
+                    int count, double (*vectors)[3]);
+
 /* Three numbers in brackets, which must be there. */
 void config_vector(struct config_reader *reader, config_setting_t *group, const char *name,
                    double vector[3]);

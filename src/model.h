@@ -17,6 +17,7 @@ struct part {
 
 struct model {
     const struct problem *problem;
+    double t; /* of the state, s: kept by who advances it */
     struct part *parts;
     int part_count;
     int row_count;              /* of a frame: one per wisp and node */

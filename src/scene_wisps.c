@@ -6,8 +6,8 @@
 
 /* Groups that only other versions read, which would otherwise be passed over in silence. */
 static void refuse_absent_features(struct config_reader *reader, config_setting_t *top) {
-    static const char *const absent[] = {"body", "contacts", "subdivision", "style",
-                                         "head", "start",    "render",      NULL};
+    static const char *const absent[] = {"body",  "contacts", "subdivision",
+                                         "start", "render",   NULL};
     for (int i = 0; absent[i]; i++) {
         config_setting_t *group = config_setting_get_member(top, absent[i]);
         if (group)
@@ -72,6 +72,41 @@ static void read_gust(struct config_reader *reader, config_setting_t *group, str
     config_known(reader, group, known);
     wind->hold = config_required(reader, group, "hold", NOT_NEGATIVE);
     wind->decay = config_required(reader, group, "decay", POSITIVE);
+}
+
+/* Knot times: ascending. Returns their number. */
+static int read_times(struct config_reader *reader, config_setting_t *group, double *times) {
+    const int count = config_numbers(reader, group, "times", 1, KNOTS_MAX, times);
+    if (count == 0)
+        config_fail(reader, group, "times: missing; must be 1 to %d numbers in brackets",
+                    KNOTS_MAX);
+    for (int k = 1; k < count; k++)
+        if (times[k] <= times[k - 1])
+            config_fail(reader, config_setting_get_member(group, "times"),
+                        "times: %g does not come after %g", times[k], times[k - 1]);
+    return count;
+}
+
+static void read_style(struct config_reader *reader, config_setting_t *top, struct style *style) {
+    static const char *const known[] = {"times", "accelerations", NULL};
+    config_setting_t *group = config_group(reader, top, "style");
+    if (!group || reader->failed)
+        return;
+    config_known(reader, group, known);
+    style->knots = read_times(reader, group, style->time);
+    config_vectors(reader, group, "accelerations", style->knots, style->acceleration);
+}
+
+static void read_head(struct config_reader *reader, config_setting_t *top,
+                      struct head_motion *head) {
+    static const char *const known[] = {"times", "positions", "rotations", NULL};
+    config_setting_t *group = config_group(reader, top, "head");
+    if (!group || reader->failed)
+        return;
+    config_known(reader, group, known);
+    head->knots = read_times(reader, group, head->time);
+    config_vectors(reader, group, "positions", head->knots, head->position);
+    config_vectors(reader, group, "rotations", head->knots, head->rotation);
 }
 
 static void read_irregular(struct config_reader *reader, config_setting_t *group,
@@ -140,7 +175,6 @@ static void read_grid(struct config_reader *reader, config_setting_t *entry, str
                             only_grids[i]);
         return;
     }
-    config_setting_t *across = config_setting_get_member(entry, "across");
     grid->spacing = config_required(reader, entry, "spacing", POSITIVE);
     for (int d = 0; d < 2; d++) {
         if (count[d] < 1 || count[d] > 1000 || count[d] != floor(count[d])) {
@@ -150,32 +184,9 @@ static void read_grid(struct config_reader *reader, config_setting_t *entry, str
         }
         grid->count[d] = (int)count[d];
     }
-    if (!across || !config_setting_is_list(across) || config_setting_length(across) != 2) {
-        config_fail(reader, across ? across : entry,
-                    "across: must be the grid's two directions, ([x, y, z], [x, y, z])");
-        return;
-    }
-    for (int d = 0; d < 2; d++) {
-        config_setting_t *direction = config_setting_get_elem(across, (unsigned)d);
-        for (int k = 0; k < 3; k++) {
-            const config_setting_t *number = config_setting_length(direction) == 3
-                                                 ? config_setting_get_elem(direction, (unsigned)k)
-                                                 : NULL;
-            if (!number || !config_setting_is_number(number)) {
-                config_fail(reader, across, "across: direction %d must be 3 numbers", d + 1);
-                return;
-            }
-            grid->across[d][k] = config_setting_type(number) == CONFIG_TYPE_FLOAT
-                                     ? config_setting_get_float(number)
-                                     : (double)config_setting_get_int64(number);
-            if (!isfinite(grid->across[d][k])) {
-                config_fail(reader, across, "across: number %d of direction %d is not finite",
-                            k + 1, d + 1);
-                return;
-            }
-        }
+    config_vectors(reader, entry, "across", 2, grid->across);
+    for (int d = 0; d < 2 && !reader->failed; d++)
         normalise(reader, entry, "across", grid->across[d]);
-    }
 }
 
 /* Adds an entry's wisps: along the grid's first direction fastest. */
@@ -228,9 +239,9 @@ static void read_entry(struct config_reader *reader, config_setting_t *entry,
 }
 
 void scene_read_wisps(struct config_reader *reader, config_setting_t *top, struct scene *scene) {
-    static const char *const known[] = {"name",     "problem", "duration", "frame_rate",
-                                        "seed",     "run",     "gravity",  "material",
-                                        "envelope", "wisps",   "wind",     NULL};
+    static const char *const known[] = {"name", "problem", "duration", "frame_rate", "seed",
+                                        "run",  "gravity", "material", "envelope",   "wisps",
+                                        "wind", "style",   "head",     NULL};
     struct wisp material = {0};
     refuse_absent_features(reader, top);
     config_known(reader, top, known);
@@ -238,6 +249,8 @@ void scene_read_wisps(struct config_reader *reader, config_setting_t *top, struc
     read_material(reader, top, &material);
     read_envelope(reader, top, &material);
     read_wind(reader, top, &scene->around.wind);
+    read_style(reader, top, &scene->around.style);
+    read_head(reader, top, &scene->around.head);
     scene->collision_rate = 300;
 
     config_setting_t *wisps = config_setting_get_member(top, "wisps");

@@ -178,7 +178,7 @@ static void advance_parts(struct simulation *sim, double to) {
     }
     if (going(sim) && interrupted(sim, reached))
         end_with(sim, (enum outcome) * sim->watch->stop, "stopped from outside");
-    sim->t = reached;
+    sim->t = sim->model->t = reached;
     sim->result->time = reached;
 }
 

@@ -3,6 +3,8 @@
 #ifndef WISPLAB_WISP_H
 #define WISPLAB_WISP_H
 
+#include "prescribed.h"
+
 enum { SAMPLES_MAX = 16 };
 
 enum bending { BENDING_NONE, BENDING_SKIP, BENDING_HINGE };
@@ -49,6 +51,8 @@ struct wind {
 struct surroundings {
     double gravity[3]; /* m/s^2 */
     struct wind wind;
+    struct style style;
+    struct head_motion head;
 };
 
 /* w(t): uniform in space. */

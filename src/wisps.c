@@ -26,16 +26,20 @@ static const struct kernel {
                     struct system *);
     void (*free)(void *);
     void (*rest)(void *, double *, double *);
+    void (*prescribe)(void *, double);
     void (*sample)(void *, int, const double *, const double *, double *, int);
+    void (*sample_accelerations)(void *, int, const double *, double *, int);
     void (*restore)(void *, int, const double *, int, double *, double *);
     int (*clamp)(void *, double *, double *);
     double (*strain)(void *, int, const double *);
     const struct system_ops *ops;
 } kernels[] = {
-    {1, kernel_create_1, kernel_free_1, kernel_rest_1, kernel_sample_1, kernel_restore_1,
-     kernel_clamp_1, kernel_strain_1, &kernel_ops_1},
-    {4, kernel_create_4, kernel_free_4, kernel_rest_4, kernel_sample_4, kernel_restore_4,
-     kernel_clamp_4, kernel_strain_4, &kernel_ops_4},
+    {1, kernel_create_1, kernel_free_1, kernel_rest_1, kernel_prescribe_1, kernel_sample_1,
+     kernel_sample_accelerations_1, kernel_restore_1, kernel_clamp_1, kernel_strain_1,
+     &kernel_ops_1},
+    {4, kernel_create_4, kernel_free_4, kernel_rest_4, kernel_prescribe_4, kernel_sample_4,
+     kernel_sample_accelerations_4, kernel_restore_4, kernel_clamp_4, kernel_strain_4,
+     &kernel_ops_4},
 };
 
 /* Which wisps of the scene a part holds, by lane; padding lanes repeat the first. */
@@ -54,6 +58,7 @@ struct wisp_model {
     int *first_row;        /* by wisp: its first row of a frame */
     char **columns, **rate_columns;
     char name[64];
+    double kinks[1 + 2 * KNOTS_MAX];
 };
 
 /* --- parts --- */
@@ -187,6 +192,7 @@ static void wisps_sample(const struct model *model, double *rows) {
     const int stride = model->column_count;
     for (int i = 0; i < model->part_count; i++) {
         const struct part *part = &model->parts[i];
+        m->kernel->prescribe(part->system.ctx, model->t);
         for (int k = 0; k < m->batches[i].count; k++) {
             const int wisp = m->batches[i].wisp[k];
             double *first = rows + m->first_row[wisp] * stride;
@@ -212,22 +218,19 @@ static void wisps_restore(struct model *model, const double *rows) {
     }
 }
 
-/* A node's unknowns stand in the order of the columns; prescribed nodes and their rings are at
- * rest. */
 static void wisps_sample_accelerations(const struct model *model, double *const *a, double *rows) {
     const struct wisp_model *m = (const struct wisp_model *)model;
-    const int stride = model->rate_column_count, unknowns = stride - 2, lanes = m->kernel->lanes;
-    memset(rows, 0, (size_t)(model->row_count * stride) * sizeof *rows);
+    const int stride = model->rate_column_count;
     for (int i = 0; i < model->part_count; i++) {
+        m->kernel->prescribe(model->parts[i].system.ctx, model->t);
         for (int k = 0; k < m->batches[i].count; k++) {
             const int wisp = m->batches[i].wisp[k];
+            double *first = rows + m->first_row[wisp] * stride;
             for (int node = 0; node < m->scene->wisps[wisp].nodes; node++) {
-                double *row = rows + (m->first_row[wisp] + node) * stride;
-                row[0] = wisp;
-                row[1] = node;
-                for (int u = 0; u < unknowns && node >= 2; u++)
-                    row[2 + u] = a[i][((node - 2) * unknowns + u) * lanes + k];
+                first[node * stride] = wisp;
+                first[node * stride + 1] = node;
             }
+            m->kernel->sample_accelerations(model->parts[i].system.ctx, k, a[i], first + 2, stride);
         }
     }
 }
@@ -245,6 +248,7 @@ static int wisps_terms(const struct scene *scene, const char **names, int most) 
         wisp->stretch_stiffness > 0 ? "stretch" : NULL,
         wisp->bending_stiffness > 0 ? bending[wisp->bending] : NULL,
         wisp->samples > 0 ? "envelope" : NULL,
+        scene->around.style.knots > 0 ? "style" : NULL,
     };
     int count = 0;
     for (size_t i = 0; i < sizeof all / sizeof *all; i++)
@@ -259,6 +263,7 @@ static void wisps_tick(struct model *model, unsigned events, int *changed) {
     const struct wisp_model *m = (const struct wisp_model *)model;
     for (int i = 0; i < model->part_count && events & STOP_COLLISION; i++) {
         struct part *part = &model->parts[i];
+        m->kernel->prescribe(part->system.ctx, model->t);
         changed[i] = m->kernel->clamp(part->system.ctx, part->q, part->v);
     }
 }
@@ -269,7 +274,8 @@ static const double largest_strain = 0.1;
 
 static enum outcome wisps_check(const struct model *model, char *reason, int reason_size) {
     const struct wisp_model *m = (const struct wisp_model *)model;
-    for (int i = 0; i < model->part_count; i++)
+    for (int i = 0; i < model->part_count; i++) {
+        m->kernel->prescribe(model->parts[i].system.ctx, model->t);
         for (int k = 0; k < m->batches[i].count; k++) {
             const double strain =
                 m->kernel->strain(model->parts[i].system.ctx, k, model->parts[i].q);
@@ -280,6 +286,7 @@ static enum outcome wisps_check(const struct model *model, char *reason, int rea
                      m->batches[i].wisp[k], strain, largest_strain);
             return DIVERGED;
         }
+    }
     return FINISHED;
 }
 
@@ -319,6 +326,31 @@ static void wisps_free(struct model *model) {
     free(m);
 }
 
+static int ascending(const void *a, const void *b) {
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Where a prescribed function of time has a kink: the end of a gust's hold, knots of style and of
+ * the head's motion. */
+static void gather_kinks(struct wisp_model *m) {
+    const struct surroundings *around = &m->scene->around;
+    int count = 0;
+    if (around->wind.kind == WIND_GUST)
+        m->kinks[count++] = around->wind.hold;
+    for (int k = 0; k < around->style.knots; k++)
+        m->kinks[count++] = around->style.time[k];
+    for (int k = 0; k < around->head.knots; k++)
+        m->kinks[count++] = around->head.time[k];
+    qsort(m->kinks, (size_t)count, sizeof *m->kinks, ascending);
+    m->model.kinks = m->kinks;
+    m->model.kink_count = count;
+    while (m->model.kink_count > 0 && m->model.kinks[0] <= 0) { /* before the start: no stop */
+        m->model.kinks++;
+        m->model.kink_count--;
+    }
+}
+
 static struct model *wisps_create(const struct scene *scene, int treatment, int lanes) {
     struct wisp_model *m = calloc(1, sizeof *m);
     const size_t wisps = (size_t)scene->wisp_count;
@@ -342,10 +374,7 @@ static struct model *wisps_create(const struct scene *scene, int treatment, int 
     }
     if (scene->wisps[0].samples > 0)
         m->model.collision_rate = scene->collision_rate;
-    if (scene->around.wind.kind == WIND_GUST) {
-        m->model.kinks = &scene->around.wind.hold;
-        m->model.kink_count = 1;
-    }
+    gather_kinks(m);
     return &m->model;
 }
 

@@ -57,8 +57,8 @@ static lane sample_energy(const struct kernel_part *part, int i, int j, const do
 }
 
 double LANED(kernel_energy)(void *ctx, double t, const double *q, const double *v) {
-    (void)t;
     struct kernel_part *part = ctx;
+    LANED(kernel_prescribe)(part, t);
     const double *g = part->surroundings->gravity;
     const struct vec gravity = {lane_all(g[0]), lane_all(g[1]), lane_all(g[2])};
     lane energy = elastic_energy(part, q);

@@ -133,9 +133,11 @@ SPECIALISED struct vec move_penalty(const struct kernel_part *part, const struct
 /* Frames along the wisp, and with them the accelerations of all unknowns. */
 SPECIALISED void walk_nodes(struct kernel_part *part, double t, const double *q, const double *v,
                             double *acceleration, enum wisp_treatment treatment, int samples) {
-    double wind[3];
-    const double *g = part->surroundings->gravity;
+    double wind[3], g[3];
     wind_velocity(&part->surroundings->wind, t, wind);
+    style_acceleration(&part->surroundings->style, t, g);
+    for (int c = 0; c < 3; c++)
+        g[c] += part->surroundings->gravity[c];
     if (samples > 0)
         plane_normals(part);
 
@@ -173,6 +175,7 @@ static int refuse_state(struct kernel_part *part, const double *q, const double 
 
 int LANED(kernel_acceleration)(void *ctx, double t, const double *q, const double *v, double *a) {
     struct kernel_part *part = ctx;
+    LANED(kernel_prescribe)(part, t);
     const mask sound = part->bending == BENDING_SKIP    ? walk_springs(part, q, v, BENDING_SKIP)
                        : part->bending == BENDING_HINGE ? walk_springs(part, q, v, BENDING_HINGE)
                                                         : walk_springs(part, q, v, BENDING_NONE);

@@ -26,6 +26,15 @@
     void kernel_restore_##lanes(void *part, int which, const double *rows, int stride, double *q,  \
                                 double *v);                                                        \
                                                                                                    \
+    /* Accelerations `a`, in the layout of v, likewise: 3 numbers for a node and 1 or 3 for each   \
+     * sample; those of nodes 0 and 1 are the head's at the time last prescribed. */               \
+    void kernel_sample_accelerations_##lanes(void *part, int which, const double *a, double *rows, \
+                                             int stride);                                          \
+                                                                                                   \
+    /* Puts nodes 0 and 1 where the head has them at time t; without head motion they stay.        \
+     * Accelerations and linearisations do so by themselves. */                                    \
+    void kernel_prescribe_##lanes(void *part, double t);                                           \
+                                                                                                   \
     /* Keeps samples on their side of the node (Plante 1999, section 4.1.2): those nearer than     \
      * 1e-3 R are put there and no longer move inwards. Returns whether any lane changed. */       \
     int kernel_clamp_##lanes(void *part, double *q, double *v);                                    \

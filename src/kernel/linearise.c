@@ -277,8 +277,8 @@ static mask walk(struct kernel_part *part, const double *q, const double *v) {
 
 int LANED(kernel_linearise)(void *ctx, enum jacobian kind, double t, const double *q,
                             const double *v) {
-    (void)t;
     struct kernel_part *part = ctx;
+    LANED(kernel_prescribe)(part, t);
     if (!part->matrix)
         part->matrix = LANED(kernel_matrix_create)(part);
     if (!part->matrix)

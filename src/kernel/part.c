@@ -6,6 +6,52 @@
 
 #include <stdlib.h>
 
+/* --- the head --- */
+
+/* Where a point of the head is, its velocity or its acceleration, by derivative. */
+static struct vec placed(const struct placement *at, int derivative, struct vec rest) {
+    lane y[3];
+    for (int i = 0; i < 3; i++) {
+        const double *row = at->turn[derivative][i];
+        y[i] = at->position[derivative][i] + (row[0] * rest.x + row[1] * rest.y + row[2] * rest.z);
+    }
+    return (struct vec){y[0], y[1], y[2]};
+}
+
+/* A direction is only turned. */
+static struct vec turned(const struct placement *at, struct vec rest) {
+    struct placement turn = *at;
+    memset(turn.position, 0, sizeof turn.position);
+    return placed(&turn, 0, rest);
+}
+
+/* Node i of the rest shape, and sample j of its ring, as the head rests. */
+static struct vec rest_node(const struct kernel_part *part, int i) {
+    return add_scaled(part->rest_root, lane_all(i) * part->spacing, part->rest_tangent);
+}
+
+static struct vec rest_sample(const struct kernel_part *part, int i, int j) {
+    const struct frame frame = {part->rest_normal, cross(part->rest_tangent, part->rest_normal),
+                                part->rest_tangent};
+    return add_scaled(rest_node(part, i), part->radius, half_line(part, &frame, j, part->samples));
+}
+
+static void place_head(struct kernel_part *part, double t) {
+    head_placement(&part->surroundings->head, t, &part->head);
+    for (int i = 0; i < 2; i++) {
+        part->p[i] = placed(&part->head, 0, rest_node(part, i));
+        part->v[i] = placed(&part->head, 1, rest_node(part, i));
+    }
+    part->tangent = turned(&part->head, part->rest_tangent);
+    part->normal = turned(&part->head, part->rest_normal);
+}
+
+void LANED(kernel_prescribe)(void *ctx, double t) {
+    struct kernel_part *part = ctx;
+    if (part->surroundings->head.knots > 0)
+        place_head(part, t);
+}
+
 /* --- making one --- */
 
 /* Takes `count` lanes-wide numbers from a block; all members are made of whole lanes. */
@@ -44,14 +90,11 @@ static void set_vec(struct vec *vec, int k, const double x[3]) {
 static void fill_lane(struct kernel_part *part, int k, const struct wisp *wisp) {
     const double l = wisp_spacing(wisp), omega = 2 * M_PI * wisp->frequency;
     const double stretch = wisp_stretch_constant(wisp), bend = wisp_bending_constant(wisp);
-    double normal[3], second[3];
+    double normal[3];
     wisp_first_normal(wisp->direction, normal);
-    for (int c = 0; c < 3; c++)
-        second[c] = wisp->root[c] + l * wisp->direction[c];
-    set_vec(&part->p[0], k, wisp->root);
-    set_vec(&part->p[1], k, second);
-    set_vec(&part->tangent, k, wisp->direction);
-    set_vec(&part->normal, k, normal);
+    set_vec(&part->rest_root, k, wisp->root);
+    set_vec(&part->rest_tangent, k, wisp->direction);
+    set_vec(&part->rest_normal, k, normal);
     lane_set(&part->spacing, k, l);
     lane_set(&part->skip_length, k, 2 * l);
     lane_set(&part->stretch_k, k, stretch);
@@ -99,6 +142,7 @@ void *LANED(kernel_create)(const struct wisp *const *wisps, const struct surroun
     set_directions(part);
     for (int k = 0; k < LANES; k++)
         fill_lane(part, k, wisps[k]);
+    place_head(part, 0);
     return part;
 }
 
@@ -113,45 +157,62 @@ void LANED(kernel_free)(void *ctx) {
 
 void LANED(kernel_rest)(void *ctx, double *q, double *v) {
     struct kernel_part *part = ctx;
-    const struct frame frame = first_frame(part); /* a straight wisp has one frame */
+    place_head(part, 0);
     memset(v, 0, (size_t)part->system->size * sizeof(double));
     for (int i = 2; i < part->nodes; i++) {
-        double *at = q + (i - 2) * part->node_unknowns * LANES;
-        const struct vec p = add_scaled(part->p[0], lane_all(i) * part->spacing, part->tangent);
-        vec_store(at, 0, p);
+        double *qi = q + (i - 2) * part->node_unknowns * LANES;
+        double *vi = v + (i - 2) * part->node_unknowns * LANES;
+        vec_store(qi, 0, placed(&part->head, 0, rest_node(part, i)));
+        vec_store(vi, 0, placed(&part->head, 1, rest_node(part, i)));
         for (int j = 0; j < part->samples; j++) {
-            if (part->treatment == WISP_PENALTY)
-                vec_store(at, 3 + 3 * j,
-                          add_scaled(p, part->radius, half_line(part, &frame, j, part->samples)));
-            else
-                store(at, 3 + j, part->radius);
+            if (part->treatment == WISP_PENALTY) {
+                vec_store(qi, 3 + 3 * j, placed(&part->head, 0, rest_sample(part, i, j)));
+                vec_store(vi, 3 + 3 * j, placed(&part->head, 1, rest_sample(part, i, j)));
+            } else {
+                store(qi, 3 + j, part->radius);
+            }
         }
     }
 }
 
+/* One lane of a vector, as three numbers. */
+static void put_vec(double *to, struct vec x, int which) {
+    to[0] = lane_get(x.x, which);
+    to[1] = lane_get(x.y, which);
+    to[2] = lane_get(x.z, which);
+}
+
 /* Row of a node that follows the head, with its ring of fixed samples. */
 static void sample_prescribed(const struct kernel_part *part, int which, int i, double *row) {
-    const struct frame frame = first_frame(part);
-    const lane p[3] = {part->p[i].x, part->p[i].y, part->p[i].z};
-    const lane v[3] = {part->v[i].x, part->v[i].y, part->v[i].z};
-    for (int c = 0; c < 3; c++) {
-        row[c] = lane_get(p[c], which);
-        row[3 + c] = lane_get(v[c], which);
-    }
+    put_vec(row, part->p[i], which);
+    put_vec(row + 3, part->v[i], which);
     for (int j = 0; j < part->samples; j++) {
         if (part->treatment == WISP_PENALTY) {
-            const struct vec e =
-                add_scaled(part->p[i], part->radius, half_line(part, &frame, j, part->samples));
-            const lane at[3] = {e.x, e.y, e.z};
-            for (int c = 0; c < 3; c++) {
-                row[6 + 6 * j + c] = lane_get(at[c], which);
-                row[6 + 6 * j + 3 + c] = row[3 + c];
-            }
+            put_vec(row + 6 + 6 * j, placed(&part->head, 0, rest_sample(part, i, j)), which);
+            put_vec(row + 9 + 6 * j, placed(&part->head, 1, rest_sample(part, i, j)), which);
         } else {
             row[6 + 2 * j] = lane_get(part->radius, which);
             row[6 + 2 * j + 1] = 0;
         }
     }
+}
+
+void LANED(kernel_sample_accelerations)(void *ctx, int which, const double *a, double *rows,
+                                        int stride) {
+    const struct kernel_part *part = ctx;
+    for (int i = 0; i < 2; i++) {
+        put_vec(rows + i * stride, placed(&part->head, 2, rest_node(part, i)), which);
+        for (int j = 0; j < part->samples; j++) {
+            double *to = rows + i * stride + 3;
+            if (part->treatment == WISP_PENALTY)
+                put_vec(to + 3 * j, placed(&part->head, 2, rest_sample(part, i, j)), which);
+            else
+                to[j] = 0;
+        }
+    }
+    for (int i = 2; i < part->nodes; i++)
+        for (int u = 0; u < part->node_unknowns; u++)
+            rows[i * stride + u] = a[((i - 2) * part->node_unknowns + u) * LANES + which];
 }
 
 /* Column of a row that holds unknown `u` of a node, its rate being `gap` columns further. */

@@ -25,15 +25,17 @@ struct kernel_part {
     const struct surroundings *surroundings;
     struct system *system; /* whose ctx this is; for reasons of failure */
 
-    struct vec p[2], v[2];      /* nodes 0 and 1: they follow the head */
-    struct vec tangent, normal; /* t_0 and u_0 = u_1 */
-    lane spacing, skip_length;  /* rest lengths, m */
-    lane stretch_k, stretch_c;  /* N/m, N s/m */
-    lane bend_k, bend_c;        /* of the law in use */
-    lane drag;                  /* 1/s */
-    lane radius;                /* m */
-    lane spring_k, spring_c;    /* of a sample along its line, over its mass: 1/s^2, 1/s */
-    lane penalty_k, penalty_c;  /* the same across it */
+    struct vec rest_root, rest_tangent, rest_normal; /* as the head rests */
+    struct placement head;                           /* where the head was when last asked for */
+    struct vec p[2], v[2];                           /* nodes 0 and 1 then */
+    struct vec tangent, normal;                      /* t_0 and u_0 = u_1 then */
+    lane spacing, skip_length;                       /* rest lengths, m */
+    lane stretch_k, stretch_c;                       /* N/m, N s/m */
+    lane bend_k, bend_c;                             /* of the law in use */
+    lane drag;                                       /* 1/s */
+    lane radius;                                     /* m */
+    lane spring_k, spring_c;   /* of a sample along its line, over its mass: 1/s^2, 1/s */
+    lane penalty_k, penalty_c; /* the same across it */
     double cosine[SAMPLES_MAX], sine[SAMPLES_MAX]; /* directions of the samples */
 
     /* by node, 0 and 1 unused */
@@ -58,6 +60,8 @@ void LANED(kernel_product)(void *ctx, double m, double d, double k, const double
 int LANED(kernel_factor)(void *ctx, double alpha, double beta);
 void LANED(kernel_solve)(void *ctx, const double *b, double *x);
 void LANED(kernel_assemble)(void *ctx, double alpha, double beta, double *values);
+
+void LANED(kernel_prescribe)(void *ctx, double t);
 
 /* Tangents and frames of a state, into part->t and part->frames; the lanes in which every segment
  * has a direction. */

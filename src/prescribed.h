@@ -1,0 +1,41 @@
+/* Prescribed functions of time: the head's rigid motion, and style fields. */
+#ifndef WISPLAB_PRESCRIBED_H
+#define WISPLAB_PRESCRIBED_H
+
+enum { KNOTS_MAX = 64 };
+
+/* The head's motion: cubic Hermite between knots, per component of position and of the rotation
+ * vector (axis times angle), with slope (x_(k+1) - x_(k-1)) / (t_(k+1) - t_(k-1)), 0 at the first
+ * and last knot; held outside them. Without knots the head rests. */
+struct head_motion {
+    int knots;
+    double time[KNOTS_MAX];        /* s, ascending */
+    double position[KNOTS_MAX][3]; /* m */
+    double rotation[KNOTS_MAX][3]; /* rad */
+};
+
+/* A rigid motion at one time: what rests at x stands at position + turn x, moves with position' +
+ * turn' x, and so on. */
+struct placement {
+    double position[3][3]; /* value, first and second derivative: m, m/s, m/s^2 */
+    double turn[3][3][3];  /* the same of the rotation matrix: 1, 1/s, 1/s^2 */
+};
+
+void head_placement(const struct head_motion *head, double t, struct placement *placement);
+
+/* Where a point of the head is (derivative 0), its velocity (1) or acceleration (2); a direction is
+ * only turned. */
+void placed_point(const struct placement *placement, int derivative, const double rest[3],
+                  double point[3]);
+void placed_direction(const struct placement *placement, const double rest[3], double direction[3]);
+
+/* An acceleration uniform in space, linear in time between knots, held outside; 0 without. */
+struct style {
+    int knots;
+    double time[KNOTS_MAX];            /* s, ascending */
+    double acceleration[KNOTS_MAX][3]; /* m/s^2 */
+};
+
+void style_acceleration(const struct style *style, double t, double acceleration[3]);
+
+#endif
