@@ -249,6 +249,16 @@ const char *config_text(struct config_reader *reader, config_setting_t *group, c
     return config_setting_get_string(setting);
 }
 
+bool config_switch(struct config_reader *reader, config_setting_t *group, const char *name,
+                   bool absent) {
+    config_setting_t *setting = group ? config_setting_get_member(group, name) : NULL;
+    if (!setting)
+        return absent;
+    if (config_setting_type(setting) != CONFIG_TYPE_BOOL)
+        config_fail(reader, setting, "%s: must be true or false", name);
+    return config_setting_get_bool(setting);
+}
+
 void config_known(struct config_reader *reader, config_setting_t *group, const char *const *known) {
     for (int i = 0; group && i < config_setting_length(group); i++) {
         const config_setting_t *setting = config_setting_get_elem(group, (unsigned)i);

@@ -40,6 +40,10 @@ double config_number(struct config_reader *reader, config_setting_t *group, cons
 const char *config_text(struct config_reader *reader, config_setting_t *group, const char *name,
                         const char *absent);
 
+/* true or false. */
+bool config_switch(struct config_reader *reader, config_setting_t *group, const char *name,
+                   bool absent);
+
 /* `count` numbers in brackets; where `least` is less than `count`, that many will do. Returns how
  * many there are, 0 where the setting is absent. */
 int config_numbers(struct config_reader *reader, config_setting_t *group, const char *name,

@@ -25,8 +25,9 @@ struct model {
     int column_count;
     const char *const *rate_columns; /* of the accelerations, likewise */
     int rate_column_count;
-    double collision_rate; /* Hz of ticks at which `tick` has work; 0: never */
-    const double *kinks;   /* times at which the forces have one, s, ascending */
+    double collision_rate;   /* Hz of ticks at which `tick` has work; 0: never */
+    double interaction_rate; /* likewise, of those between wisps */
+    const double *kinks;     /* times at which the forces have one, s, ascending */
     int kink_count;
 };
 
@@ -63,8 +64,9 @@ struct problem {
     int (*terms)(const struct scene *scene, const char **names, int most);
 
     /* What happens at a stop besides the smooth motion; sets changed[i] where part i's state is no
-     * longer what its stepper left. NULL: nothing. */
-    void (*tick)(struct model *model, unsigned events, int *changed);
+     * longer what its stepper left. Returns FINISHED, or why the run cannot go on. NULL: nothing.
+     */
+    enum outcome (*tick)(struct model *model, unsigned events, int *changed);
 
     /* FINISHED while a finite state is within what the model can mean, else DIVERGED and why.
      * NULL: every finite state is. */

@@ -3,6 +3,7 @@
 #define WISPLAB_SCENE_H
 
 #include "files.h"
+#include "interaction.h"
 #include "wisp.h"
 
 #include <jansson.h>
@@ -25,7 +26,8 @@ struct scene {
     struct surroundings around;
     struct wisp *wisps; /* in the order of the file, grids spread out; owned */
     int wisp_count;
-    double collision_rate; /* Hz */
+    double collision_rate;                   /* Hz */
+    struct interaction_settings interaction; /* of wisps; both responses off: none */
 
     json_t *source; /* all settings as they were given, numbers as reals: what is hashed */
 };

@@ -1,13 +1,14 @@
 #include "scene_wisps.h"
 
+#include "scene_contacts.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* Groups that only other versions read, which would otherwise be passed over in silence. */
 static void refuse_absent_features(struct config_reader *reader, config_setting_t *top) {
-    static const char *const absent[] = {"body",  "contacts", "subdivision",
-                                         "start", "render",   NULL};
+    static const char *const absent[] = {"body", "subdivision", "start", "render", NULL};
     for (int i = 0; absent[i]; i++) {
         config_setting_t *group = config_setting_get_member(top, absent[i]);
         if (group)
@@ -241,7 +242,7 @@ static void read_entry(struct config_reader *reader, config_setting_t *entry,
 void scene_read_wisps(struct config_reader *reader, config_setting_t *top, struct scene *scene) {
     static const char *const known[] = {"name", "problem", "duration", "frame_rate", "seed",
                                         "run",  "gravity", "material", "envelope",   "wisps",
-                                        "wind", "style",   "head",     NULL};
+                                        "wind", "style",   "head",     "contacts",   NULL};
     struct wisp material = {0};
     refuse_absent_features(reader, top);
     config_known(reader, top, known);
@@ -251,7 +252,7 @@ void scene_read_wisps(struct config_reader *reader, config_setting_t *top, struc
     read_wind(reader, top, &scene->around.wind);
     read_style(reader, top, &scene->around.style);
     read_head(reader, top, &scene->around.head);
-    scene->collision_rate = 300;
+    scene_read_contacts(reader, top, material.samples, scene);
 
     config_setting_t *wisps = config_setting_get_member(top, "wisps");
     if (!wisps || !config_setting_is_list(wisps) || config_setting_length(wisps) == 0) {

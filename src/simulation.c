@@ -48,6 +48,7 @@ static void start_clock(struct simulation *sim) {
     sim->clock = clock_start(sim->scene->duration);
     clock_add(&sim->clock, STOP_FRAME, rate, rate > 0 ? 0 : sim->settings->frame_interval);
     clock_add(&sim->clock, STOP_COLLISION, sim->model->collision_rate, 0);
+    clock_add(&sim->clock, STOP_INTERACTION, sim->model->interaction_rate, 0);
     sim->clock.kink = sim->model->kinks;
     sim->clock.kink_count = sim->model->kink_count;
 }
@@ -210,7 +211,9 @@ static void tick(struct simulation *sim, unsigned events) {
     if (!problem->tick)
         return;
     memset(sim->changed, 0, (size_t)sim->model->part_count * sizeof(int));
-    problem->tick(sim->model, events, sim->changed);
+    const enum outcome outcome = problem->tick(sim->model, events, sim->changed);
+    if (outcome != FINISHED)
+        end_with(sim, outcome, "no memory for what happens at a tick");
     for (int i = 0; i < sim->model->part_count; i++)
         if (sim->changed[i] && sim->settings->method->reset)
             sim->settings->method->reset(sim->steppers[i]);

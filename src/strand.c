@@ -21,12 +21,11 @@ static void add_scaled(double a[3], double s, const double b[3]) {
         a[k] += s * b[k];
 }
 
-/* Scales to length 1; returns the length. */
-static double normalise(double a[3]) {
+/* Scales to length 1; what has no length stays 0, a direction that no test takes for one. */
+static void normalise(double a[3]) {
     const double length = sqrt(dot(a, a));
     for (int k = 0; k < 3; k++)
-        a[k] /= length;
-    return length;
+        a[k] = length > 0 ? a[k] / length : 0;
 }
 
 /* --- making one --- */
@@ -47,7 +46,14 @@ struct strand *strand_create(const struct wisp *wisp, enum wisp_treatment treatm
     s->rate = at + 7 * samples;
     s->wisp = wisp;
     s->treatment = treatment;
+    wisp_first_normal(wisp->direction, s->normal);
     return s;
+}
+
+void strand_turn(struct strand *s, const struct placement *head) {
+    double rest[3];
+    wisp_first_normal(s->wisp->direction, rest);
+    placed_direction(head, rest, s->normal);
 }
 
 void strand_free(struct strand *strand) {
@@ -91,7 +97,7 @@ static void refresh_frames(struct strand *s) {
     tangent(s, 0, before);
     for (int i = 0; i < 2; i++) {
         memcpy(s->axis_w[i], before, sizeof before);
-        wisp_first_normal(before, s->axis_u[i]);
+        memcpy(s->axis_u[i], s->normal, sizeof s->normal);
         cross(s->axis_w[i], s->axis_u[i], s->axis_v[i]);
     }
     tangent(s, 1, before);

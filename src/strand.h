@@ -14,6 +14,8 @@ struct strand {
     double (*axis_u)[3], (*axis_v)[3], (*axis_w)[3]; /* frames of section "envelope", unit vectors;
                                                         without envelope w only is of use */
 
+    double normal[3]; /* u_0 = u_1: h across the tangent, h the head's axis */
+
     /* by node and sample, index node * M + sample */
     double *r, *rate;         /* distance along the half-line and its rate, m, m/s */
     double (*e)[3], (*ev)[3]; /* position and velocity, m, m/s: v + rate a where the treatment has
@@ -25,7 +27,10 @@ struct strand {
 /* The unit half-line a of a sample. */
 void strand_half_line(const struct strand *strand, int node, int sample, double a[3]);
 
-/* After p changed: tangents and frames again (from p; the first normal as at rest), then e and ev
+/* Turns the first normal with the head; it is that of a head at rest otherwise. */
+void strand_turn(struct strand *strand, const struct placement *head);
+
+/* After p changed: tangents and frames again, then e and ev
  * of samples given by (r, rate), or r and rate of particles. */
 void strand_refresh(struct strand *strand);
 

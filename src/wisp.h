@@ -20,6 +20,7 @@ struct wisp {
     double length;       /* m */
 
     double hair_count;
+    int splits;               /* subdivisions behind it: it has 2^-splits of the hairs at first */
     double hair_density;      /* kg/m of one hair */
     double stretch_stiffness; /* EA, N */
     double stretch_time;      /* damping over stiffness, s */

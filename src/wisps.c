@@ -1,5 +1,6 @@
 /* The problem of wisps: a scene's wisps, gathered into parts for the kernel. */
 #include "clock.h"
+#include "interaction.h"
 #include "kernel/kernel.h"
 #include "kernel/sparse.h"
 #include "model.h"
@@ -56,6 +57,7 @@ struct wisp_model {
     enum wisp_treatment treatment;
     struct batch *batches; /* one for each part */
     int *first_row;        /* by wisp: its first row of a frame */
+    struct touch *touch;   /* NULL where wisps do not interact */
     char **columns, **rate_columns;
     char name[64];
     double kinks[1 + 2 * KNOTS_MAX];
@@ -257,15 +259,128 @@ static int wisps_terms(const struct scene *scene, const char **names, int most) 
     return count;
 }
 
+/* --- wisps with each other --- */
+
+/* What wisps need to touch. Their order is one of what they are, not of where they stand in the
+ * file: nothing that happens between them, down to the order of sums, depends on the file. */
+struct touch {
+    struct interaction *interaction;
+    double *rows;              /* a frame's, of one wisp at a time */
+    struct strand **by_wisp;   /* owned */
+    struct strand *in_order[]; /* the same */
+};
+
+/* By root, direction, length and nodes; the rest is the same in all wisps of a scene. Wisps of
+ * which all that is equal move alike, and may change places. */
+static int compare_strands(const void *one, const void *other) {
+    const struct wisp *a = (*(struct strand *const *)one)->wisp,
+                      *b = (*(struct strand *const *)other)->wisp;
+    const double of_a[] = {a->root[0],      a->root[1],      a->root[2], a->direction[0],
+                           a->direction[1], a->direction[2], a->length,  a->nodes};
+    const double of_b[] = {b->root[0],      b->root[1],      b->root[2], b->direction[0],
+                           b->direction[1], b->direction[2], b->length,  b->nodes};
+    for (size_t k = 0; k < sizeof of_a / sizeof *of_a; k++)
+        if (of_a[k] != of_b[k])
+            return of_a[k] < of_b[k] ? -1 : 1;
+    return 0;
+}
+
+static void free_touch(struct touch *touch, int wisps) {
+    if (!touch)
+        return;
+    for (int i = 0; touch->by_wisp && i < wisps; i++)
+        strand_free(touch->by_wisp[i]);
+    free(touch->by_wisp);
+    free(touch->rows);
+    interaction_free(touch->interaction);
+    free(touch);
+}
+
+static int create_touch(struct wisp_model *m) {
+    const struct scene *scene = m->scene;
+    const size_t wisps = (size_t)scene->wisp_count;
+    int nodes = 0;
+    struct touch *touch = calloc(1, sizeof *touch + wisps * sizeof *touch->in_order);
+    m->touch = touch;
+    if (!touch)
+        return -1;
+    touch->interaction = interaction_create(&scene->interaction);
+    touch->by_wisp = calloc(wisps, sizeof *touch->by_wisp);
+    for (size_t i = 0; touch->by_wisp && i < wisps; i++) {
+        const struct wisp *wisp = &scene->wisps[i];
+        touch->by_wisp[i] = strand_create(wisp, m->treatment);
+        if (!touch->by_wisp[i])
+            return -1;
+        touch->in_order[i] = touch->by_wisp[i];
+        nodes = wisp->nodes > nodes ? wisp->nodes : nodes;
+    }
+    touch->rows = calloc((size_t)(nodes * m->model.column_count), sizeof(double));
+    if (!touch->interaction || !touch->by_wisp || !touch->rows)
+        return -1;
+    qsort(touch->in_order, wisps, sizeof(struct strand *), compare_strands);
+    m->model.interaction_rate = scene->interaction.rate;
+    return 0;
+}
+
+static void load_strands(const struct wisp_model *m) {
+    const int stride = m->model.column_count - 2;
+    struct placement head;
+    head_placement(&m->scene->around.head, m->model.t, &head);
+    for (int i = 0; i < m->model.part_count; i++) {
+        const struct part *part = &m->model.parts[i];
+        m->kernel->prescribe(part->system.ctx, m->model.t);
+        for (int k = 0; k < m->batches[i].count; k++) {
+            m->kernel->sample(part->system.ctx, k, part->q, part->v, m->touch->rows, stride);
+            struct strand *strand = m->touch->by_wisp[m->batches[i].wisp[k]];
+            strand_turn(strand, &head);
+            strand_load(strand, m->touch->rows, stride);
+        }
+    }
+}
+
+/* Lanes that only pad repeat a wisp, and change with it. */
+static void store_strands(struct wisp_model *m, int *changed) {
+    const int stride = m->model.column_count - 2;
+    for (int i = 0; i < m->model.part_count; i++) {
+        struct part *part = &m->model.parts[i];
+        for (int k = 0; k < m->kernel->lanes; k++) {
+            const struct strand *strand = m->touch->by_wisp[m->batches[i].wisp[k]];
+            if (!strand->changed)
+                continue;
+            strand_store(strand, m->touch->rows, stride);
+            m->kernel->restore(part->system.ctx, k, m->touch->rows, stride, part->q, part->v);
+            changed[i] = 1;
+        }
+    }
+}
+
+static enum outcome interact(struct wisp_model *m, int *changed) {
+    load_strands(m);
+    if (interaction_tick(m->touch->interaction, m->touch->in_order, m->scene->wisp_count) < 0)
+        return OUT_OF_MEMORY;
+    store_strands(m, changed);
+    return FINISHED;
+}
+
 /* --- the clock --- */
 
-static void wisps_tick(struct model *model, unsigned events, int *changed) {
-    const struct wisp_model *m = (const struct wisp_model *)model;
-    for (int i = 0; i < model->part_count && events & STOP_COLLISION; i++) {
-        struct part *part = &model->parts[i];
-        m->kernel->prescribe(part->system.ctx, model->t);
-        changed[i] = m->kernel->clamp(part->system.ctx, part->q, part->v);
+static void clamp(struct wisp_model *m, int *changed) {
+    for (int i = 0; i < m->model.part_count; i++) {
+        struct part *part = &m->model.parts[i];
+        m->kernel->prescribe(part->system.ctx, m->model.t);
+        changed[i] |= m->kernel->clamp(part->system.ctx, part->q, part->v);
     }
+}
+
+/* At one time wisps touch first, then samples are kept off their nodes. */
+static enum outcome wisps_tick(struct model *model, unsigned events, int *changed) {
+    struct wisp_model *m = (struct wisp_model *)model;
+    enum outcome outcome = FINISHED;
+    if (events & STOP_INTERACTION && m->touch)
+        outcome = interact(m, changed);
+    if (events & STOP_COLLISION && outcome == FINISHED)
+        clamp(m, changed);
+    return outcome;
 }
 
 /* Stable runs stay below 0.01 at the default material, and Runge-Kutta 4 just past its limit of
@@ -318,6 +433,7 @@ static void wisps_free(struct model *model) {
         free(model->parts[i].q);
         free(model->parts[i].v);
     }
+    free_touch(m->touch, m->scene->wisp_count);
     free_names(m->columns);
     free_names(m->rate_columns);
     free(m->first_row);
@@ -368,7 +484,10 @@ static struct model *wisps_create(const struct scene *scene, int treatment, int 
         m->model.part_count = gather_batches(m);
     for (int i = 0; i < m->model.part_count && !code; i++)
         code = create_part(m, i);
-    if (code || name_columns(m) || name_rate_columns(m) || count_rows(m)) {
+    code = code || name_columns(m) || name_rate_columns(m) || count_rows(m);
+    if (!code && (scene->interaction.interpenetration || scene->interaction.collision))
+        code = create_touch(m);
+    if (code) {
         wisps_free(&m->model);
         return NULL;
     }

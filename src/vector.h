@@ -1,0 +1,27 @@
+/* Vectors of three numbers. */
+#ifndef WISPLAB_VECTOR_H
+#define WISPLAB_VECTOR_H
+
+#include <math.h>
+
+static inline double vector_dot(const double a[3], const double b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static inline void vector_cross(const double a[3], const double b[3], double c[3]) {
+    c[0] = a[1] * b[2] - a[2] * b[1];
+    c[1] = a[2] * b[0] - a[0] * b[2];
+    c[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/* a += s b */
+static inline void vector_add(double a[3], double s, const double b[3]) {
+    for (int k = 0; k < 3; k++)
+        a[k] += s * b[k];
+}
+
+static inline double vector_length(const double a[3]) {
+    return sqrt(vector_dot(a, a));
+}
+
+#endif
