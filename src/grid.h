@@ -14,7 +14,7 @@ void grid_free(struct grid *grid);
 int grid_fill(struct grid *grid, double cell, const double (*points)[3], int count);
 
 /* Writes the numbers of all points in a box, borders included, each once, in no useful order;
- * `found` has room for all points. Returns how many. */
+ * `found` has room for one more than all points. Returns how many. */
 int grid_find(const struct grid *grid, const double low[3], const double high[3], int *found);
 
 #endif

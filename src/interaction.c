@@ -12,9 +12,10 @@
 struct volume {
     struct section section;
     int strand;
-    int end[2];        /* points that are its nodes; -1: prescribed */
-    const double *v;   /* of node i where it is prescribed, m/s */
-    double density;    /* chi */
+    int end[2];      /* points that are its nodes; -1: prescribed */
+    const double *v; /* of node i where it is prescribed, m/s */
+    double density;  /* chi */
+    int own[2];      /* points too near along its own wisp, i - 1 <= k <= i + 2: from, to before */
     int first_contact; /* first of its contacts, which end where the next one's begin */
 };
 
@@ -37,7 +38,7 @@ struct interaction {
     struct volume *volume;
     struct point *point;
     double (*x)[3]; /* by point, m */
-    int *found;     /* room for the numbers of all points */
+    int *found;     /* room for what grid_find finds */
     struct contact *contact;
 };
 
@@ -80,7 +81,7 @@ static int make_room(struct interaction *it, int volumes, int points) {
         free(it->found);
         it->point = malloc((size_t)points * sizeof *it->point);
         it->x = malloc((size_t)points * sizeof *it->x);
-        it->found = malloc((size_t)points * sizeof *it->found);
+        it->found = malloc(((size_t)points + 1) * sizeof *it->found);
         it->point_room = it->point && it->x && it->found ? points : 0;
     }
     return volumes > it->volume_room || points > it->point_room ? -1 : 0;
@@ -135,14 +136,17 @@ static void add_sections(struct interaction *it, const struct strand *strand, in
                          int points) {
     const struct wisp *wisp = strand->wisp;
     const double share = ldexp(1, -wisp->splits), rest = wisp->radius * wisp->radius;
-    for (int i = 1; i < wisp->nodes - 1; i++) {
+    const int each = 1 + wisp->samples, last = wisp->nodes - 1;
+    for (int i = 1; i < last; i++) {
         struct volume *volume = &it->volume[it->volume_count++];
         section_make(&volume->section, strand, i);
         volume->strand = index;
         volume->v = strand->v[i];
         volume->density = fmin(4, rest / volume->section.mean_r2) * share;
         for (int end = 0; end < 2; end++)
-            volume->end[end] = i + end < 2 ? -1 : points + (i + end - 2) * (1 + wisp->samples);
+            volume->end[end] = i + end < 2 ? -1 : points + (i + end - 2) * each;
+        volume->own[0] = points + (i > 3 ? i - 3 : 0) * each;
+        volume->own[1] = points + (i < last - 2 ? i + 1 : last - 1) * each;
     }
 }
 
@@ -226,8 +230,8 @@ static void respond(const struct interaction *it, struct contact *contact,
 
 /* --- which points are in which sections --- */
 
-/* A cell is as large as a section's box in the mean. One that has flown apart must not make all
- * cells large: none counts for more than eight sections at rest. */
+/* A cell is as large as a section's box in the mean (half as large: slower by a third). One that
+ * has flown apart must not make all cells large: none counts for more than eight at rest. */
 static double cell_side(const struct interaction *it, struct strand *const *strands) {
     double sum = 0;
     for (int i = 0; i < it->volume_count; i++) {
@@ -242,23 +246,18 @@ static double cell_side(const struct interaction *it, struct strand *const *stra
     return sum / it->volume_count;
 }
 
-/* A node and its samples against sections of their own wisp: not those at the node and next to it,
- * which they belong to or share a plane with. */
-static int is_neighbour(const struct volume *volume, const struct contact_place *place) {
-    const int i = volume->section.index, k = place->node;
-    return volume->strand == place->strand && i >= k - 2 && i <= k + 1;
-}
-
-/* Sorts numbers, by insertion at shrinking distances (Shell; gaps of Ciura): qsort may allocate. */
-static void sort(int *x, int count) {
-    static const int gaps[] = {29524, 9841, 3280, 1093, 364, 121, 40, 13, 4, 1};
-    for (int g = 0; g < 10; g++) {
-        for (int i = gaps[g]; i < count; i++) {
-            const int moving = x[i];
+/* Sorts by point: insertion at shrinking distances (Shell; Knuth's), for qsort may allocate. */
+static void sort(struct contact *contact, int count) {
+    int gap = 1;
+    while (gap < count / 3)
+        gap = 3 * gap + 1;
+    for (; gap > 0; gap /= 3) {
+        for (int i = gap; i < count; i++) {
+            const struct contact moving = contact[i];
             int to = i;
-            for (; to >= gaps[g] && x[to - gaps[g]] > moving; to -= gaps[g])
-                x[to] = x[to - gaps[g]];
-            x[to] = moving;
+            for (; to >= gap && contact[to - gap].point > moving.point; to -= gap)
+                contact[to] = contact[to - gap];
+            contact[to] = moving;
         }
     }
 }
@@ -273,16 +272,16 @@ static int find_in_section(struct interaction *it, int section) {
         near = grid_find(it->grid, volume->section.low, volume->section.high, it->found);
     if (make_contact_room(it, near))
         return -1;
-    sort(it->found, near);
     for (int i = 0; i < near; i++) {
         const int point = it->found[i];
-        if (is_neighbour(volume, &it->point[point].place) ||
+        if ((point >= volume->own[0] && point < volume->own[1]) ||
             !section_contains(&volume->section, it->x[point], &place))
             continue;
         struct contact *contact = &it->contact[it->contact_count++];
         *contact = (struct contact){.section = section, .point = point};
         respond(it, contact, &place);
     }
+    sort(it->contact + volume->first_contact, it->contact_count - volume->first_contact);
     return 0;
 }
 

@@ -66,6 +66,10 @@ void section_make(struct section *s, const struct strand *strand, int index) {
     s->reach = fmax(most[0], most[1]);
     s->mean_r2 = squares / (2 * strand->wisp->samples);
     make_box(s, most);
+    double apart[3] = {s->lean[0][0], s->lean[0][1], s->lean[0][2]};
+    vector_add(apart, -1, s->lean[1]);
+    s->wedge =
+        s->reach * vector_length(apart) < s->length ? 1e-9 * (s->length + s->reach) : INFINITY;
 }
 
 /* --- is a point in it --- */
@@ -73,9 +77,14 @@ void section_make(struct section *s, const struct strand *strand, int index) {
 /* The radius of the envelope at a node in a direction of its bisector plane. */
 static double radius_towards(const struct strand *strand, int node, const double direction[3]) {
     const int samples = strand->wisp->samples;
-    const double turn = atan2(vector_dot(direction, strand->axis_v[node]),
-                              vector_dot(direction, strand->axis_u[node])) /
-                        (2 * M_PI); /* from -1/2 to 1/2 */
+    const double u = vector_dot(direction, strand->axis_u[node]),
+                 v = vector_dot(direction, strand->axis_v[node]);
+    if (samples == 4) { /* psi's cosine and sine are u and v themselves, in some order */
+        const double a = section_radius(strand, node, u < 0 ? 2 : 0),
+                     b = section_radius(strand, node, v < 0 ? 3 : 1);
+        return a * b / sqrt(u * u * b * b + v * v * a * a);
+    }
+    const double turn = atan2(v, u) / (2 * M_PI); /* from -1/2 to 1/2 */
     const double at = (turn < 0 ? turn + 1 : turn) * samples;
     const int j = (int)at < samples ? (int)at : samples - 1; /* turn + 1 may round to 1 */
     const double psi = (at - j) * (M_PI / 2), c = cos(psi), d = sin(psi);
@@ -124,12 +133,16 @@ int section_contains(const struct section *s, const double point[3], struct sect
         across[k] = point[k] - s->strand->p[s->index][k];
     x[0] = place->x = vector_dot(across, s->t);
     vector_add(across, -x[0], s->t);
-    x[1] = vector_length(across);
+    const double square = vector_dot(across, across);
+    if (!(square <= s->reach * s->reach))
+        return 0;
+    if (x[0] < -vector_dot(across, s->lean[0]) - s->wedge ||
+        x[0] > s->length - vector_dot(across, s->lean[1]) + s->wedge)
+        return 0; /* most points are told here, without a root */
+    x[1] = sqrt(square);
     memset(place->q, 0, sizeof place->q);
     if (x[1] < on_axis)
         return x[0] >= 0 && x[0] < s->length;
-    if (!(x[1] <= s->reach))
-        return 0;
     for (int k = 0; k < 3; k++)
         place->q[k] = across[k] / x[1];
     return in_quadrilateral(s, place->q, x);

@@ -15,7 +15,9 @@ struct section {
     double mean_r2;    /* mean of r^2 over the samples of both ends, m^2 */
     double low[3];     /* a box with all of it, */
     double high[3];    /* rounding of section_contains included */
-    double lean[2][3]; /* w / (t.w) of both ends */
+    double lean[2][3]; /* w / (t.w) of both ends: the plane is x = -(d.lean), d across the axis */
+    double wedge;      /* margin of x beyond the planes where nothing is; infinite where they meet
+                          within reach and the quadrilateral may cross itself */
 };
 
 /* Where in a section a point is. */

@@ -32,7 +32,7 @@ static void normalise(double a[3]) {
 
 struct strand *strand_create(const struct wisp *wisp, enum wisp_treatment treatment) {
     const size_t n = (size_t)wisp->nodes, samples = n * (size_t)wisp->samples;
-    const size_t numbers = 3 * 5 * n + (2 + 6) * samples;
+    const size_t numbers = 3 * 5 * n + (2 + 6) * samples + 2 * (size_t)wisp->samples;
     struct strand *s = calloc(1, sizeof *s + numbers * sizeof(double));
     if (!s)
         return NULL;
@@ -44,6 +44,12 @@ struct strand *strand_create(const struct wisp *wisp, enum wisp_treatment treatm
     s->ev = (double(*)[3])(at + 3 * samples);
     s->r = at + 6 * samples;
     s->rate = at + 7 * samples;
+    s->turn = (double(*)[2])(at + 8 * samples);
+    for (int j = 0; j < wisp->samples; j++) {
+        const double angle = 2 * M_PI * j / wisp->samples;
+        s->turn[j][0] = cos(angle);
+        s->turn[j][1] = sin(angle);
+    }
     s->wisp = wisp;
     s->treatment = treatment;
     wisp_first_normal(wisp->direction, s->normal);
@@ -114,9 +120,9 @@ static void refresh_frames(struct strand *s) {
 }
 
 void strand_half_line(const struct strand *s, int node, int sample, double a[3]) {
-    const double angle = 2 * M_PI * sample / s->wisp->samples, c = cos(angle), d = sin(angle);
+    const double *turn = s->turn[sample];
     for (int k = 0; k < 3; k++)
-        a[k] = c * s->axis_u[node][k] + d * s->axis_v[node][k];
+        a[k] = turn[0] * s->axis_u[node][k] + turn[1] * s->axis_v[node][k];
 }
 
 /* --- samples --- */

@@ -21,6 +21,8 @@ struct strand {
     double (*e)[3], (*ev)[3]; /* position and velocity, m, m/s: v + rate a where the treatment has
                                  (r, rate), else the particle's own */
 
+    double (*turn)[2]; /* by sample: cosine and sine of its angle from axis_u */
+
     int changed; /* set by whoever changes p, v, r, rate, e or ev */
 };
 
