@@ -61,9 +61,9 @@ struct problem {
      * NULL: no names. */
     int (*terms)(const struct scene *scene, const char **names, int most);
 
-    /* What happens at a stop besides the smooth motion; sets changed[i] where part i's state is no
-     * longer what its stepper left. NULL: nothing. */
-    void (*tick)(struct model *model, unsigned events, int *changed);
+    /* What happens at a stop at time t besides the smooth motion; sets changed[i] where part i's
+     * state is no longer what its stepper left. NULL: nothing. */
+    void (*tick)(struct model *model, double t, unsigned events, int *changed);
 
     /* FINISHED while a finite state is within what the model can mean, else DIVERGED and why.
      * NULL: every finite state is. */

@@ -1,13 +1,14 @@
 #include "scene_wisps.h"
 
+#include "scene_contacts.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* Groups of later chapters, which would otherwise be passed over in silence. */
 static void refuse_absent_features(struct config_reader *reader, config_setting_t *top) {
-    static const char *const absent[] = {"body", "contacts", "subdivision", "style",
-                                         "head", "start",    "render",      NULL};
+    static const char *const absent[] = {"subdivision", "style", "head", "start", "render", NULL};
     for (int i = 0; absent[i]; i++) {
         config_setting_t *group = config_setting_get_member(top, absent[i]);
         if (group)
@@ -227,9 +228,9 @@ static void read_entry(struct config_reader *reader, config_setting_t *entry,
 }
 
 void scene_read_wisps(struct config_reader *reader, config_setting_t *top, struct scene *scene) {
-    static const char *const known[] = {"name",     "problem", "duration", "frame_rate",
-                                        "seed",     "run",     "gravity",  "material",
-                                        "envelope", "wisps",   "wind",     NULL};
+    static const char *const known[] = {"name", "problem", "duration", "frame_rate", "seed",
+                                        "run",  "gravity", "material", "envelope",   "wisps",
+                                        "wind", "body",    "contacts", NULL};
     struct wisp material = {0};
     refuse_absent_features(reader, top);
     config_known(reader, top, known);
@@ -237,7 +238,7 @@ void scene_read_wisps(struct config_reader *reader, config_setting_t *top, struc
     read_material(reader, top, &material);
     read_envelope(reader, top, &material);
     read_wind(reader, top, &scene->around.wind);
-    scene->collision_rate = 300;
+    scene_read_contacts(reader, top, scene);
 
     config_setting_t *wisps = config_setting_get_member(top, "wisps");
     if (!wisps || !config_setting_is_list(wisps) || config_setting_length(wisps) == 0) {

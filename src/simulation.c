@@ -197,7 +197,7 @@ static void tick(struct simulation *sim, unsigned events) {
     if (!problem->tick)
         return;
     memset(sim->changed, 0, (size_t)sim->model->part_count * sizeof(int));
-    problem->tick(sim->model, events, sim->changed);
+    problem->tick(sim->model, sim->t, events, sim->changed);
     for (int i = 0; i < sim->model->part_count; i++)
         if (sim->changed[i] && sim->settings->method->reset)
             sim->settings->method->reset(sim->steppers[i]);

@@ -29,13 +29,14 @@ static const struct kernel {
     void (*sample)(void *, int, const double *, const double *, double *, int);
     void (*restore)(void *, int, const double *, int, double *, double *);
     int (*clamp)(void *, double *, double *);
+    unsigned (*near)(void *, const double *, const double *, const double *, int, int *);
     double (*strain)(void *, int, const double *);
     const struct system_ops *ops;
 } kernels[] = {
     {1, kernel_create_1, kernel_free_1, kernel_rest_1, kernel_sample_1, kernel_restore_1,
-     kernel_clamp_1, kernel_strain_1, &kernel_ops_1},
+     kernel_clamp_1, kernel_near_1, kernel_strain_1, &kernel_ops_1},
     {4, kernel_create_4, kernel_free_4, kernel_rest_4, kernel_sample_4, kernel_restore_4,
-     kernel_clamp_4, kernel_strain_4, &kernel_ops_4},
+     kernel_clamp_4, kernel_near_4, kernel_strain_4, &kernel_ops_4},
 };
 
 /* Which wisps of the scene a part holds, by lane; padding lanes repeat the first. */
@@ -50,8 +51,10 @@ struct wisp_model {
     const struct scene *scene;
     const struct kernel *kernel;
     enum wisp_treatment treatment;
-    struct batch *batches; /* one for each part */
-    int *first_row;        /* by wisp: its first row of a frame */
+    struct batch *batches;   /* one for each part */
+    int *first_row;          /* by wisp: its first row of a frame */
+    struct strand **strands; /* by wisp, where the scene has contacts; NULL-terminated */
+    double *strand_rows;     /* of the wisp with most nodes, without the columns wisp and node */
     char **columns, **rate_columns;
     char name[64];
 };
@@ -182,6 +185,23 @@ static int count_rows(struct wisp_model *m) {
     return m->first_row ? 0 : -1;
 }
 
+/* Contacts see wisps one by one. */
+static int create_strands(struct wisp_model *m) {
+    const struct scene *scene = m->scene;
+    int most = 0;
+    if (scene->body_count == 0)
+        return 0;
+    m->strands = calloc((size_t)scene->wisp_count + 1, sizeof(struct strand *));
+    for (int i = 0; m->strands && i < scene->wisp_count; i++) {
+        most = scene->wisps[i].nodes > most ? scene->wisps[i].nodes : most;
+        m->strands[i] = strand_create(&scene->wisps[i], m->treatment);
+        if (!m->strands[i])
+            return -1;
+    }
+    m->strand_rows = calloc((size_t)(most * m->model.column_count), sizeof(double));
+    return m->strands && m->strand_rows ? 0 : -1;
+}
+
 static void wisps_sample(const struct model *model, double *rows) {
     const struct wisp_model *m = (const struct wisp_model *)model;
     const int stride = model->column_count;
@@ -255,11 +275,88 @@ static int wisps_terms(const struct scene *scene, const char **names, int most) 
 
 /* --- the clock --- */
 
-static void wisps_tick(struct model *model, unsigned events, int *changed) {
+/* Lays a wisp of a part open, and takes it back into its lane and the padding that repeats it. */
+static struct strand *open_strand(const struct wisp_model *m, int i, int lane) {
+    const struct part *part = &m->model.parts[i];
+    struct strand *strand = m->strands[m->batches[i].wisp[lane]];
+    const int stride = m->model.column_count - 2;
+    m->kernel->sample(part->system.ctx, lane, part->q, part->v, m->strand_rows, stride);
+    strand_load(strand, m->strand_rows, stride);
+    return strand;
+}
+
+static void close_strand(const struct wisp_model *m, int i, int lane) {
+    const struct part *part = &m->model.parts[i];
+    const struct batch *batch = &m->batches[i];
+    const int stride = m->model.column_count - 2;
+    strand_store(m->strands[batch->wisp[lane]], m->strand_rows, stride);
+    for (int k = 0; k < m->kernel->lanes; k++)
+        if (batch->wisp[k] == batch->wisp[lane])
+            m->kernel->restore(part->system.ctx, k, m->strand_rows, stride, part->q, part->v);
+}
+
+/* A tick's bodies. */
+struct bodies {
+    const struct body *body;
+    int count;
+    double t, interval;                    /* s */
+    double boxes[6 * BODIES_MAX], hull[6]; /* around each, around all */
+};
+
+static void place_bodies(const struct scene *scene, double t, struct bodies *bodies) {
+    bodies->body = scene->bodies;
+    bodies->count = scene->body_count;
+    bodies->t = t;
+    bodies->interval = 1 / scene->collision_rate;
+    for (int i = 0; i < bodies->count; i++) {
+        double *box = bodies->boxes + 6 * i, *hull = bodies->hull;
+        body_box(&bodies->body[i], t, box);
+        for (int k = 0; k < 3; k++) {
+            hull[k] = i == 0 || box[k] < hull[k] ? box[k] : hull[k];
+            hull[3 + k] = i == 0 || box[3 + k] > hull[3 + k] ? box[3 + k] : hull[3 + k];
+        }
+    }
+}
+
+/* Section 7, for the wisps of a part that are near a body. Returns whether any changed. */
+static int push_out(const struct wisp_model *m, int i, const struct bodies *bodies, unsigned near) {
+    struct counters *counters = &m->model.parts[i].system.counters;
+    struct body_report report = {0, 0, 0};
+    int changed = 0;
+    for (int k = 0; k < m->batches[i].count; k++) {
+        if (!(near >> k & 1))
+            continue;
+        struct strand *strand = open_strand(m, i, k);
+        body_contact(strand, bodies->body, bodies->count, bodies->t, bodies->interval, &report);
+        if (strand->changed)
+            close_strand(m, i, k);
+        changed |= strand->changed;
+    }
+    counters->body_contacts += report.nodes + report.samples;
+    counters->nodes_left_inside += report.inside;
+    return changed;
+}
+
+/* In the order of section 9, part by part: body contact, then the clamp. Most parts are far from
+ * every body and have nothing to clamp: one look says so. */
+static void wisps_tick(struct model *model, double t, unsigned events, int *changed) {
     const struct wisp_model *m = (const struct wisp_model *)model;
-    for (int i = 0; i < model->part_count && events & STOP_COLLISION; i++) {
-        struct part *part = &model->parts[i];
-        changed[i] = m->kernel->clamp(part->system.ctx, part->q, part->v);
+    const int envelope = m->scene->wisps[0].samples > 0;
+    struct bodies bodies;
+    if (!(events & STOP_COLLISION))
+        return;
+    place_bodies(m->scene, t, &bodies);
+    for (int i = 0; i < model->part_count; i++) {
+        const struct part *part = &model->parts[i];
+        void *ctx = part->system.ctx;
+        unsigned near = 0;
+        int clamp = envelope;
+        if (bodies.count > 0)
+            near = m->kernel->near(ctx, part->q, bodies.hull, bodies.boxes, bodies.count, &clamp);
+        if (near)
+            changed[i] |= push_out(m, i, &bodies, near);
+        if (clamp || (near && envelope))
+            changed[i] |= m->kernel->clamp(ctx, part->q, part->v);
     }
 }
 
@@ -311,6 +408,10 @@ static void wisps_free(struct model *model) {
         free(model->parts[i].q);
         free(model->parts[i].v);
     }
+    for (int i = 0; m->strands && m->strands[i]; i++)
+        strand_free(m->strands[i]);
+    free(m->strands);
+    free(m->strand_rows);
     free_names(m->columns);
     free_names(m->rate_columns);
     free(m->first_row);
@@ -336,11 +437,11 @@ static struct model *wisps_create(const struct scene *scene, int treatment, int 
         m->model.part_count = gather_batches(m);
     for (int i = 0; i < m->model.part_count && !code; i++)
         code = create_part(m, i);
-    if (code || name_columns(m) || name_rate_columns(m) || count_rows(m)) {
+    if (code || name_columns(m) || name_rate_columns(m) || count_rows(m) || create_strands(m)) {
         wisps_free(&m->model);
         return NULL;
     }
-    if (scene->wisps[0].samples > 0)
+    if (scene->wisps[0].samples > 0 || scene->body_count > 0)
         m->model.collision_rate = scene->collision_rate;
     if (scene->around.wind.kind == WIND_GUST) {
         m->model.kinks = &scene->around.wind.hold;
