@@ -17,7 +17,9 @@
     X(linear_iterations, "iterations of an iterative linear solver")                        \
     X(newton_iterations, "iterations of a nonlinear solver")                                \
     X(projections, "states put back onto their constraint")                                 \
-    X(restarts, "times a stepper began anew after an event")
+    X(restarts, "times a stepper began anew after an event")                                \
+    X(body_contacts, "times a node or sample was inside a body and was put outside")        \
+    X(nodes_left_inside, "times a node was still inside a body after a tick's passes")
 
 struct counters {
 #define X(field, definition) long long field;

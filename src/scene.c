@@ -97,6 +97,7 @@ void scene_free(struct scene *scene) {
     if (scene) {
         json_decref(scene->source);
         free(scene->wisps);
+        free(scene->bodies);
     }
     free(scene);
 }

@@ -2,6 +2,7 @@
 #ifndef WISPLAB_SCENE_H
 #define WISPLAB_SCENE_H
 
+#include "body.h"
 #include "files.h"
 #include "interaction.h"
 #include "wisp.h"
@@ -26,6 +27,8 @@ struct scene {
     struct surroundings around;
     struct wisp *wisps; /* in the order of the file, grids spread out; owned */
     int wisp_count;
+    struct body *bodies; /* in the order of the file, BODIES_MAX at most; owned */
+    int body_count;
     double collision_rate;                   /* Hz */
     struct interaction_settings interaction; /* of wisps; both responses off: none */
 

@@ -8,7 +8,7 @@
 
 /* Groups that only other versions read, which would otherwise be passed over in silence. */
 static void refuse_absent_features(struct config_reader *reader, config_setting_t *top) {
-    static const char *const absent[] = {"body", "subdivision", "start", "render", NULL};
+    static const char *const absent[] = {"subdivision", "start", "render", NULL};
     for (int i = 0; absent[i]; i++) {
         config_setting_t *group = config_setting_get_member(top, absent[i]);
         if (group)
@@ -240,9 +240,9 @@ static void read_entry(struct config_reader *reader, config_setting_t *entry,
 }
 
 void scene_read_wisps(struct config_reader *reader, config_setting_t *top, struct scene *scene) {
-    static const char *const known[] = {"name", "problem", "duration", "frame_rate", "seed",
-                                        "run",  "gravity", "material", "envelope",   "wisps",
-                                        "wind", "style",   "head",     "contacts",   NULL};
+    static const char *const known[] = {
+        "name",     "problem", "duration", "frame_rate", "seed", "run",  "gravity",  "material",
+        "envelope", "wisps",   "wind",     "style",      "head", "body", "contacts", NULL};
     struct wisp material = {0};
     refuse_absent_features(reader, top);
     config_known(reader, top, known);

@@ -32,15 +32,16 @@ static const struct kernel {
     void (*sample_accelerations)(void *, int, const double *, double *, int);
     void (*restore)(void *, int, const double *, int, double *, double *);
     int (*clamp)(void *, double *, double *);
+    unsigned (*near)(void *, const double *, const double *, const double *, int, int *);
     double (*strain)(void *, int, const double *);
     const struct system_ops *ops;
 } kernels[] = {
     {1, kernel_create_1, kernel_free_1, kernel_rest_1, kernel_prescribe_1, kernel_sample_1,
-     kernel_sample_accelerations_1, kernel_restore_1, kernel_clamp_1, kernel_strain_1,
-     &kernel_ops_1},
+     kernel_sample_accelerations_1, kernel_restore_1, kernel_clamp_1, kernel_near_1,
+     kernel_strain_1, &kernel_ops_1},
     {4, kernel_create_4, kernel_free_4, kernel_rest_4, kernel_prescribe_4, kernel_sample_4,
-     kernel_sample_accelerations_4, kernel_restore_4, kernel_clamp_4, kernel_strain_4,
-     &kernel_ops_4},
+     kernel_sample_accelerations_4, kernel_restore_4, kernel_clamp_4, kernel_near_4,
+     kernel_strain_4, &kernel_ops_4},
 };
 
 /* Which wisps of the scene a part holds, by lane; padding lanes repeat the first. */
@@ -55,9 +56,11 @@ struct wisp_model {
     const struct scene *scene;
     const struct kernel *kernel;
     enum wisp_treatment treatment;
-    struct batch *batches; /* one for each part */
-    int *first_row;        /* by wisp: its first row of a frame */
-    struct touch *touch;   /* NULL where wisps do not interact */
+    struct batch *batches;   /* one for each part */
+    int *first_row;          /* by wisp: its first row of a frame */
+    struct strand **strands; /* by wisp, where the scene has contacts; NULL-terminated */
+    double *strand_rows;     /* of the wisp with most nodes, without the columns wisp and node */
+    struct touch *touch;     /* NULL where wisps do not interact */
     char **columns, **rate_columns;
     char name[64];
     double kinks[1 + 2 * KNOTS_MAX];
@@ -189,6 +192,27 @@ static int count_rows(struct wisp_model *m) {
     return m->first_row ? 0 : -1;
 }
 
+static int interacts(const struct scene *scene) {
+    return scene->interaction.interpenetration || scene->interaction.collision;
+}
+
+/* Contacts see wisps one by one. */
+static int create_strands(struct wisp_model *m) {
+    const struct scene *scene = m->scene;
+    int most = 0;
+    if (scene->body_count == 0 && !interacts(scene))
+        return 0;
+    m->strands = calloc((size_t)scene->wisp_count + 1, sizeof(struct strand *));
+    for (int i = 0; m->strands && i < scene->wisp_count; i++) {
+        most = scene->wisps[i].nodes > most ? scene->wisps[i].nodes : most;
+        m->strands[i] = strand_create(&scene->wisps[i], m->treatment);
+        if (!m->strands[i])
+            return -1;
+    }
+    m->strand_rows = calloc((size_t)(most * m->model.column_count), sizeof(double));
+    return m->strands && m->strand_rows ? 0 : -1;
+}
+
 static void wisps_sample(const struct model *model, double *rows) {
     const struct wisp_model *m = (const struct wisp_model *)model;
     const int stride = model->column_count;
@@ -265,9 +289,7 @@ static int wisps_terms(const struct scene *scene, const char **names, int most) 
  * file: nothing that happens between them, down to the order of sums, depends on the file. */
 struct touch {
     struct interaction *interaction;
-    double *rows;              /* a frame's, of one wisp at a time */
-    struct strand **by_wisp;   /* owned */
-    struct strand *in_order[]; /* the same */
+    struct strand *in_order[]; /* the model's */
 };
 
 /* By root, direction, length and nodes; the rest is the same in all wisps of a scene. Wisps of
@@ -285,101 +307,139 @@ static int compare_strands(const void *one, const void *other) {
     return 0;
 }
 
-static void free_touch(struct touch *touch, int wisps) {
-    if (!touch)
-        return;
-    for (int i = 0; touch->by_wisp && i < wisps; i++)
-        strand_free(touch->by_wisp[i]);
-    free(touch->by_wisp);
-    free(touch->rows);
-    interaction_free(touch->interaction);
+static void free_touch(struct touch *touch) {
+    if (touch)
+        interaction_free(touch->interaction);
     free(touch);
 }
 
 static int create_touch(struct wisp_model *m) {
-    const struct scene *scene = m->scene;
-    const size_t wisps = (size_t)scene->wisp_count;
-    int nodes = 0;
+    const size_t wisps = (size_t)m->scene->wisp_count;
     struct touch *touch = calloc(1, sizeof *touch + wisps * sizeof *touch->in_order);
     m->touch = touch;
     if (!touch)
         return -1;
-    touch->interaction = interaction_create(&scene->interaction);
-    touch->by_wisp = calloc(wisps, sizeof *touch->by_wisp);
-    for (size_t i = 0; touch->by_wisp && i < wisps; i++) {
-        const struct wisp *wisp = &scene->wisps[i];
-        touch->by_wisp[i] = strand_create(wisp, m->treatment);
-        if (!touch->by_wisp[i])
-            return -1;
-        touch->in_order[i] = touch->by_wisp[i];
-        nodes = wisp->nodes > nodes ? wisp->nodes : nodes;
-    }
-    touch->rows = calloc((size_t)(nodes * m->model.column_count), sizeof(double));
-    if (!touch->interaction || !touch->by_wisp || !touch->rows)
+    touch->interaction = interaction_create(&m->scene->interaction);
+    if (!touch->interaction)
         return -1;
+    memcpy(touch->in_order, m->strands, wisps * sizeof *touch->in_order);
     qsort(touch->in_order, wisps, sizeof(struct strand *), compare_strands);
-    m->model.interaction_rate = scene->interaction.rate;
+    m->model.interaction_rate = m->scene->interaction.rate;
     return 0;
 }
 
-static void load_strands(const struct wisp_model *m) {
+/* Lays a wisp of a part open, and takes it back into its lane and the padding that repeats it. */
+static struct strand *open_strand(const struct wisp_model *m, int i, int lane) {
+    const struct part *part = &m->model.parts[i];
+    struct strand *strand = m->strands[m->batches[i].wisp[lane]];
     const int stride = m->model.column_count - 2;
     struct placement head;
     head_placement(&m->scene->around.head, m->model.t, &head);
-    for (int i = 0; i < m->model.part_count; i++) {
-        const struct part *part = &m->model.parts[i];
-        m->kernel->prescribe(part->system.ctx, m->model.t);
-        for (int k = 0; k < m->batches[i].count; k++) {
-            m->kernel->sample(part->system.ctx, k, part->q, part->v, m->touch->rows, stride);
-            struct strand *strand = m->touch->by_wisp[m->batches[i].wisp[k]];
-            strand_turn(strand, &head);
-            strand_load(strand, m->touch->rows, stride);
-        }
-    }
+    m->kernel->prescribe(part->system.ctx, m->model.t);
+    m->kernel->sample(part->system.ctx, lane, part->q, part->v, m->strand_rows, stride);
+    strand_turn(strand, &head);
+    strand_load(strand, m->strand_rows, stride);
+    return strand;
 }
 
-/* Lanes that only pad repeat a wisp, and change with it. */
-static void store_strands(struct wisp_model *m, int *changed) {
+static void close_strand(const struct wisp_model *m, int i, int lane) {
+    const struct part *part = &m->model.parts[i];
+    const struct batch *batch = &m->batches[i];
     const int stride = m->model.column_count - 2;
-    for (int i = 0; i < m->model.part_count; i++) {
-        struct part *part = &m->model.parts[i];
-        for (int k = 0; k < m->kernel->lanes; k++) {
-            const struct strand *strand = m->touch->by_wisp[m->batches[i].wisp[k]];
-            if (!strand->changed)
-                continue;
-            strand_store(strand, m->touch->rows, stride);
-            m->kernel->restore(part->system.ctx, k, m->touch->rows, stride, part->q, part->v);
-            changed[i] = 1;
-        }
-    }
+    strand_store(m->strands[batch->wisp[lane]], m->strand_rows, stride);
+    for (int k = 0; k < m->kernel->lanes; k++)
+        if (batch->wisp[k] == batch->wisp[lane])
+            m->kernel->restore(part->system.ctx, k, m->strand_rows, stride, part->q, part->v);
 }
 
 static enum outcome interact(struct wisp_model *m, int *changed) {
-    load_strands(m);
+    for (int i = 0; i < m->model.part_count; i++)
+        for (int k = 0; k < m->batches[i].count; k++)
+            open_strand(m, i, k);
     if (interaction_tick(m->touch->interaction, m->touch->in_order, m->scene->wisp_count) < 0)
         return OUT_OF_MEMORY;
-    store_strands(m, changed);
+    for (int i = 0; i < m->model.part_count; i++)
+        for (int k = 0; k < m->batches[i].count; k++)
+            if (m->strands[m->batches[i].wisp[k]]->changed) {
+                close_strand(m, i, k);
+                changed[i] = 1;
+            }
     return FINISHED;
 }
 
 /* --- the clock --- */
 
-static void clamp(struct wisp_model *m, int *changed) {
-    for (int i = 0; i < m->model.part_count; i++) {
-        struct part *part = &m->model.parts[i];
-        m->kernel->prescribe(part->system.ctx, m->model.t);
-        changed[i] |= m->kernel->clamp(part->system.ctx, part->q, part->v);
+/* A tick's bodies. */
+struct bodies {
+    const struct body *body;
+    int count;
+    double t, interval;                    /* s */
+    double boxes[6 * BODIES_MAX], hull[6]; /* around each, around all */
+};
+
+static void place_bodies(const struct scene *scene, double t, struct bodies *bodies) {
+    bodies->body = scene->bodies;
+    bodies->count = scene->body_count;
+    bodies->t = t;
+    bodies->interval = 1 / scene->collision_rate;
+    for (int i = 0; i < bodies->count; i++) {
+        double *box = bodies->boxes + 6 * i, *hull = bodies->hull;
+        body_box(&bodies->body[i], t, box);
+        for (int k = 0; k < 3; k++) {
+            hull[k] = i == 0 || box[k] < hull[k] ? box[k] : hull[k];
+            hull[3 + k] = i == 0 || box[3 + k] > hull[3 + k] ? box[3 + k] : hull[3 + k];
+        }
     }
 }
 
-/* At one time wisps touch first, then samples are kept off their nodes. */
+/* Section 7, for the wisps of a part that are near a body. Returns whether any changed. */
+static int push_out(const struct wisp_model *m, int i, const struct bodies *bodies, unsigned near) {
+    struct counters *counters = &m->model.parts[i].system.counters;
+    struct body_report report = {0, 0, 0};
+    int changed = 0;
+    for (int k = 0; k < m->batches[i].count; k++) {
+        if (!(near >> k & 1))
+            continue;
+        struct strand *strand = open_strand(m, i, k);
+        body_contact(strand, bodies->body, bodies->count, bodies->t, bodies->interval, &report);
+        if (strand->changed)
+            close_strand(m, i, k);
+        changed |= strand->changed;
+    }
+    counters->body_contacts += report.nodes + report.samples;
+    counters->nodes_left_inside += report.inside;
+    return changed;
+}
+
+/* Part by part: body contact, then the clamp. Most parts are far from every body and have nothing
+ * to clamp: one look says so. */
+static void collide(struct wisp_model *m, int *changed) {
+    const int envelope = m->scene->wisps[0].samples > 0;
+    struct bodies bodies;
+    place_bodies(m->scene, m->model.t, &bodies);
+    for (int i = 0; i < m->model.part_count; i++) {
+        const struct part *part = &m->model.parts[i];
+        void *ctx = part->system.ctx;
+        unsigned near = 0;
+        int clamp = envelope;
+        m->kernel->prescribe(ctx, m->model.t);
+        if (bodies.count > 0)
+            near = m->kernel->near(ctx, part->q, bodies.hull, bodies.boxes, bodies.count, &clamp);
+        if (near)
+            changed[i] |= push_out(m, i, &bodies, near);
+        if (clamp || (near && envelope))
+            changed[i] |= m->kernel->clamp(ctx, part->q, part->v);
+    }
+}
+
+/* At one time wisps touch first, then bodies push them out and samples are kept off their nodes. */
 static enum outcome wisps_tick(struct model *model, unsigned events, int *changed) {
     struct wisp_model *m = (struct wisp_model *)model;
     enum outcome outcome = FINISHED;
     if (events & STOP_INTERACTION && m->touch)
         outcome = interact(m, changed);
     if (events & STOP_COLLISION && outcome == FINISHED)
-        clamp(m, changed);
+        collide(m, changed);
     return outcome;
 }
 
@@ -433,7 +493,11 @@ static void wisps_free(struct model *model) {
         free(model->parts[i].q);
         free(model->parts[i].v);
     }
-    free_touch(m->touch, m->scene->wisp_count);
+    free_touch(m->touch);
+    for (int i = 0; m->strands && m->strands[i]; i++)
+        strand_free(m->strands[i]);
+    free(m->strands);
+    free(m->strand_rows);
     free_names(m->columns);
     free_names(m->rate_columns);
     free(m->first_row);
@@ -484,14 +548,14 @@ static struct model *wisps_create(const struct scene *scene, int treatment, int 
         m->model.part_count = gather_batches(m);
     for (int i = 0; i < m->model.part_count && !code; i++)
         code = create_part(m, i);
-    code = code || name_columns(m) || name_rate_columns(m) || count_rows(m);
-    if (!code && (scene->interaction.interpenetration || scene->interaction.collision))
+    code = code || name_columns(m) || name_rate_columns(m) || count_rows(m) || create_strands(m);
+    if (!code && interacts(scene))
         code = create_touch(m);
     if (code) {
         wisps_free(&m->model);
         return NULL;
     }
-    if (scene->wisps[0].samples > 0)
+    if (scene->wisps[0].samples > 0 || scene->body_count > 0)
         m->model.collision_rate = scene->collision_rate;
     gather_kinks(m);
     return &m->model;

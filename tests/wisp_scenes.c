@@ -36,6 +36,17 @@ enum { SOUND = sizeof sound / sizeof *sound };
 #define GRID(rest)                    WISP("nodes = 5;\n" rest)
 #define ACROSS                        " across = ([1.0, 0.0, 0.0], [0.0, 0.0, 1.0]);"
 
+#define NAME       "name = \"ball\"; "
+#define CENTER     "center = [0.0, 1.0, 0.0]; "
+#define RADII      "radii = [0.1, 0.1, 0.1]; "
+#define FRICTION   "friction = 50.0; "
+#define ELASTICITY "elasticity = 0.1; "
+#define OFFSET     "offset = 1e-4; "
+#define ELLIPSOID(name, center, radii, friction, elasticity, offset, rest) \
+    "body = ( { " name center radii friction elasticity offset rest " } );"
+#define SPHERE(rest) ELLIPSOID(NAME, CENTER, RADII, FRICTION, ELASTICITY, OFFSET, "\n" rest)
+#define BALL         "{ " NAME CENTER RADII FRICTION ELASTICITY OFFSET " }"
+
 /* `name` of the setting that `text` replaces; an empty text leaves it out. `line` where the message
  * must say one: of the replaced setting (the first is 1) plus what `text` goes on, or 0. */
 static const struct wrong {
@@ -53,7 +64,7 @@ static const struct wrong {
     {"wisps", BODY(ROOT, DIRECTION, ""), 7, {"length", "missing"}},
     {"wisps", WISP(""), 7, {"nodes", "missing"}},
     {"wisps", GRID("grid = [2, 2];" ACROSS), 7, {"spacing", "missing"}},
-    {"wisps", GRID("grid = [2, 2]; spacing = 0.1;"), 7, {"across", "two directions"}},
+    {"wisps", GRID("grid = [2, 2]; spacing = 0.1;"), 7, {"across", "2 vectors"}},
     {"wisps", GRID("spacing = 0.1;"), 7, {"spacing", "grid"}},
     {"wisps", GRID(ACROSS), 7, {"across", "grid"}},
     {"wind", "wind = { };", 7, {"velocity", "missing"}},
@@ -124,7 +135,7 @@ static const struct wrong {
     {"wisps", WISP("nodes = \"many\";"), 8, {"nodes", "whole"}},
     {"wisps", GRID("grid = 3; spacing = 0.1;" ACROSS), 9, {"grid", "2 numbers"}},
     {"wisps", GRID("grid = [3]; spacing = 0.1;" ACROSS), 9, {"grid", "2 numbers"}},
-    {"wisps", GRID("grid = [2, 2]; spacing = 0.1; across = 1.0;"), 9, {"across", "directions"}},
+    {"wisps", GRID("grid = [2, 2]; spacing = 0.1; across = 1.0;"), 9, {"across", "2 vectors"}},
     {"wisps", GRID("grid = [2, 2]; spacing = 0.1; across = ([1.0, 0.0, 0.0]);"), 9, {"across"}},
     {"wisps",
      GRID("grid = [2, 2]; spacing = 0.1; across = ([1.0, 0.0], [0.0, 0.0, 1.0]);"),
@@ -203,12 +214,87 @@ static const struct wrong {
      " frequencies = [1.0]; };",
      7,
      {"amplitudes", "finite"}},
-    /* what this version has not */
-    {"body", "body = ( { name = \"head\"; } );", 7, {"body"}},
-    {"contacts", "contacts = { };", 7, {"contacts"}},
+    /* bodies and contacts */
+    {"body", "body = { name = \"head\"; };", 7, {"body", "list of"}},
+    {"body", "body = ();", 7, {"body", "list of"}},
+    {"body", "body = 3;", 7, {"body", "list of"}},
+    {"body", "body = ( 3 );", 7, {"body", "group"}},
+    {"body",
+     ELLIPSOID("", CENTER, RADII, FRICTION, ELASTICITY, OFFSET, ""),
+     7,
+     {"name", "missing"}},
+    {"body",
+     ELLIPSOID(NAME, "", RADII, FRICTION, ELASTICITY, OFFSET, ""),
+     7,
+     {"center", "missing"}},
+    {"body",
+     ELLIPSOID(NAME, CENTER, "", FRICTION, ELASTICITY, OFFSET, ""),
+     7,
+     {"radii", "missing"}},
+    {"body",
+     ELLIPSOID(NAME, CENTER, RADII, "", ELASTICITY, OFFSET, ""),
+     7,
+     {"friction", "missing"}},
+    {"body",
+     ELLIPSOID(NAME, CENTER, RADII, FRICTION, "", OFFSET, ""),
+     7,
+     {"elasticity", "missing"}},
+    {"body",
+     ELLIPSOID(NAME, CENTER, RADII, FRICTION, ELASTICITY, "", ""),
+     7,
+     {"offset", "missing"}},
+    {"body", SPHERE("mass = 1.0;"), 8, {"mass:", "unknown"}},
+    {"body", SPHERE("velocity = 1.0;"), 8, {"velocity", "3 numbers"}},
+    {"body", SPHERE("velocity = [1.0, 0.0, 1e999];"), 8, {"velocity", "finite"}},
+    {"body",
+     ELLIPSOID("name = 3;", CENTER, RADII, FRICTION, ELASTICITY, OFFSET, ""),
+     7,
+     {"name", "text"}},
+    {"body",
+     ELLIPSOID("name = \"\";", CENTER, RADII, FRICTION, ELASTICITY, OFFSET, ""),
+     7,
+     {"name", "63"}},
+    {"body",
+     ELLIPSOID(NAME, "center = [0.0, 1.0];", RADII, FRICTION, ELASTICITY, OFFSET, ""),
+     7,
+     {"center", "3 numbers"}},
+    {"body",
+     ELLIPSOID(NAME, CENTER, "radii = [1.0, 0.0, 1.0];", FRICTION, ELASTICITY, OFFSET, ""),
+     7,
+     {"radii", "number 2", "positive"}},
+    {"body",
+     ELLIPSOID(NAME, CENTER, "radii = [1.0, 1.0, -1.0];", FRICTION, ELASTICITY, OFFSET, ""),
+     7,
+     {"radii", "number 3", "positive"}},
+    {"body",
+     ELLIPSOID(NAME, CENTER, RADII, "friction = -1.0;", ELASTICITY, OFFSET, ""),
+     7,
+     {"friction", "not negative"}},
+    {"body",
+     ELLIPSOID(NAME, CENTER, RADII, FRICTION, "elasticity = -0.1;", OFFSET, ""),
+     7,
+     {"elasticity", "not negative"}},
+    {"body",
+     ELLIPSOID(NAME, CENTER, RADII, FRICTION, "elasticity = 1.1;", OFFSET, ""),
+     7,
+     {"elasticity", "0 to 1"}},
+    {"body",
+     ELLIPSOID(NAME, CENTER, RADII, FRICTION, ELASTICITY, "offset = -1e-4;", ""),
+     7,
+     {"offset", "not negative"}},
+    {"body", "body = (\n" BALL ",\n" BALL ");", 9, {"name", "ball", "already"}},
+    {"contacts", "contacts = 300.0;", 7, {"contacts", "group"}},
+    {"contacts", "contacts = {\n collision_rate = -1.0; };", 8, {"collision_rate", "not negative"}},
+    {"contacts",
+     "contacts = {\n interaction_rate = -90.0; };",
+     8,
+     {"interaction_rate", "positive"}},
+    {"contacts", "contacts = {\n reciprocal = 3; };", 8, {"reciprocal", "true"}},
+    {"contacts", "contacts = {\n threshold = 1.5; };", 8, {"threshold", "between 0 and 1"}},
+    /* of later chapters */
     {"subdivision", "subdivision = { };", 7, {"subdivision"}},
-    {"style", "style = { };", 7, {"style"}},
-    {"head", "head = { };", 7, {"head"}},
+    {"style", "style = { };", 7, {"times", "missing"}},
+    {"head", "head = { };", 7, {"times", "missing"}},
     {"start", "start = \"file.tsv\";", 7, {"start"}},
     {"wisps", "wisps = (\n{ scalp = \"head\"; count = 100; } );", 7, {"scalp"}},
 };
@@ -383,6 +469,27 @@ Test(wisp_scenes, directions_are_normalised) {
                   hypot(d[0], d[1]));
         scene_free(scene);
     }
+}
+
+Test(wisp_scenes, bodies_and_rates_are_read) {
+    struct scene *scene =
+        LAB_LOAD("swing-envelope", "contacts={ collision_rate = 600; }",
+                 "body=({ name=\"head\"; center=[1, 2, 3]; radii=[4, 5, 6]; velocity=[7, 8, 9];"
+                 "        friction=10; elasticity=1; offset=0; },"
+                 "      " BALL ")");
+    cr_assert(scene->body_count == 2 && scene->collision_rate == 600);
+    const struct body *head = &scene->bodies[0], *ball = &scene->bodies[1];
+    cr_assert(strcmp(head->name, "head") == 0 && strcmp(ball->name, "ball") == 0);
+    for (int k = 0; k < 3; k++)
+        cr_assert(head->centre[k] == 1 + k && head->radii[k] == 4 + k &&
+                  head->velocity[k] == 7 + k);
+    cr_assert(head->friction == 10 && head->elasticity == 1 && head->offset == 0);
+    cr_assert(ball->velocity[0] == 0 && ball->velocity[1] == 0 && ball->velocity[2] == 0);
+    cr_assert(ball->friction == 50 && ball->elasticity == 0.1 && ball->offset == 1e-4);
+    scene_free(scene);
+    scene = LAB_LOAD("swing-envelope", "contacts={ }");
+    cr_assert(scene->body_count == 0 && scene->collision_rate == 300);
+    scene_free(scene);
 }
 
 Test(wisp_scenes, set_works_into_groups_and_lists) {

@@ -39,6 +39,12 @@
      * 1e-3 R are put there and no longer move inwards. Returns whether any lane changed. */       \
     int kernel_clamp_##lanes(void *part, double *q, double *v);                                    \
                                                                                                    \
+    /* Lanes, bit k for lane k, whose free nodes and samples may be in one of `count` boxes (least \
+     * x y z, most x y z; `hull` is around them all); none that is in one is missed. Says besides, \
+     * looking at samples only once, whether the clamp would find anything. */                     \
+    unsigned kernel_near_##lanes(void *part, const double *q, const double *hull,                  \
+                                 const double *boxes, int count, int *clamp);                      \
+                                                                                                   \
     /* Largest | L / rest length - 1 | over the segments of a lane. */                             \
     double kernel_strain_##lanes(void *part, int which, const double *q);                          \
                                                                                                    \

@@ -58,6 +58,9 @@ static inline int mask_all(mask m) {
 static inline int mask_none(mask m) {
     return m == 0;
 }
+static inline unsigned mask_bits(mask m) {
+    return m != 0;
+}
 static inline double lane_get(lane x, int k) {
     (void)k;
     return x;
@@ -90,6 +93,13 @@ static inline int mask_none(mask m) {
     for (int k = 0; k < LANES; k++)
         none &= m[k] == 0;
     return none;
+}
+/* Bit k for lane k. */
+static inline unsigned mask_bits(mask m) {
+    unsigned bits = 0;
+    for (int k = 0; k < LANES; k++)
+        bits |= (unsigned)(m[k] != 0) << k;
+    return bits;
 }
 static inline double lane_get(lane x, int k) {
     return x[k];

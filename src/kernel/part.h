@@ -23,6 +23,7 @@ struct kernel_part {
     enum wisp_treatment treatment;
     enum bending bending;
     const struct surroundings *surroundings;
+    int far_side;          /* of the bodies' box, beyond which the wisps were last: a first guess */
     struct system *system; /* whose ctx this is; for reasons of failure */
 
     struct vec rest_root, rest_tangent, rest_normal; /* as the head rests */

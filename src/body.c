@@ -1,0 +1,292 @@
+#include "body.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+enum { PASSES = 4 };
+
+/* Of R: no sample comes nearer to its node. */
+static const double least_distance = 1e-3;
+
+/* --- small vectors --- */
+
+static double dot(const double a[3], const double b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void subtract(const double a[3], const double b[3], double c[3]) {
+    for (int k = 0; k < 3; k++)
+        c[k] = a[k] - b[k];
+}
+
+/* a + s b */
+static void combine(const double a[3], double s, const double b[3], double c[3]) {
+    for (int k = 0; k < 3; k++)
+        c[k] = a[k] + s * b[k];
+}
+
+static double largest(const double a[3]) {
+    return fmax(fabs(a[0]), fmax(fabs(a[1]), fabs(a[2])));
+}
+
+/* --- where a body is --- */
+
+struct body_motion body_motion(const struct body *body, double t) {
+    struct body_motion motion = {.spin = {0, 0, 0}};
+    combine(body->centre, t, body->velocity, motion.centre);
+    memcpy(motion.velocity, body->velocity, sizeof motion.velocity);
+    return motion;
+}
+
+static int at_rest(const struct body_motion *motion) {
+    return largest(motion->velocity) == 0 && largest(motion->spin) == 0;
+}
+
+/* v_c + omega x (p - c) */
+static void surface_velocity(const struct body_motion *motion, const double x[3], double v[3]) {
+    const double *w = motion->spin;
+    v[0] = motion->velocity[0] + (w[1] * x[2] - w[2] * x[1]);
+    v[1] = motion->velocity[1] + (w[2] * x[0] - w[0] * x[2]);
+    v[2] = motion->velocity[2] + (w[0] * x[1] - w[1] * x[0]);
+}
+
+/* A little more than the ellipsoid, so that a point that counts as inside by rounding is in it. */
+void body_box(const struct body *body, double t, double box[6]) {
+    const struct body_motion motion = body_motion(body, t);
+    for (int k = 0; k < 3; k++) {
+        const double half = body->radii[k] * (1 + 1e-9) + 1e-15 * fabs(motion.centre[k]);
+        box[k] = motion.centre[k] - half;
+        box[3 + k] = motion.centre[k] + half;
+    }
+}
+
+/* --- the ellipsoid --- */
+
+/* In coordinates x_k / R_k it is the unit sphere. */
+static void to_sphere(const double radii[3], const double x[3], double y[3]) {
+    for (int k = 0; k < 3; k++)
+        y[k] = x[k] / radii[k];
+}
+
+int ellipsoid_contains(const double radii[3], const double x[3]) {
+    double y[3];
+    to_sphere(radii, x, y);
+    return dot(y, y) < 1;
+}
+
+/* x_k / R_k^2, in units in which neither squares nor sums overflow or vanish. */
+void ellipsoid_normal(const double radii[3], const double x[3], double normal[3]) {
+    double y[3];
+    int smallest = 0;
+    for (int k = 1; k < 3; k++)
+        if (radii[k] < radii[smallest])
+            smallest = k;
+    to_sphere(radii, x, y);
+    for (int k = 0; k < 3; k++)
+        normal[k] = y[k] * (radii[smallest] / radii[k]);
+    const double most = largest(normal);
+    if (most == 0) {
+        memset(normal, 0, 3 * sizeof *normal);
+        normal[smallest] = 1;
+        return;
+    }
+    for (int k = 0; k < 3; k++)
+        normal[k] /= most;
+    const double length = sqrt(dot(normal, normal));
+    for (int k = 0; k < 3; k++)
+        normal[k] /= length;
+}
+
+/* The line y + s e in the sphere's coordinates, e scaled to a largest component of 1: crossings are
+ * where a s^2 + 2 b s + c = 0. */
+struct line {
+    double a, b, c;
+    double unit; /* of s, in ||d|| */
+    double miss; /* ||y x e||^2: a^(1/2) times the line's distance from the centre, squared */
+};
+
+static struct line line_through(const double radii[3], const double x[3], const double d[3]) {
+    double y[3], e[3];
+    to_sphere(radii, x, y);
+    to_sphere(radii, d, e);
+    const double most = largest(e);
+    for (int k = 0; k < 3; k++)
+        e[k] /= most;
+    const double n[3] = {y[1] * e[2] - y[2] * e[1], y[2] * e[0] - y[0] * e[2],
+                         y[0] * e[1] - y[1] * e[0]};
+    return (struct line){dot(e, e), dot(y, e), dot(y, y) - 1, 1 / most, dot(n, n)};
+}
+
+/* Each root in the form that subtracts no equals. */
+double ellipsoid_exit(const double radii[3], const double x[3], const double d[3]) {
+    const struct line l = line_through(radii, x, d);
+    const double c = fmin(l.c, 0), root = sqrt(l.b * l.b - l.a * c);
+    return l.unit * (l.b > 0 ? -c / (l.b + root) : (root - l.b) / l.a);
+}
+
+/* b^2 - a c = a - ||y x e||^2: where the line grazes, the first cancels. */
+double ellipsoid_entry(const double radii[3], const double x[3], const double d[3]) {
+    const struct line l = line_through(radii, x, d);
+    const double discriminant = l.a - l.miss;
+    if (l.b >= 0 || discriminant < 0)
+        return INFINITY;
+    return l.unit * (fmax(l.c, 0) / (sqrt(discriminant) - l.b));
+}
+
+/* --- nodes --- */
+
+/* A tick's bodies, where they are. */
+struct tick {
+    const struct body *bodies;
+    int count;
+    double dt;
+    struct body_motion motion[BODIES_MAX];
+};
+
+/* From x by the normal; but out of a body at rest the way the node came in, if it came in since
+ * the last tick. A moving body must not drag nodes along a spring (section 5.4 of the thesis). */
+static void exit_point(const struct body *body, const struct body_motion *motion, const double x[3],
+                       const double u[3], double dt, double out[3]) {
+    double g[3], back[3] = {-u[0], -u[1], -u[2]};
+    ellipsoid_normal(body->radii, x, g);
+    if (at_rest(motion) && dot(u, g) < 0) {
+        const double s = ellipsoid_exit(body->radii, x, back); /* in units of ||u||: seconds */
+        if (s <= dt) {
+            combine(x, s, back, out);
+            return;
+        }
+    }
+    combine(x, ellipsoid_exit(body->radii, x, g), g, out);
+}
+
+/* The change of u by friction and elasticity, none where the node leaves already. */
+static void bounce(const struct body *body, const double u[3], const double n[3], double dt,
+                   double dv[3]) {
+    const double across = dot(u, n), kept = exp(-body->friction * dt);
+    for (int k = 0; k < 3; k++) {
+        const double along = u[k] - across * n[k];
+        dv[k] = across < 0 ? kept * along - body->elasticity * across * n[k] - u[k] : 0;
+    }
+}
+
+/* With a small offset rounding could leave a node a hair inside, and friction would act twice. */
+static void leave(const struct body *body, const double centre[3], const double p[3],
+                  const double n[3], double dp[3]) {
+    double step = DBL_EPSILON * (largest(centre) + largest(p) + largest(dp));
+    for (int i = 0; i < 64; i++, step *= 2) {
+        double there[3], x[3];
+        combine(p, 1, dp, there);
+        subtract(there, centre, x);
+        if (!ellipsoid_contains(body->radii, x))
+            return;
+        combine(dp, step, n, dp);
+    }
+}
+
+/* Returns whether the node was inside. */
+static int push_node(struct strand *strand, int node, const struct body *body,
+                     const struct body_motion *motion, double dt) {
+    double x[3], surface[3], u[3], out[3], n[3], dp[3], dv[3];
+    subtract(strand->p[node], motion->centre, x);
+    if (!ellipsoid_contains(body->radii, x))
+        return 0;
+    surface_velocity(motion, x, surface);
+    subtract(strand->v[node], surface, u);
+    exit_point(body, motion, x, u, dt, out);
+    ellipsoid_normal(body->radii, out, n);
+    bounce(body, u, n, dt, dv);
+    combine(out, body->offset, n, out);
+    subtract(out, x, dp);
+    leave(body, motion->centre, strand->p[node], n, dp);
+    strand_move_node(strand, node, dp, dv);
+    return 1;
+}
+
+/* One pass over the bodies in the order of the list. */
+static int push_from_all(struct strand *strand, int node, const struct tick *tick) {
+    int pushed = 0;
+    for (int i = 0; i < tick->count; i++)
+        pushed += push_node(strand, node, &tick->bodies[i], &tick->motion[i], tick->dt);
+    return pushed;
+}
+
+/* Out of one body can be into the next: passes until none holds the node. */
+static int push_nodes(struct strand *strand, const struct tick *tick) {
+    int pushed = 0;
+    for (int node = 2; node < strand->wisp->nodes; node++) {
+        int last = 1;
+        for (int pass = 0; pass < PASSES && last; pass++) {
+            last = push_from_all(strand, node, tick);
+            pushed += last;
+        }
+    }
+    return pushed;
+}
+
+static int is_inside(const struct strand *strand, int node, const struct tick *tick) {
+    for (int i = 0; i < tick->count; i++) {
+        double x[3];
+        subtract(strand->p[node], tick->motion[i].centre, x);
+        if (ellipsoid_contains(tick->bodies[i].radii, x))
+            return 1;
+    }
+    return 0;
+}
+
+/* --- samples --- */
+
+/* Returns whether the sample was inside. One behind its node (r <= 0) has no crossing ahead of the
+ * node and is left to the clamp that follows. */
+static int pull_sample(struct strand *strand, int node, int sample, const struct body *body,
+                       const struct body_motion *motion) {
+    const int at = node * strand->wisp->samples + sample;
+    const double r = strand->r[at];
+    double a[3], from[3], x[3], surface[3], u[3];
+    strand_half_line(strand, node, sample, a);
+    subtract(strand->p[node], motion->centre, from);
+    combine(from, r, a, x);
+    if (r <= 0 || !ellipsoid_contains(body->radii, x))
+        return 0;
+    surface_velocity(motion, x, surface);
+    subtract(surface, strand->v[node], u);
+    /* a crossing beyond r, or none, is rounding where the line grazes */
+    const double r1 = fmin(ellipsoid_entry(body->radii, from, a), r);
+    strand_set_sample(strand, node, sample, fmax(r1, least_distance * strand->wisp->radius),
+                      fmin(strand->rate[at], dot(u, a)));
+    return 1;
+}
+
+static int pull_samples(struct strand *strand, int node, const struct tick *tick) {
+    int pulled = 0;
+    for (int i = 0; i < tick->count; i++)
+        for (int j = 0; j < strand->wisp->samples; j++)
+            pulled += pull_sample(strand, node, j, &tick->bodies[i], &tick->motion[i]);
+    return pulled;
+}
+
+/* --- a tick --- */
+
+static void start(struct tick *tick, const struct body *bodies, int count, double t, double dt) {
+    tick->bodies = bodies;
+    tick->count = count;
+    tick->dt = dt;
+    for (int i = 0; i < count; i++)
+        tick->motion[i] = body_motion(&bodies[i], t);
+}
+
+void body_contact(struct strand *strand, const struct body *bodies, int count, double t, double dt,
+                  struct body_report *report) {
+    struct tick tick;
+    start(&tick, bodies, count, t, dt);
+    const int pushed = push_nodes(strand, &tick);
+    if (pushed)
+        strand_refresh(strand);
+    report->nodes += pushed;
+    for (int node = 2; node < strand->wisp->nodes; node++) {
+        if (is_inside(strand, node, &tick))
+            report->inside++;
+        else
+            report->samples += pull_samples(strand, node, &tick);
+    }
+}

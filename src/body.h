@@ -1,0 +1,60 @@
+/* What hair falls on: ellipsoids that push nodes and samples out (Plante 1999, section 4.2.2;
+ * MODEL.md, section 7). SI units. */
+#ifndef WISPLAB_BODY_H
+#define WISPLAB_BODY_H
+
+#include "strand.h"
+
+enum { BODIES_MAX = 64, BODY_NAME_SIZE = 64 };
+
+struct body {
+    char name[BODY_NAME_SIZE];
+    double centre[3];   /* at t = 0, m */
+    double radii[3];    /* along the head's axes, m */
+    double velocity[3]; /* constant, m/s */
+    double friction;    /* at which what is along the surface slows down, 1/s */
+    double elasticity;  /* of what is across it: 0 nothing comes back, 1 all */
+    double offset;      /* above the surface at which a node is put down, m */
+};
+
+/* --- where a body is --- */
+
+struct body_motion {
+    double centre[3], velocity[3]; /* m, m/s */
+    double spin[3];                /* rad/s */
+};
+
+/* The one place that knows how bodies move; a moving head would come in here. */
+struct body_motion body_motion(const struct body *body, double t);
+
+/* The box around a body at t, least x y z and most x y z, for kernel_near. */
+void body_box(const struct body *body, double t, double box[6]);
+
+/* --- the ellipsoid, seen from its centre along its axes --- */
+
+int ellipsoid_contains(const double radii[3], const double x[3]);
+
+/* The outward normal of the shell (scaled ellipsoid) through x; at the centre the positive axis of
+ * smallest radius, the first on ties. */
+void ellipsoid_normal(const double radii[3], const double x[3], double normal[3]);
+
+/* Distance in units of ||d|| from a point inside to the surface along d. */
+double ellipsoid_exit(const double radii[3], const double x[3], const double d[3]);
+
+/* Likewise from a point outside to the first crossing; INFINITY where there is none ahead. */
+double ellipsoid_entry(const double radii[3], const double x[3], const double d[3]);
+
+/* --- contact --- */
+
+/* What a tick did; numbers are added to. */
+struct body_report {
+    long long nodes, samples; /* how often one was inside and was pushed or pulled out */
+    long long inside;         /* nodes still in a body after all passes */
+};
+
+/* The response of one strand to at most BODIES_MAX bodies at a tick at time t, the last being dt
+ * ago. */
+void body_contact(struct strand *strand, const struct body *bodies, int count, double t, double dt,
+                  struct body_report *report);
+
+#endif

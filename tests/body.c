@@ -1,0 +1,1003 @@
+/* Body contact (MODEL.md, section 7): the ellipsoid, the response of one wisp against closed forms
+ * and against the page's own words written down a second time, and whole runs. */
+#include "body.h"
+
+#include "wisp_support.h"
+
+#include <criterion/criterion.h>
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static double dot(const double a[3], const double b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static double length(const double a[3]) {
+    return sqrt(dot(a, a));
+}
+
+static void random_vector(unsigned *seed, double size, double x[3]) {
+    for (int k = 0; k < 3; k++)
+        x[k] = lab_between(seed, -size, size);
+}
+
+static void near_vector(const double a[3], double x, double y, double z, double limit,
+                        const char *what) {
+    const double b[3] = {x, y, z};
+    for (int k = 0; k < 3; k++)
+        cr_assert(fabs(a[k] - b[k]) <= limit,
+                  "%s: (%.17g, %.17g, %.17g), not (%.17g, %.17g, %.17g)", what, a[0], a[1], a[2], x,
+                  y, z);
+}
+
+/* --- the ellipsoid --- */
+
+/* sum(x_k^2 / R_k^2) - 1, extended. */
+static long double level(const double radii[3], const double x[3], const double d[3],
+                         long double s) {
+    long double sum = -1;
+    for (int k = 0; k < 3; k++) {
+        const long double y = ((long double)x[k] + s * (d ? d[k] : 0)) / radii[k];
+        sum += y * y;
+    }
+    return sum;
+}
+
+/* The one s between two values at which the level has different signs. */
+static double bisect(const double radii[3], const double x[3], const double d[3], long double from,
+                     long double to) {
+    const int sign = level(radii, x, d, from) < 0;
+    for (int i = 0; i < 200; i++) {
+        const long double middle = (from + to) / 2;
+        *((level(radii, x, d, middle) < 0) == sign ? &from : &to) = middle;
+    }
+    return (double)to;
+}
+
+static double crossing_ahead(const double radii[3], const double x[3], const double d[3]) {
+    long double to = 1e-3L;
+    while (level(radii, x, d, to) < 0)
+        to *= 2;
+    return bisect(radii, x, d, 0, to);
+}
+
+Test(body, rays_leave_and_enter_where_the_level_is_zero) {
+    unsigned seed = 1;
+    int entered = 0, missed = 0;
+    for (int i = 0; i < 20000; i++) {
+        double radii[3], x[3], d[3];
+        for (int k = 0; k < 3; k++) {
+            radii[k] = exp(lab_between(&seed, -3, 3));
+            x[k] = radii[k] * lab_between(&seed, -1.5, 1.5);
+        }
+        random_vector(&seed, 1, d);
+        cr_assert_eq(ellipsoid_contains(radii, x), level(radii, x, NULL, 0) < 0);
+        if (ellipsoid_contains(radii, x)) {
+            const double s = ellipsoid_exit(radii, x, d), exact = crossing_ahead(radii, x, d);
+            cr_assert(fabs(s - exact) <= 1e-12 * exact + 1e-15, "exit at %.17g, not %.17g", s,
+                      exact);
+            continue;
+        }
+        const double s = ellipsoid_entry(radii, x, d);
+        if (s == INFINITY) {
+            missed++;
+            for (double t = 0; t < 100; t += 0.1)
+                cr_assert(level(radii, x, d, t) > -1e-12L, "a crossing is missed");
+            continue;
+        }
+        entered++;
+        cr_assert(fabsl(level(radii, x, d, s)) <= 1e-11L, "level %Lg where it enters",
+                  level(radii, x, d, s));
+        cr_assert(level(radii, x, d, 0.999L * s) > 0, "not the first crossing");
+    }
+    cr_assert(entered > 1000 && missed > 1000, "%d entered, %d missed", entered, missed);
+}
+
+/* Sizes from 1e-150 to 1e150 m: powers of two change nothing but the size, not a bit. */
+Test(body, size_does_not_matter) {
+    unsigned seed = 2;
+    for (int i = 0; i < 1000; i++) {
+        double radii[3], x[3], d[3], n[3];
+        for (int k = 0; k < 3; k++) {
+            radii[k] = exp(lab_between(&seed, -3, 3));
+            x[k] = radii[k] * lab_between(&seed, -0.5, 0.5);
+        }
+        random_vector(&seed, 1, d);
+        ellipsoid_normal(radii, x, n);
+        const double s = ellipsoid_exit(radii, x, d);
+        const double out[3] = {3 * radii[0] * d[0], 3 * radii[1], 3 * radii[2] * d[2]};
+        const double in[3] = {-out[0], -out[1], -out[2]};
+        const double entry = ellipsoid_entry(radii, out, in);
+        for (int power = -500; power <= 500; power += 100) {
+            const double f = ldexp(1, power);
+            const double r[3] = {f * radii[0], f * radii[1], f * radii[2]};
+            const double y[3] = {f * x[0], f * x[1], f * x[2]};
+            const double far[3] = {f * out[0], f * out[1], f * out[2]};
+            double m[3];
+            ellipsoid_normal(r, y, m);
+            cr_assert(memcmp(m, n, sizeof m) == 0, "another normal at 2^%d", power);
+            cr_assert(ellipsoid_exit(r, y, d) == f * s, "another exit at 2^%d", power);
+            cr_assert(ellipsoid_entry(r, far, in) == f * entry, "another entry at 2^%d", power);
+        }
+    }
+}
+
+/* Needles and discs with radii apart by 1e12, points next to the centre: finite, unit, outward. */
+Test(body, normals_of_extreme_shapes) {
+    unsigned seed = 3;
+    for (int i = 0; i < 20000; i++) {
+        double radii[3], x[3], n[3];
+        for (int k = 0; k < 3; k++) {
+            radii[k] = pow(10, lab_between(&seed, -6, 6));
+            x[k] =
+                radii[k] * lab_between(&seed, -1, 1) * pow(10, -floor(lab_between(&seed, 0, 300)));
+        }
+        ellipsoid_normal(radii, x, n);
+        cr_assert(fabs(length(n) - 1) <= 4e-16, "a normal of length %.17g", length(n));
+        for (int k = 0; k < 3; k++)
+            cr_assert(n[k] * x[k] >= 0, "an inward normal");
+    }
+    static const struct {
+        double radii[3], n[3];
+    } centre[] = {
+        {{1, 1, 1}, {1, 0, 0}}, {{2, 1, 1}, {0, 1, 0}}, {{2, 2, 1}, {0, 0, 1}},
+        {{1, 2, 1}, {1, 0, 0}}, {{3, 2, 1}, {0, 0, 1}}, {{1, 1, 2}, {1, 0, 0}},
+    };
+    for (size_t i = 0; i < sizeof centre / sizeof *centre; i++) {
+        double n[3];
+        ellipsoid_normal(centre[i].radii, (const double[3]){0, -0., 0}, n);
+        near_vector(n, centre[i].n[0], centre[i].n[1], centre[i].n[2], 0, "normal at the centre");
+    }
+}
+
+/* A line at distance 1 - epsilon from the centre of the unit sphere is in it for 2 sqrt(2 epsilon);
+ * rounding of the distance is what is left. */
+Test(body, grazing_rays) {
+    const double radii[3] = {1, 1, 1}, d[3] = {1, 0, 0};
+    for (double epsilon = 1e-2; epsilon > 1e-15; epsilon /= 10) {
+        const double x[3] = {-5, 1 - epsilon, 0}, past[3] = {-5, 1 + epsilon, 0};
+        const double rest = 1 - x[1], half = sqrt(rest * (2 - rest)); /* exact: 1 - x is */
+        const double s = ellipsoid_entry(radii, x, d);
+        cr_assert(fabs(s - (5 - half)) <= 1e-15 / half + 1e-15, "1 - %g: %.17g, not %.17g", epsilon,
+                  s, 5 - half);
+        cr_assert_eq(ellipsoid_entry(radii, past, d), INFINITY, "1 + %g: a crossing", epsilon);
+    }
+    const double behind[3] = {5, 0, 0};
+    cr_assert_eq(ellipsoid_entry(radii, behind, d), INFINITY, "a crossing behind");
+}
+
+/* --- one node: closed forms --- */
+
+static const double dt = 1. / 300;
+
+static struct body ball(double radius) {
+    return (struct body){.name = "ball", .radii = {radius, radius, radius}};
+}
+
+/* A wisp far away, with its node 3 at p with velocity v. */
+static struct wisp far_wisp(int samples) {
+    unsigned seed = 7;
+    struct wisp wisp = lab_wisp(5, samples, BENDING_SKIP, &seed);
+    const struct wisp plain = {.root = {-10, 0, 0}, .direction = {1, 0, 0}};
+    memcpy(wisp.root, plain.root, sizeof wisp.root);
+    memcpy(wisp.direction, plain.direction, sizeof wisp.direction);
+    wisp.length = 0.4;
+    wisp.radius = 0.02;
+    return wisp;
+}
+
+static struct strand *far_strand(const struct wisp *wisp, enum wisp_treatment treatment) {
+    struct strand *s = strand_create(wisp, treatment);
+    cr_assert(s, "no memory");
+    for (int i = 0; i < wisp->nodes; i++)
+        for (int k = 0; k < 3; k++)
+            s->p[i][k] = wisp->root[k] + 0.1 * i * wisp->direction[k];
+    for (int at = 0; at < wisp->nodes * wisp->samples; at++)
+        s->r[at] = wisp->radius;
+    strand_refresh(s);
+    for (int at = 0; at < wisp->nodes * wisp->samples && treatment == WISP_PENALTY; at++) {
+        double a[3];
+        strand_half_line(s, at / wisp->samples, at % wisp->samples, a);
+        for (int k = 0; k < 3; k++)
+            s->e[at][k] = s->p[at / wisp->samples][k] + wisp->radius * a[k];
+    }
+    strand_refresh(s);
+    return s;
+}
+
+/* What happens to a node at p with velocity v in one tick at time t. */
+static struct body_report hit(const struct body *bodies, int count, double t, double p[3],
+                              double v[3]) {
+    struct wisp wisp = far_wisp(0);
+    wisp.root[0] = -1e6; /* whatever the body's size, it has this one node only */
+    struct strand *s = far_strand(&wisp, WISP_GENERALISED);
+    struct body_report report = {0, 0, 0};
+    memcpy(s->p[3], p, sizeof s->p[3]);
+    memcpy(s->v[3], v, sizeof s->v[3]);
+    body_contact(s, bodies, count, t, dt, &report);
+    cr_assert_eq(s->changed, report.nodes > 0);
+    memcpy(p, s->p[3], sizeof s->p[3]);
+    memcpy(v, s->v[3], sizeof s->v[3]);
+    strand_free(s);
+    return report;
+}
+
+Test(body, head_on) {
+    for (int elastic = 0; elastic <= 4; elastic++) {
+        struct body b = ball(0.1);
+        b.elasticity = elastic / 4.;
+        b.offset = 1e-3;
+        double p[3] = {-0.099, 0, 0}, v[3] = {0.6, 0, 0};
+        cr_assert_eq(hit(&b, 1, 0, p, v).nodes, 1);
+        near_vector(p, -0.101, 0, 0, 1e-16, "put on the surface");
+        near_vector(v, -0.6 * b.elasticity, 0, 0, 3e-16, "bounces");
+    }
+}
+
+/* The way it came in: a node that crossed at (-0.06, 0.08, 0) with (3, 0, 0) m/s. */
+Test(body, a_body_at_rest_is_left_the_way_the_node_came_in) {
+    struct body b = ball(0.1);
+    b.friction = 50;
+    b.elasticity = 0.5;
+    const double kept = exp(-50. / 300), n[3] = {-0.6, 0.8, 0}, along[3] = {0.8, 0.6, 0};
+    double p[3] = {-0.055, 0.08, 0}, v[3] = {3, 0, 0};
+    hit(&b, 1, 0, p, v);
+    near_vector(p, -0.06, 0.08, 0, 3e-16, "where it came in");
+    near_vector(v, kept * 2.4 * along[0] + 0.5 * 1.8 * n[0], kept * 2.4 * along[1] + 0.9 * n[1], 0,
+                1e-15, "3 m/s are 2.4 along and 1.8 inwards");
+    /* not further back than it can have come since the last tick: 10 mm here */
+    for (int i = 0; i < 2; i++) {
+        double deep[3] = {-0.06 + (i ? 0.0101 : 0.0099), 0.08, 0}, u[3] = {3, 0, 0};
+        const double size = length(deep);
+        const double x = i ? deep[0] * 0.1 / size : -0.06, y = i ? deep[1] * 0.1 / size : 0.08;
+        hit(&b, 1, 0, deep, u);
+        near_vector(deep, x, y, 0, 1e-15, i ? "by the normal" : "the way it came in");
+    }
+    /* on its way out it leaves by the normal, and keeps every bit of its velocity */
+    double out[3] = {-0.055, 0.08, 0}, u[3] = {-3, 0.1, 0.2};
+    const double size = length(out);
+    hit(&b, 1, 0, out, u);
+    near_vector(out, -0.0055 / size, 0.008 / size, 0, 1e-16, "by the normal");
+    near_vector(u, -3, 0.1, 0.2, 0, "velocity of a node that leaves");
+}
+
+/* The same in the body's frame, but by the normal; and where the body is at time t. */
+Test(body, a_moving_body_is_left_by_its_normal) {
+    struct body b = ball(0.1);
+    b.velocity[0] = -3;
+    b.centre[0] = 6;
+    b.friction = 20;
+    b.elasticity = 0.25;
+    b.offset = 1e-4;
+    const double kept = exp(-20. / 300);
+    double p[3] = {-0.06, 0.0792, 0}, v[3] = {0, 0, 1}; /* of length 0.09936 */
+    const double size = length(p), n[3] = {p[0] / size, p[1] / size, 0}, into = 3 * n[0];
+    hit(&b, 1, 2, p, v);
+    near_vector(p, 0.1001 * n[0], 0.1001 * n[1], 0, 1e-15, "by the normal");
+    /* u = (3, 0, 1); across it is (3 n_x) n */
+    near_vector(v, -3 + kept * (3 - into * n[0]) - 0.25 * into * n[0],
+                kept * (0 - into * n[1]) - 0.25 * into * n[1], kept, 1e-15, "velocity");
+    double still[3] = {-0.06, 0.0792, 0}, w[3] = {0, 0, 1};
+    cr_assert_eq(hit(&b, 1, 1.9, still, w).nodes, 0, "the body is elsewhere at 1.9 s");
+    near_vector(still, -0.06, 0.0792, 0, 0, "a node outside");
+}
+
+Test(body, friction_is_per_time_and_along_the_surface) {
+    for (int i = 0; i <= 4; i++) {
+        struct body b = ball(0.1);
+        b.friction = 100. * i;
+        double p[3] = {0, 0.09999, 0}, v[3] = {0.3, -0.4, 0.1};
+        b.velocity[0] = 1e-300; /* it moves: by the normal */
+        hit(&b, 1, 0, p, v);
+        near_vector(v, 0.3 * exp(-i / 3.), 0, 0.1 * exp(-i / 3.), 1e-16, "friction");
+    }
+}
+
+Test(body, from_the_centre_by_the_axis_of_smallest_radius) {
+    static const double radii[][3] = {{0.1, 0.1, 0.1}, {0.3, 0.2, 0.2}, {0.3, 0.3, 0.2}};
+    for (int axis = 0; axis < 3; axis++) {
+        struct body b = {.centre = {1, 2, 3}, .offset = 1e-3};
+        double p[3] = {1, 2, 3}, v[3] = {0, 0, 0}, q[3] = {1, 2, 3};
+        memcpy(b.radii, radii[axis], sizeof b.radii);
+        hit(&b, 1, 0, p, v);
+        q[axis] += b.radii[axis] + 1e-3;
+        near_vector(p, q[0], q[1], q[2], 1e-15, "from the centre");
+        near_vector(v, 0, 0, 0, 0, "a node at rest");
+    }
+}
+
+/* Each of two balls pushes into the other for ever. */
+Test(body, between_two_bodies_the_order_of_the_list_decides) {
+    struct body b[2] = {ball(1), ball(1)};
+    for (int swapped = 0; swapped < 2; swapped++) {
+        b[swapped].centre[0] = -0.6;
+        b[!swapped].centre[0] = 0.6;
+        double p[3] = {0, 0, 0}, v[3] = {0, 0, 0};
+        const struct body_report report = hit(b, 2, 0, p, v);
+        cr_assert(report.nodes == 8 && report.inside == 1, "%lld pushes, %lld inside", report.nodes,
+                  report.inside);
+        near_vector(p, swapped ? 0.4 : -0.4, 0, 0, 1e-15, "where the last pass leaves it");
+    }
+    /* out of one into the other, and from there out: two passes, no node left */
+    struct body chain[2] = {ball(0.1), ball(0.1)};
+    chain[1].centre[0] = 0.15;
+    chain[0].offset = chain[1].offset = 1e-3;
+    double p[3] = {0.01, 0, 0}, v[3] = {0, 0, 0};
+    struct body_report report = hit(chain, 2, 0, p, v);
+    cr_assert(report.nodes >= 2 && report.inside <= 1);
+    double side[3] = {0.07, 0.06, 0};
+    report = hit(chain, 2, 0, side, v);
+    cr_assert_eq(report.inside, 0, "a node in the notch stays");
+    for (int i = 0; i < 2; i++)
+        cr_assert(hypot(side[0] - chain[i].centre[0], side[1]) >= 0.1, "in ball %d", i);
+}
+
+/* With no offset, rounding must not leave a node a hair inside: friction would act twice. */
+Test(body, once_is_enough) {
+    unsigned seed = 11;
+    for (int i = 0; i < 20000; i++) {
+        struct body b = {.friction = 50, .elasticity = i % 2 ? 0.3 : 0};
+        double p[3], v[3];
+        for (int k = 0; k < 3; k++) {
+            b.radii[k] = pow(10, lab_between(&seed, -4, 2));
+            b.centre[k] = lab_between(&seed, -1, 1) * pow(10, lab_between(&seed, -3, 2));
+            p[k] = b.centre[k] + b.radii[k] * lab_between(&seed, -0.9, 0.9);
+            b.velocity[k] = i % 3 ? lab_between(&seed, -1, 1) : 0;
+        }
+        random_vector(&seed, 1, v);
+        const struct body_report report = hit(&b, 1, 0, p, v);
+        if (report.nodes == 0)
+            continue;
+        cr_assert(report.nodes == 1 && report.inside == 0, "%lld pushes, %lld inside", report.nodes,
+                  report.inside);
+        const double x[3] = {p[0] - b.centre[0], p[1] - b.centre[1], p[2] - b.centre[2]};
+        cr_assert(!ellipsoid_contains(b.radii, x) && isfinite(dot(v, v)));
+    }
+}
+
+/* --- one sample: closed forms --- */
+
+/* Node 3 above a ball, samples a_0, ... around it; those that reach into it end on it. */
+Test(body, samples_end_on_the_surface) {
+    for (int treatment = 0; treatment < TREATMENTS; treatment++) {
+        const struct wisp wisp = far_wisp(4);
+        struct strand *s = far_strand(&wisp, (enum wisp_treatment)treatment);
+        struct body_report report = {0, 0, 0};
+        struct body b = ball(0.05);
+        double a[3], before[4][3], velocity[4][3];
+        strand_half_line(s, 3, 1, a); /* the ball is ahead of sample 1, 8 mm from the node */
+        for (int k = 0; k < 3; k++) {
+            b.centre[k] = s->p[3][k] + 0.058 * a[k];
+            b.velocity[k] = -0.3 * a[k];
+            s->v[3][k] = 0.2 * a[k];
+        }
+        for (int j = 0; j < 4; j++)
+            for (int k = 0; k < 3; k++)
+                s->ev[12 + j][k] = s->v[3][k] + 0.1 * (k + j);
+        for (int j = 0; j < 4 && treatment != WISP_PENALTY; j++)
+            s->rate[12 + j] = 0.4;
+        strand_refresh(s);
+        memcpy(before, s->e + 12, sizeof before);
+        memcpy(velocity, s->ev + 12, sizeof velocity);
+        const double r0 = s->r[13], rate0 = s->rate[13];
+        body_contact(s, &b, 1, 0, dt, &report);
+        cr_assert(report.samples == 1 && report.nodes == 0 && report.inside == 0 && s->changed);
+        cr_assert(fabs(s->r[13] - 0.008) <= 1e-14, "r = %.17g", s->r[13]);
+        cr_assert(fabs(s->rate[13] - fmin(rate0, -0.5)) <= 1e-14, "rate %.17g", s->rate[13]);
+        for (int j = 0; j < 4; j++)
+            for (int k = 0; k < 3; k++) {
+                const double by = j == 1 ? (s->r[13] - r0) * a[k] : 0;
+                const double dv = j == 1 ? (s->rate[13] - rate0) * a[k] : 0;
+                cr_assert(fabs(s->e[12 + j][k] - before[j][k] - by) <= 1e-14 &&
+                              fabs(s->ev[12 + j][k] - velocity[j][k] - dv) <= 1e-14,
+                          "%s: sample %d moves otherwise than along its line",
+                          treatment_names[treatment], j);
+            }
+        strand_free(s);
+    }
+}
+
+/* A surface nearer to the node than 1e-3 R, and a rate that is lower already. */
+Test(body, samples_keep_their_least_distance) {
+    const struct wisp wisp = far_wisp(4);
+    for (int slow = 0; slow < 2; slow++) {
+        struct strand *s = far_strand(&wisp, WISP_GENERALISED);
+        struct body_report report = {0, 0, 0};
+        struct body b = ball(0.05);
+        double a[3];
+        strand_half_line(s, 3, 2, a);
+        for (int k = 0; k < 3; k++)
+            b.centre[k] = s->p[3][k] + (0.05 + 1e-6) * a[k];
+        s->rate[14] = slow ? -7 : 7;
+        body_contact(s, &b, 1, 0, dt, &report);
+        cr_assert_eq(report.samples, 1);
+        cr_assert(s->r[14] == 1e-3 * 0.02 && s->rate[14] == (slow ? -7 : 0), "r = %g, rate %g",
+                  s->r[14], s->rate[14]);
+        strand_free(s);
+    }
+}
+
+/* Behind its node there is no crossing ahead: the clamp's business. And the samples of a node that
+ * is still inside are left alone. */
+Test(body, samples_that_are_left_alone) {
+    const struct wisp wisp = far_wisp(4);
+    struct strand *s = far_strand(&wisp, WISP_PROJECTION);
+    struct body_report report = {0, 0, 0};
+    struct body b[2] = {ball(0.05), ball(1)};
+    double a[3];
+    strand_half_line(s, 3, 0, a);
+    for (int k = 0; k < 3; k++)
+        b[0].centre[k] = s->p[3][k] - 0.058 * a[k];
+    s->r[12] = -0.02;
+    s->r[14] = 1e-5; /* the opposite one would be in the way */
+    body_contact(s, b, 1, 0, dt, &report);
+    cr_assert(report.samples == 0 && s->r[12] == -0.02 && !s->changed);
+    b[0] = ball(1);
+    memcpy(b[0].centre, s->p[3], sizeof b[0].centre);
+    memcpy(b[1].centre, s->p[3], sizeof b[1].centre);
+    b[0].centre[1] -= 0.6;
+    b[1].centre[1] += 0.6;
+    s->r[12] = 0.02;
+    body_contact(s, b, 2, 0, dt, &report);
+    cr_assert(report.inside >= 1, "%lld inside", report.inside);
+    cr_assert(s->r[12] == 0.02 && s->r[13] == 0.02 && s->r[14] == 1e-5, "a sample was moved");
+    strand_free(s);
+}
+
+/* --- the page's words, a second time --- */
+
+/* A random wisp among random bodies. */
+static struct strand *random_strand(const struct wisp *wisp, enum wisp_treatment treatment,
+                                    unsigned *seed) {
+    static double q[LAB_SIZE], v[LAB_SIZE];
+    struct strand *s = far_strand(wisp, treatment);
+    const int unknowns = wisp_node_unknowns(wisp, treatment),
+              per = treatment == WISP_PENALTY ? 3 : 1;
+    lab_state(wisp, treatment, STATE_RANDOM, 0, seed, q, v);
+    for (int i = 0; i < wisp->nodes; i++) {
+        for (int k = 0; k < 3; k++)
+            s->p[i][k] = i < 2 ? wisp->root[k] + i * wisp_spacing(wisp) * wisp->direction[k]
+                               : q[(i - 2) * unknowns + k];
+        for (int k = 0; k < 3 && i >= 2; k++)
+            s->v[i][k] = v[(i - 2) * unknowns + k];
+        for (int j = 0; j < wisp->samples && i >= 2; j++) {
+            const int at = i * wisp->samples + j, u = (i - 2) * unknowns + 3 + per * j;
+            memcpy(per == 3 ? s->e[at] : &s->r[at], q + u, (size_t)per * sizeof *q);
+            memcpy(per == 3 ? s->ev[at] : &s->rate[at], v + u, (size_t)per * sizeof *v);
+        }
+    }
+    strand_refresh(s);
+    s->changed = 0;
+    return s;
+}
+
+static void random_bodies(const struct strand *s, int count, unsigned *seed, struct body *bodies) {
+    for (int i = 0; i < count; i++) {
+        struct body *b = &bodies[i];
+        const int node = (int)lab_between(seed, 0, s->wisp->nodes - 1e-9);
+        *b = (struct body){.friction = lab_between(seed, 0, 100),
+                           .elasticity = lab_between(seed, 0, 1),
+                           .offset = lab_between(seed, 0, 1e-3)};
+        for (int k = 0; k < 3; k++) {
+            b->radii[k] = lab_between(seed, 0.01, 0.1);
+            b->centre[k] = s->p[node][k] + lab_between(seed, -0.08, 0.08);
+        }
+        if (lab_between(seed, 0, 1) < 0.5)
+            random_vector(seed, 1, b->velocity);
+    }
+}
+
+/* x = p - c(t) */
+static int twin_inside(const struct body *b, double t, const double p[3], double x[3]) {
+    for (int k = 0; k < 3; k++)
+        x[k] = p[k] - (b->centre[k] + t * b->velocity[k]);
+    return level(b->radii, x, NULL, 0) < 0;
+}
+
+static void twin_normal(const struct body *b, const double x[3], double n[3]) {
+    for (int k = 0; k < 3; k++)
+        n[k] = x[k] / (b->radii[k] * b->radii[k]);
+    const double size = length(n);
+    for (int k = 0; k < 3; k++)
+        n[k] /= size;
+}
+
+static void twin_node(struct strand *s, int i, const struct body *b, double t) {
+    double x[3], u[3], back[3], g[3], n[3], *v = s->v[i];
+    if (!twin_inside(b, t, s->p[i], x))
+        return;
+    twin_normal(b, x, g);
+    for (int k = 0; k < 3; k++) {
+        u[k] = v[k] - b->velocity[k];
+        back[k] = -u[k];
+    }
+    const double *ray = g;
+    double way = crossing_ahead(b->radii, x, g);
+    if (length(b->velocity) == 0 && dot(u, g) < 0 && crossing_ahead(b->radii, x, back) <= dt) {
+        ray = back;
+        way = crossing_ahead(b->radii, x, back);
+    }
+    for (int k = 0; k < 3; k++)
+        x[k] += way * ray[k];
+    twin_normal(b, x, n);
+    const double across = dot(u, n);
+    for (int k = 0; k < 3; k++) {
+        if (across < 0)
+            u[k] = exp(-b->friction * dt) * (u[k] - across * n[k]) - b->elasticity * across * n[k];
+        const double p = b->centre[k] + t * b->velocity[k] + x[k] + b->offset * n[k];
+        for (int j = 0; j < s->wisp->samples; j++) {
+            s->e[i * s->wisp->samples + j][k] += p - s->p[i][k];
+            s->ev[i * s->wisp->samples + j][k] += b->velocity[k] + u[k] - v[k];
+        }
+        s->p[i][k] = p;
+        v[k] = b->velocity[k] + u[k];
+    }
+}
+
+static void twin_sample(struct strand *s, int i, int j, const struct body *b, double t) {
+    const int at = i * s->wisp->samples + j;
+    double a[3], x[3], from[3], end[3], u[3];
+    strand_half_line(s, i, j, a);
+    for (int k = 0; k < 3; k++) {
+        end[k] = s->p[i][k] + s->r[at] * a[k];
+        u[k] = b->velocity[k] - s->v[i][k];
+    }
+    twin_inside(b, t, s->p[i], from);
+    if (s->r[at] <= 0 || !twin_inside(b, t, end, x))
+        return;
+    const double r = fmax(bisect(b->radii, from, a, 0, s->r[at]), 1e-3 * s->wisp->radius);
+    const double rate = fmin(s->rate[at], dot(u, a));
+    for (int k = 0; k < 3; k++) {
+        s->e[at][k] += (r - s->r[at]) * a[k];
+        s->ev[at][k] += (rate - s->rate[at]) * a[k];
+    }
+    s->r[at] = r;
+    s->rate[at] = rate;
+}
+
+/* Returns how many nodes are left inside. */
+static int twin_contact(struct strand *s, const struct body *b, int count, double t) {
+    int left = 0;
+    double x[3];
+    for (int i = 2; i < s->wisp->nodes; i++)
+        for (int pass = 0; pass < 4; pass++)
+            for (int k = 0; k < count; k++)
+                twin_node(s, i, &b[k], t);
+    strand_refresh(s);
+    for (int i = 2; i < s->wisp->nodes; i++) {
+        int inside = 0;
+        for (int k = 0; k < count; k++)
+            inside |= twin_inside(&b[k], t, s->p[i], x);
+        left += inside;
+        for (int k = 0; k < count && !inside; k++)
+            for (int j = 0; j < s->wisp->samples; j++)
+                twin_sample(s, i, j, &b[k], t);
+    }
+    return left;
+}
+
+static double largest_difference(const struct strand *a, const struct strand *b) {
+    double most = 0;
+    for (int i = 0; i < a->wisp->nodes; i++)
+        for (int k = 0; k < 3; k++)
+            most = fmax(most, fmax(fabs(a->p[i][k] - b->p[i][k]), fabs(a->v[i][k] - b->v[i][k])));
+    for (int at = 0; at < a->wisp->nodes * a->wisp->samples; at++) {
+        most = fmax(most, fmax(fabs(a->r[at] - b->r[at]), fabs(a->rate[at] - b->rate[at])));
+        for (int k = 0; k < 3; k++)
+            most = fmax(most,
+                        fmax(fabs(a->e[at][k] - b->e[at][k]), fabs(a->ev[at][k] - b->ev[at][k])));
+    }
+    return most;
+}
+
+Test(body, agrees_with_the_page_written_down_twice) {
+    unsigned seed = 21;
+    struct body_report all = {0, 0, 0};
+    double worst = 0;
+    for (int i = 0; i < 3000; i++) {
+        const enum wisp_treatment treatment = (enum wisp_treatment)(i % TREATMENTS);
+        const struct wisp wisp = lab_wisp(7, i % 4 ? 2 + i % 4 : 0, BENDING_SKIP, &seed);
+        const double t = lab_between(&seed, 0, 0.01);
+        const int count = 1 + i % 5;
+        struct body bodies[5];
+        unsigned again = seed;
+        struct strand *s = random_strand(&wisp, treatment, &seed);
+        struct strand *twin = random_strand(&wisp, treatment, &again);
+        random_bodies(s, count, &seed, bodies);
+        struct body_report report = {0, 0, 0};
+        body_contact(s, bodies, count, t, dt, &report);
+        const int left = twin_contact(twin, bodies, count, t);
+        const double difference = largest_difference(s, twin);
+        cr_assert(report.inside == left, "%lld left inside, not %d", report.inside, left);
+        cr_assert(difference <= 1e-10, "case %d, %s: a difference of %g", i,
+                  treatment_names[treatment], difference);
+        worst = fmax(worst, difference);
+        all.nodes += report.nodes;
+        all.samples += report.samples;
+        all.inside += report.inside;
+        strand_free(s);
+        strand_free(twin);
+    }
+    cr_log_info("%lld nodes, %lld samples, %lld left inside, at most %g apart", all.nodes,
+                all.samples, all.inside, worst);
+    cr_assert(all.nodes > 3000 && all.samples > 3000 && all.inside > 10);
+}
+
+/* --- invariances --- */
+
+/* Lengths and velocities by a power of two: not a bit but the size. Along the axes, moved: to
+ * rounding. */
+Test(body, scaled_and_moved_it_is_the_same) {
+    unsigned seed = 31;
+    for (int i = 0; i < 600; i++) {
+        const struct wisp wisp = lab_wisp(7, 4, BENDING_SKIP, &seed);
+        struct wisp large = wisp;
+        struct body bodies[3], other[3];
+        struct strand *s[3];
+        unsigned start = seed;
+        for (int k = 0; k < 3; k++) {
+            seed = start;
+            s[k] = random_strand(&wisp, WISP_GENERALISED, &seed);
+        }
+        random_bodies(s[0], 3, &seed, bodies);
+        struct body_report report = {0, 0, 0};
+        const double by[3] = {0.3, -0.2, 0.1};
+        body_contact(s[0], bodies, 3, 0, dt, &report);
+        memcpy(other, bodies, sizeof other); /* moved */
+        for (int b = 0; b < 3; b++)
+            for (int k = 0; k < 3; k++)
+                other[b].centre[k] += by[k];
+        for (int n = 0; n < 7; n++)
+            for (int k = 0; k < 3; k++)
+                s[1]->p[n][k] += by[k];
+        strand_refresh(s[1]);
+        body_contact(s[1], other, 3, 0, dt, &report);
+        large.radius *= 4; /* scaled */
+        s[2]->wisp = &large;
+        memcpy(other, bodies, sizeof other);
+        for (int b = 0; b < 3; b++) {
+            other[b].offset *= 4;
+            for (int k = 0; k < 3; k++) {
+                other[b].centre[k] *= 4;
+                other[b].radii[k] *= 4;
+                other[b].velocity[k] *= 4;
+            }
+        }
+        for (int n = 0; n < 7; n++)
+            for (int k = 0; k < 3; k++) {
+                s[2]->p[n][k] *= 4;
+                s[2]->v[n][k] *= 4;
+            }
+        for (int at = 0; at < 28; at++) {
+            s[2]->r[at] *= 4;
+            s[2]->rate[at] *= 4;
+        }
+        strand_refresh(s[2]);
+        body_contact(s[2], other, 3, 0, dt, &report);
+        for (int n = 0; n < 7; n++)
+            for (int k = 0; k < 3; k++) {
+                cr_assert(fabs(s[1]->p[n][k] - by[k] - s[0]->p[n][k]) <= 1e-11 &&
+                              fabs(s[1]->v[n][k] - s[0]->v[n][k]) <= 1e-11,
+                          "case %d: moved, node %d differs by %g", i, n,
+                          s[1]->p[n][k] - by[k] - s[0]->p[n][k]);
+                cr_assert(s[2]->p[n][k] == 4 * s[0]->p[n][k] && s[2]->v[n][k] == 4 * s[0]->v[n][k],
+                          "case %d: scaled, node %d differs", i, n);
+            }
+        for (int at = 0; at < 28; at++)
+            cr_assert(s[2]->r[at] == 4 * s[0]->r[at] && s[2]->rate[at] == 4 * s[0]->rate[at] &&
+                          fabs(s[1]->r[at] - s[0]->r[at]) <= 1e-11,
+                      "case %d: sample %d differs", i, at);
+        for (int k = 0; k < 3; k++)
+            strand_free(s[k]);
+    }
+}
+
+/* Nodes only: half-lines follow the world's y axis. Ellipsoids turned onto other axes, balls by any
+ * angle. */
+Test(body, turned_it_is_the_same) {
+    unsigned seed = 41;
+    for (int i = 0; i < 2000; i++) {
+        struct body b = {.friction = 30, .elasticity = 0.4, .offset = 1e-4}, turned = b;
+        double p[3], v[3], q[3], w[3];
+        for (int k = 0; k < 3; k++) {
+            b.radii[k] = lab_between(&seed, 0.05, 0.2);
+            b.velocity[k] = i % 2 ? lab_between(&seed, -1, 1) : 0;
+            b.centre[k] = lab_between(&seed, -1, 1);
+            p[k] = b.centre[k] + b.radii[k] * lab_between(&seed, -0.6, 0.6);
+        }
+        random_vector(&seed, 20, v);
+        for (int k = 0; k < 3; k++) {
+            turned.radii[k] = b.radii[(k + 1) % 3];
+            turned.centre[k] = b.centre[(k + 1) % 3];
+            turned.velocity[k] = b.velocity[(k + 1) % 3];
+            q[k] = p[(k + 1) % 3];
+            w[k] = v[(k + 1) % 3];
+        }
+        hit(&b, 1, 0, p, v);
+        hit(&turned, 1, 0, q, w);
+        near_vector(q, p[1], p[2], p[0], 1e-14, "turned onto other axes");
+        near_vector(w, v[1], v[2], v[0], 1e-13, "turned onto other axes");
+    }
+    for (int i = 0; i < 2000; i++) {
+        struct body b = ball(0.1);
+        b.friction = 30;
+        b.elasticity = 0.4;
+        double p[3], v[3], q[3], w[3];
+        const double angle = lab_between(&seed, 0, 7), c = cos(angle), d = sin(angle);
+        random_vector(&seed, 0.05, p);
+        random_vector(&seed, 20, v);
+        q[0] = c * p[0] - d * p[1];
+        q[1] = d * p[0] + c * p[1];
+        w[0] = c * v[0] - d * v[1];
+        w[1] = d * v[0] + c * v[1];
+        q[2] = p[2];
+        w[2] = v[2];
+        hit(&b, 1, 0, p, v);
+        hit(&b, 1, 0, q, w);
+        near_vector(q, c * p[0] - d * p[1], d * p[0] + c * p[1], p[2], 1e-15, "turned");
+        near_vector(w, c * v[0] - d * v[1], d * v[0] + c * v[1], v[2], 1e-13, "turned");
+    }
+}
+
+/* --- the box test --- */
+
+/* Samples further out than the box test takes for granted. */
+static void stretch_samples(const struct wisp *wisp, enum wisp_treatment treatment, double factor,
+                            double *q) {
+    const int unknowns = wisp_node_unknowns(wisp, treatment);
+    for (int i = 0; i < wisp->nodes - 2; i++, q += unknowns)
+        for (int u = 3; u < unknowns; u++)
+            q[u] =
+                treatment == WISP_PENALTY ? q[u % 3] + factor * (q[u] - q[u % 3]) : factor * q[u];
+}
+
+/* One part of random wisps: whoever body contact changes is near, and the clamp's flag is right. */
+static void check_near(int lanes, enum wisp_treatment treatment, int samples, unsigned *seed,
+                       int *touched, int *far) {
+    static double q[LAB_LANES][LAB_SIZE], v[LAB_SIZE], Q[LAB_LANES * LAB_SIZE],
+        V[LAB_LANES * LAB_SIZE], rows[LAB_NODES * (6 + 6 * SAMPLES_MAX)];
+    enum { NODES = 6, BODIES = 3 };
+    const struct surroundings around = lab_surroundings(WIND_NONE, seed);
+    struct wisp wisps[LAB_LANES];
+    struct body bodies[BODIES];
+    struct lab_part part;
+    const double spread = lab_between(seed, 0, 1) < 0.5 ? 0.15 : 1;
+    double boxes[6 * BODIES],
+        hull[6] = {INFINITY, INFINITY, INFINITY, -INFINITY, -INFINITY, -INFINITY};
+    int clamp;
+    for (int k = 0; k < lanes; k++)
+        wisps[k] = lab_wisp(NODES, samples, BENDING_SKIP, seed);
+    lab_part_make(&part, lanes, wisps, lanes, &around, treatment);
+    for (int k = 0; k < lanes; k++) {
+        lab_state(&wisps[k], treatment, STATE_RANDOM, 0, seed, q[k], v);
+        stretch_samples(&wisps[k], treatment, lab_between(seed, 0.1, 2), q[k]);
+        lab_scatter(&part, k, q[k], Q);
+        lab_scatter(&part, k, v, V);
+    }
+    for (int b = 0; b < BODIES; b++) {
+        bodies[b] = (struct body){.offset = 1e-4};
+        for (int k = 0; k < 3; k++) {
+            bodies[b].radii[k] = lab_between(seed, 0.005, 0.1);
+            bodies[b].centre[k] = wisps[0].root[k] + lab_between(seed, -spread, spread);
+        }
+        random_vector(seed, 1, bodies[b].velocity);
+        body_box(&bodies[b], 0.1, boxes + 6 * b);
+        for (int k = 0; k < 3; k++) {
+            hull[k] = fmin(hull[k], boxes[6 * b + k]);
+            hull[3 + k] = fmax(hull[3 + k], boxes[6 * b + 3 + k]);
+        }
+    }
+    void *ctx = part.system.ctx;
+    const unsigned near =
+        (lanes == 1 ? kernel_near_1 : kernel_near_4)(ctx, Q, hull, boxes, BODIES, &clamp);
+    for (int k = 0; k < lanes; k++) {
+        struct strand *s = strand_create(&wisps[k], treatment);
+        struct body_report report = {0, 0, 0};
+        const int stride = 6 + samples * (treatment == WISP_PENALTY ? 6 : 2);
+        (lanes == 1 ? kernel_sample_1 : kernel_sample_4)(ctx, k, Q, V, rows, stride);
+        strand_load(s, rows, stride);
+        body_contact(s, bodies, BODIES, 0.1, dt, &report);
+        const int found = s->changed || report.inside;
+        cr_assert(!found || (near >> k & 1), "lane %d of %d: a contact is missed", k, lanes);
+        *touched += found;
+        *far += !(near >> k & 1);
+        strand_free(s);
+    }
+    const int changed = (lanes == 1 ? kernel_clamp_1 : kernel_clamp_4)(ctx, Q, V);
+    cr_assert_eq(changed != 0, clamp != 0, "%s: the clamp's flag", treatment_names[treatment]);
+    lab_part_free(&part);
+}
+
+Test(body, the_box_test_misses_nobody) {
+    unsigned seed = 51;
+    static const int samples[] = {0, 3, 4, 7};
+    for (int treatment = 0; treatment < TREATMENTS; treatment++)
+        for (int m = 0; m < 4; m++)
+            for (int lanes = 1; lanes <= 4; lanes += 3) {
+                int touched = 0, far = 0;
+                for (int i = 0; i < 1000; i++)
+                    check_near(lanes, (enum wisp_treatment)treatment, samples[m], &seed, &touched,
+                               &far);
+                cr_log_info("%s, %d samples: %d touched, %d far of %d", treatment_names[treatment],
+                            samples[m], touched, far, 1000 * lanes);
+                cr_assert(touched > 10 && far > 100, "%d touched, %d far", touched, far);
+            }
+}
+
+/* --- whole runs --- */
+
+static void run_to(struct scene *scene, const struct run_request *request, struct lab_run *run) {
+    lab_run(scene, request, run);
+    cr_assert_eq(run->result.outcome, FINISHED, "%s", run->result.reason);
+}
+
+/* Nothing inside, no segment far from its length, in any frame. */
+static void check_frames(const struct scene *scene, const struct lab_run *run,
+                         const char *stepper) {
+    double strain = 0, least = INFINITY;
+    for (int f = 0; f < run->frames; f++)
+        for (int i = 0; i < run->rows; i++) {
+            const double *row = run->row + (f * run->rows + i) * run->columns, *p = row + 2;
+            const struct wisp *wisp = &scene->wisps[(int)row[0]];
+            for (int b = 0; b < scene->body_count && row[1] >= 2; b++) {
+                double x[3];
+                cr_assert(!twin_inside(&scene->bodies[b], run->t[f], p, x),
+                          "%s: node %g of wisp %g is inside at %g s", stepper, row[1], row[0],
+                          run->t[f]);
+                least = fmin(least, length(x) - scene->bodies[b].radii[0]);
+            }
+            if (row[1] > 0) {
+                const double *q = p - run->columns;
+                const double d[3] = {p[0] - q[0], p[1] - q[1], p[2] - q[2]};
+                strain = fmax(strain, fabs(length(d) / wisp_spacing(wisp) - 1));
+            }
+        }
+    cr_log_info("%s: strain %g, %g m from the sphere, %lld contacts", stepper, strain, least,
+                run->result.counters.body_contacts);
+    cr_assert_lt(strain, 0.1, "%s: a strain of %g", stepper, strain);
+    cr_assert(least < 0.01 && run->result.counters.body_contacts > 1000, "%s: no contact", stepper);
+    cr_assert_eq(run->result.counters.nodes_left_inside, 0);
+}
+
+Test(body, the_sphere_passes) {
+    struct scene *scene = lab_load("sphere", NULL, 0);
+    for (int i = 0; i < 2; i++) {
+        const struct run_request request = {.stepper = i ? "euler" : "rk4"};
+        struct lab_run run;
+        run_to(scene, &request, &run);
+        cr_assert_eq(run.frames, 219);
+        check_frames(scene, &run, request.stepper);
+        lab_run_free(&run);
+    }
+    scene_free(scene);
+}
+
+#define NEAR "body.[0].center=[-0.17, -0.24, 0.0]"
+#define FOUR                                                                                    \
+    "wisps=({ root=[-0.0625, 0.0, -0.0125]; direction=[0.0, -1.0, 0.0]; length=0.3; nodes=11; " \
+    "         grid=[2, 2]; spacing=0.025; across=([1.0, 0.0, 0.0], [0.0, 0.0, 1.0]); })"
+
+Test(body, the_sphere_passes_for_every_stepper_and_treatment) {
+    struct scene *scene = LAB_LOAD("sphere", "duration=1.3", NEAR, FOUR);
+    for (int treatment = 0; treatment < TREATMENTS; treatment++)
+        for (int m = 0; stepper_methods[m]; m++) {
+            const int implicit = stepper_methods[m]->capabilities & STEPPER_IMPLICIT;
+            const struct run_request request = {.stepper = stepper_methods[m]->name,
+                                                .treatment = treatment_names[treatment],
+                                                .linear = implicit ? "direct" : NULL};
+            struct lab_run run;
+            if (strcmp(request.stepper, "reference") == 0)
+                continue;
+            run_to(scene, &request, &run);
+            check_frames(scene, &run, request.stepper);
+            lab_run_free(&run);
+        }
+    scene_free(scene);
+}
+
+static void check_same(const struct lab_run *a, const struct lab_run *b, int wisps, int reversed) {
+    const int nodes = a->rows / wisps;
+    cr_assert(a->frames == b->frames && a->rows == b->rows);
+    for (int f = 0; f < a->frames; f++)
+        for (int i = 0; i < a->rows; i++) {
+            const int wisp = reversed ? wisps - 1 - i / nodes : i / nodes,
+                      j = wisp * nodes + i % nodes;
+            cr_assert_eq(memcmp(a->row + (f * a->rows + i) * a->columns + 1,
+                                b->row + (f * b->rows + j) * b->columns + 1,
+                                (size_t)(a->columns - 1) * sizeof(double)),
+                         0, "frame %d, row %d differs", f, i);
+        }
+}
+
+/* Same bits for any number of threads and any order of wisps; 3 x 3 wisps leave padding. */
+Test(body, threads_and_order_change_nothing) {
+    static const char *const steppers[] = {"rk4", "cvode"};
+    for (int m = 0; m < 2; m++)
+        for (int treatment = 0; treatment < TREATMENTS; treatment++) {
+            struct scene *scene = LAB_LOAD("sphere", "duration=0.9", NEAR, "wisps.[0].grid=[3, 3]");
+            struct run_request request = {.stepper = steppers[m],
+                                          .treatment = treatment_names[treatment]};
+            struct lab_run run[4];
+            for (int threads = 1; threads <= 3; threads++) {
+                request.threads = threads;
+                run_to(scene, &request, &run[threads - 1]);
+            }
+            for (int i = 0; i < 4; i++) {
+                const struct wisp wisp = scene->wisps[i];
+                scene->wisps[i] = scene->wisps[8 - i];
+                scene->wisps[8 - i] = wisp;
+            }
+            run_to(scene, &request, &run[3]);
+            cr_assert_gt(run[0].result.counters.body_contacts, 50);
+            for (int i = 1; i < 4; i++)
+                check_same(&run[0], &run[i], 9, i == 3);
+            for (int i = 0; i < 4; i++)
+                lab_run_free(&run[i]);
+            scene_free(scene);
+        }
+}
+
+/* A wisp swings down onto a ball at rest and bounces: a tick is the same map for all. */
+#define BALL                                                                                     \
+    "body=({ name=\"ball\"; center=[0.15, -0.2, 0.02]; radii=[0.06, 0.08, 0.07]; friction=20.0;" \
+    "        elasticity=0.5; offset=1e-4; })"
+
+Test(body, steppers_agree_on_a_bounce) {
+    static const char *const scenes[] = {"swing", "swing-envelope"};
+    for (int i = 0; i < 2; i++)
+        for (int treatment = 0; treatment < (i ? TREATMENTS : 1); treatment++) {
+            struct scene *scene = LAB_LOAD(scenes[i], "duration=0.3", BALL);
+            const struct run_request fixed = {
+                .stepper = "rk4", .treatment = treatment_names[treatment], .step = 1 / 24000.};
+            const struct run_request tight = {.stepper = "cvode",
+                                              .treatment = treatment_names[treatment],
+                                              .rtol = 1e-11,
+                                              .atol = 1e-13};
+            struct lab_run a, b;
+            run_to(scene, &fixed, &a);
+            run_to(scene, &tight, &b);
+            const struct lab_distance d = lab_distance(&a, &b, 1, 2);
+            cr_log_info("%s, %s: %lld and %lld contacts, %g m apart", scenes[i], fixed.treatment,
+                        a.result.counters.body_contacts, b.result.counters.body_contacts,
+                        d.largest);
+            cr_assert_gt(a.result.counters.body_contacts, 5);
+            cr_assert_gt(b.result.counters.restarts, 1);
+            cr_assert_eq(a.result.counters.body_contacts, b.result.counters.body_contacts);
+            cr_assert_lt(d.largest, 1e-7, "%s, %s: %g m apart", scenes[i], fixed.treatment,
+                         d.largest);
+            lab_run_free(&a);
+            lab_run_free(&b);
+            scene_free(scene);
+        }
+}
+
+/* A body that nobody touches changes no bit; without envelope and body there are no ticks. */
+Test(body, a_distant_body_changes_nothing) {
+    static const char *const distant =
+        "body=({ name=\"far\"; center=[5, 5, 5]; radii=[1, 1, 1]; friction=20; elasticity=0;"
+        "        offset=1e-4; })";
+    struct scene *without = LAB_LOAD("swing-envelope", "duration=0.2"),
+                 *with = LAB_LOAD("swing-envelope", "duration=0.2", distant);
+    const struct run_request request = {.stepper = "cvode"};
+    struct lab_run a, b;
+    run_to(without, &request, &a);
+    run_to(with, &request, &b);
+    check_same(&a, &b, 1, 0);
+    cr_assert(b.result.counters.body_contacts == 0 &&
+              a.result.counters.restarts == b.result.counters.restarts);
+    lab_run_free(&a);
+    lab_run_free(&b);
+    scene_free(without);
+    scene_free(with);
+    without = lab_load("swing", NULL, 0);
+    with = LAB_LOAD("swing", distant);
+    struct model *plain = wisp_problem.create(without, WISP_GENERALISED, 1),
+                 *ticking = wisp_problem.create(with, WISP_GENERALISED, 1);
+    cr_assert(plain && ticking && plain->collision_rate == 0 && ticking->collision_rate == 300);
+    wisp_problem.free(plain);
+    wisp_problem.free(ticking);
+    scene_free(without);
+    scene_free(with);
+}
