@@ -184,10 +184,13 @@ static void advance_parts(struct simulation *sim, double to) {
 }
 
 static int all_finite(const double *x, int n) {
-    double sum = 0; /* 0 * x is NaN where x is not finite */
+    double sum[8] = {
+        0}; /* 0 * x is NaN where x is not finite; eight chains of additions, not one */
     for (int i = 0; i < n; i++)
-        sum += 0 * x[i];
-    return sum == 0;
+        sum[i % 8] += 0 * x[i];
+    for (int k = 1; k < 8; k++)
+        sum[0] += sum[k];
+    return sum[0] == 0;
 }
 
 static void check_finite(struct simulation *sim) {

@@ -130,14 +130,22 @@ SPECIALISED struct vec move_penalty(const struct kernel_part *part, const struct
     return add_scaled(a, -ratio, springs);
 }
 
+static void add_style(const struct style *style, double t, double g[3]) {
+    double s[3];
+    style_acceleration(style, t, s);
+    for (int c = 0; c < 3; c++)
+        g[c] += s[c];
+}
+
 /* Frames along the wisp, and with them the accelerations of all unknowns. */
 SPECIALISED void walk_nodes(struct kernel_part *part, double t, const double *q, const double *v,
                             double *acceleration, enum wisp_treatment treatment, int samples) {
-    double wind[3], g[3];
-    wind_velocity(&part->surroundings->wind, t, wind);
-    style_acceleration(&part->surroundings->style, t, g);
-    for (int c = 0; c < 3; c++)
-        g[c] += part->surroundings->gravity[c];
+    const struct surroundings *around = part->surroundings;
+    double wind[3] = {0}, g[3] = {around->gravity[0], around->gravity[1], around->gravity[2]};
+    if (around->wind.kind != WIND_NONE)
+        wind_velocity(&around->wind, t, wind);
+    if (around->style.knots > 0)
+        add_style(&around->style, t, g);
     if (samples > 0)
         plane_normals(part);
 
@@ -175,7 +183,8 @@ static int refuse_state(struct kernel_part *part, const double *q, const double 
 
 int LANED(kernel_acceleration)(void *ctx, double t, const double *q, const double *v, double *a) {
     struct kernel_part *part = ctx;
-    LANED(kernel_prescribe)(part, t);
+    if (part->surroundings->head.knots > 0)
+        LANED(kernel_prescribe)(part, t);
     const mask sound = part->bending == BENDING_SKIP    ? walk_springs(part, q, v, BENDING_SKIP)
                        : part->bending == BENDING_HINGE ? walk_springs(part, q, v, BENDING_HINGE)
                                                         : walk_springs(part, q, v, BENDING_NONE);
