@@ -21,13 +21,13 @@ struct volume {
 
 /* A free node, standing for itself and its samples, or a sample. */
 struct point {
+    double v[3];         /* V of a node: the mean with its samples; else its own; m/s */
+    double direction[3]; /* w of its node; a copy beside v, for points are met in any order */
+    double mass;         /* of a node with its samples', kg */
+    double dv[3];        /* what corrections add up to, m/s */
+    int shares;          /* corrections in which it takes part */
+    int section[2];      /* those that its node bounds; -1: none */
     struct contact_place place;
-    const double *direction; /* w of its node */
-    double v[3];             /* V of a node: the mean with its samples; else its own; m/s */
-    double mass;             /* of a node with its samples', kg */
-    int section[2];          /* those that its node bounds; -1: none */
-    int shares;              /* corrections in which it takes part */
-    double dv[3];            /* what they add up to, m/s */
 };
 
 struct interaction {
@@ -114,9 +114,9 @@ static void add_node(struct interaction *it, const struct strand *strand, int in
                  each = wisp_sample_mass(strand->wisp, node);
     struct point *mean = &it->point[it->point_count];
     *mean = (struct point){.place = {index, node, -1},
-                           .direction = strand->axis_w[node],
                            .section = {before, last ? -1 : before + 1},
                            .mass = own + samples * each};
+    memcpy(mean->direction, strand->axis_w[node], sizeof mean->direction);
     memcpy(it->x[it->point_count++], strand->p[node], sizeof *it->x);
     for (int j = 0; j < samples; j++) {
         const int at = node * samples + j;

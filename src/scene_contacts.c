@@ -76,7 +76,7 @@ void scene_read_contacts(struct config_reader *reader, config_setting_t *top, in
     config_setting_t *group = config_group(reader, top, "contacts");
     config_known(reader, group, known);
     scene->collision_rate = config_number(reader, group, "collision_rate", NOT_NEGATIVE, 300);
-    interaction->rate = config_number(reader, group, "interaction_rate", POSITIVE, 90);
+    interaction->rate = config_number(reader, group, "interaction_rate", NOT_NEGATIVE, 90);
     interaction->threshold = config_number(reader, group, "threshold", NOT_NEGATIVE, 0.9);
     interaction->viscosity = config_number(reader, group, "viscosity", NOT_NEGATIVE, 5);
     interaction->interpenetration = config_switch(reader, group, "interpenetration", group != NULL);

@@ -12,7 +12,7 @@
 
 /* --- clusters of wisps --- */
 
-enum { WISPS_MAX = 1000, SLOTS = 1 + SAMPLES_MAX };
+enum { SLOTS = 1 + SAMPLES_MAX };
 
 struct cluster {
     int count;
@@ -856,5 +856,152 @@ Test(interaction, contacts_matter_and_cost_nothing_where_they_are_off) {
             lab_run_free(&run[i]);
             scene_free(scenes[i]);
         }
+    }
+}
+
+/* --- the shipped scenes --- */
+
+/* Two sound methods agree for as long as the motion itself can be told: until a push of 1e-10 m on
+ * one root has become 1e-8 m. */
+Test(interaction, two_methods_agree_as_long_as_the_motion_is_told) {
+    static const char pushed[] =
+        "wisps=({ root = [0.0, 0.0, 0.0]; direction = [1.0, 0.94, 0.0]; length = 0.30;"
+        "nodes = 16; }, { root = [0.1300000001, -0.02, -0.13]; direction = [0.1, 0.4, 1.0];"
+        "length = 0.30; nodes = 16; })";
+    struct scene *scene = LAB_LOAD("interactions", "duration=1.5"),
+                 *other = LAB_LOAD("interactions", "duration=1.5", pushed);
+    const struct run_request tight = {.stepper = "cvode", .rtol = 3e-10, .atol = 3e-12};
+    const struct run_request fine = {.stepper = "rk4", .step = 5e-5};
+    struct lab_run a, b, c;
+    lab_run(scene, &tight, &a);
+    lab_run(scene, &fine, &b);
+    lab_run(other, &tight, &c);
+    int told = 0;
+    while (told < a.frames) {
+        struct lab_run upto[2] = {a, c};
+        upto[0].frames = upto[1].frames = told + 1;
+        if (lab_distance(&upto[0], &upto[1], told, 2).largest > 1e-8)
+            break;
+        told++;
+    }
+    a.frames = b.frames = told;
+    cr_assert_gt(told, 20, "the motion can be told for %d frames only", told);
+    const struct lab_distance distance = lab_distance(&a, &b, 0, 2);
+    cr_assert_lt(distance.largest, 1e-8, "%g m in %d frames", distance.largest, told);
+    a.frames = b.frames = c.frames;
+    lab_run_free(&a);
+    lab_run_free(&b);
+    lab_run_free(&c);
+    scene_free(scene);
+    scene_free(other);
+}
+
+/* Nearest distance of two wisps' segments, and whether they cross: where a pair's nearest points
+ * are inside both and their common normal points the other way than a frame before. */
+struct crossing {
+    double least; /* m, of all frames */
+    int crossed;
+};
+
+static void see_pair(struct crossing *c, double *side, const double *p, const double *p1,
+                     const double *q, const double *q1) {
+    double d[3], e[3], r[3], n[3], apart[3];
+    for (int k = 0; k < 3; k++) {
+        d[k] = p1[k] - p[k];
+        e[k] = q1[k] - q[k];
+        r[k] = p[k] - q[k];
+    }
+    for (int k = 0; k < 3; k++)
+        n[k] = d[(k + 1) % 3] * e[(k + 2) % 3] - d[(k + 2) % 3] * e[(k + 1) % 3];
+    const double sine2 = dot(n, n), dd = dot(d, d), ee = dot(e, e), de = dot(d, e);
+    const double s = (de * dot(e, r) - ee * dot(d, r)) / sine2,
+                 t = (dd * dot(e, r) - de * dot(d, r)) / sine2;
+    const double before = *side;
+    *side = 0;
+    if (!(s >= 0 && s <= 1 && t >= 0 && t <= 1))
+        return;
+    for (int k = 0; k < 3; k++)
+        apart[k] = r[k] + s * d[k] - t * e[k];
+    c->least = fmin(c->least, sqrt(dot(apart, apart)));
+    *side = dot(n, r) > 0 ? 1 : -1;
+    c->crossed += *side * before < 0 && dot(apart, apart) < 0.02 * 0.02;
+}
+
+static struct crossing crossing_of(const struct lab_run *run) {
+    enum { SEGMENTS = 15 };
+    static double side[SEGMENTS][SEGMENTS];
+    struct crossing c = {.least = INFINITY};
+    memset(side, 0, sizeof side);
+    for (int f = 0; f < run->frames; f++) {
+        const double *row = run->row + f * run->rows * run->columns + 2;
+        for (int i = 0; i < SEGMENTS; i++)
+            for (int j = 0; j < SEGMENTS; j++)
+                see_pair(&c, &side[i][j], row + i * run->columns, row + (i + 1) * run->columns,
+                         row + (SEGMENTS + 1 + j) * run->columns,
+                         row + (SEGMENTS + 2 + j) * run->columns);
+    }
+    return c;
+}
+
+/* What the comment in experiments/interactions.cfg promises. */
+Test(interaction, the_scene_interactions_shows_what_it_says) {
+    static const char *const sets[][2] = {
+        {"contacts.interpenetration=false", "contacts.collision=false"},
+        {"contacts.interpenetration=true", "contacts.collision=false"},
+        {"contacts.interpenetration=false", "contacts.collision=true"},
+        {"contacts.interpenetration=true", "contacts.collision=true"},
+    };
+    static const struct {
+        int crosses;
+        double least, most; /* distance, m */
+    } expected[] = {{1, 0, 1e-3}, {1, 0, 2e-3}, {0, 7e-3, 1e-2}, {0, 3e-3, 1e-2}};
+    const struct run_request request = {.stepper = "rk4", .step = 2e-4};
+    for (int i = 0; i < 4; i++) {
+        struct scene *scene = LAB_LOAD("interactions", sets[i][0], sets[i][1], "frame_rate=300.0");
+        struct lab_run run;
+        lab_run(scene, &request, &run);
+        const struct crossing c = crossing_of(&run);
+        cr_assert_eq(c.crossed > 0, expected[i].crosses, "%s, %s: crosses %d times", sets[i][0],
+                     sets[i][1], c.crossed);
+        cr_assert(c.least >= expected[i].least && c.least <= expected[i].most, "%s, %s: %g m apart",
+                  sets[i][0], sets[i][1], c.least);
+        lab_run_free(&run);
+        scene_free(scene);
+    }
+}
+
+/* Contacts at a frame: 0 where the wisps have parted. */
+static int contacts_at(const struct lab_run *run, int frame, const struct scene *scene) {
+    struct cluster c = {.count = scene->wisp_count,
+                        .strand = calloc((size_t)scene->wisp_count, sizeof *c.strand)};
+    struct interaction *it = make(&usual);
+    const double *row = run->row + frame * run->rows * run->columns + 2;
+    for (int w = 0; w < c.count; w++) {
+        c.strand[w] = strand_create(&scene->wisps[w], WISP_GENERALISED);
+        strand_load(c.strand[w], row, run->columns);
+        row += scene->wisps[w].nodes * run->columns;
+    }
+    const int contacts = find(it, &c);
+    interaction_free(it);
+    cluster_free(&c);
+    return contacts;
+}
+
+/* And that in experiments/viscosity.cfg. */
+Test(interaction, the_scene_viscosity_shows_what_it_says) {
+    const struct run_request request = {.stepper = "rk4", .step = 2e-4};
+    for (int thick = 0; thick < 2; thick++) {
+        struct scene *scene =
+            LAB_LOAD("viscosity", thick ? "contacts.viscosity=50" : "contacts.viscosity=0.5");
+        struct lab_run run;
+        int parted = 0; /* first frame without contact, numbered from 1 */
+        lab_run(scene, &request, &run);
+        cr_assert_eq(run.frames, 91, "%d frames", run.frames);
+        cr_assert_gt(contacts_at(&run, 0, scene), 10, "they start apart");
+        for (int f = 0; f < run.frames && !parted; f++)
+            parted = contacts_at(&run, f, scene) ? 0 : f + 1;
+        cr_assert_eq(parted, thick ? 0 : 16, "they part at frame %d", parted);
+        lab_run_free(&run);
+        scene_free(scene);
     }
 }

@@ -3,6 +3,7 @@
  * malloc and its kin are replaced in the whole test program, libraries included, and do what
  * glibc's do except for one call that is told to fail. Under sanitizers, which replace them too,
  * this file has no tests. */
+#include "clock.h"
 #include "fixture.h"
 #include "support.h"
 
@@ -175,6 +176,32 @@ static int make_model(const void *what) {
 Test(memory, models_are_made_or_not) {
     struct scene *scene = circle_scene(1, 0);
     try_all(scene->name, make_model, scene);
+    scene_free(scene);
+}
+
+/* Wisps that touch: their ticks make room where they need it, and only then. */
+static int tick_twice(const void *what) {
+    const struct scene *scene = what;
+    int changed[8] = {0}, made = 0;
+    failing = 1;
+    struct model *model = scene->problem->create(scene, 0, 4);
+    if (model) {
+        made = scene->problem->tick(model, STOP_INTERACTION, changed) == FINISHED;
+        const long before = counted;
+        if (made && (scene->problem->tick(model, STOP_INTERACTION, changed) != FINISHED ||
+                     counted != before))
+            _exit(80);
+        scene->problem->free(model);
+    }
+    failing = 0;
+    return made ? MADE : NOT_MADE;
+}
+
+Test(memory, ticks_of_wisps_make_room_once) {
+    char reason[REASON_SIZE];
+    struct scene *scene = scene_load("viscosity", NULL, 0, reason);
+    cr_assert(scene, "%s", reason);
+    try_all(scene->name, tick_twice, scene);
     scene_free(scene);
 }
 

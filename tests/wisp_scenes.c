@@ -283,14 +283,23 @@ static const struct wrong {
      7,
      {"offset", "not negative"}},
     {"body", "body = (\n" BALL ",\n" BALL ");", 9, {"name", "ball", "already"}},
-    {"contacts", "contacts = 300.0;", 7, {"contacts", "group"}},
     {"contacts", "contacts = {\n collision_rate = -1.0; };", 8, {"collision_rate", "not negative"}},
     {"contacts",
-     "contacts = {\n interaction_rate = -90.0; };",
-     8,
-     {"interaction_rate", "positive"}},
-    {"contacts", "contacts = {\n reciprocal = 3; };", 8, {"reciprocal", "true"}},
-    {"contacts", "contacts = {\n threshold = 1.5; };", 8, {"threshold", "between 0 and 1"}},
+     "contacts = { interaction_rate = -90.0; };",
+     7,
+     {"interaction_rate", "not negative"}},
+    {"contacts",
+     "contacts = { interaction_rate = 1e999; };",
+     7,
+     {"interaction_rate", "not negative"}},
+    {"contacts", "contacts = { threshold = 1.1; };", 7, {"threshold", "0 and 1"}},
+    {"contacts", "contacts = { threshold = -0.1; };", 7, {"threshold", "negative"}},
+    {"contacts", "contacts = { viscosity = -5.0; };", 7, {"viscosity", "negative"}},
+    {"contacts", "contacts = { interpenetration = 1; };", 7, {"interpenetration", "true or false"}},
+    {"contacts", "contacts = { collision = \"no\"; };", 7, {"collision", "true or false"}},
+    {"contacts", "contacts = { reciprocal = 0.0; };", 7, {"reciprocal", "true or false"}},
+    {"contacts", "contacts = { friction = 5.0; };", 7, {"friction", "unknown", "viscosity"}},
+    {"contacts", "contacts = 5.0;", 7, {"contacts", "group"}},
     /* of later chapters */
     {"subdivision", "subdivision = { };", 7, {"subdivision"}},
     {"style", "style = { };", 7, {"times", "missing"}},
@@ -396,6 +405,33 @@ Test(wisp_scenes, the_named_defaults_hold) {
     scene_free(spare);
     scene_free(envelope);
     scene_free(spare_envelope);
+}
+
+/* Rates hold without the group, responses only with it; without envelope there is nothing to
+ * touch with. */
+Test(wisp_scenes, contacts_are_read_and_need_an_envelope) {
+    char reason[REASON_SIZE];
+    const char *set = "contacts={}";
+    struct scene *without = lab_load("swing-envelope", NULL, 0),
+                 *with = LAB_LOAD("swing-envelope", set),
+                 *off =
+                     LAB_LOAD("swing", "contacts={interpenetration = false; collision = false;}"),
+                 *changed = LAB_LOAD("swing-envelope",
+                                     "contacts={collision_rate = 200; interaction_rate = 45.5;"
+                                     "threshold = 1; viscosity = 0; reciprocal = false;}");
+    const struct interaction_settings *i = &with->interaction, *c = &changed->interaction;
+    cr_assert(without->collision_rate == 300 && without->interaction.rate == 90);
+    cr_assert(!without->interaction.interpenetration && !without->interaction.collision);
+    cr_assert(with->collision_rate == 300 && i->rate == 90 && i->threshold == 0.9 &&
+              i->viscosity == 5 && i->interpenetration && i->collision && i->reciprocal);
+    cr_assert(changed->collision_rate == 200 && c->rate == 45.5 && c->threshold == 1 &&
+              c->viscosity == 0 && c->interpenetration && c->collision && !c->reciprocal);
+    cr_assert_null(scene_load("swing", &set, 1, reason), "contacts without envelope");
+    cr_assert(strstr(reason, "envelope") && strstr(reason, "contacts"), "'%s'", reason);
+    scene_free(without);
+    scene_free(with);
+    scene_free(off);
+    scene_free(changed);
 }
 
 /* Masses and spring constants by other formulas: what hangs below node 1.5 is there,
