@@ -281,7 +281,8 @@ static int find_in_section(struct interaction *it, int section) {
         *contact = (struct contact){.section = section, .point = point};
         respond(it, contact, &place);
     }
-    sort(it->contact + volume->first_contact, it->contact_count - volume->first_contact);
+    if (it->contact_count > volume->first_contact)
+        sort(it->contact + volume->first_contact, it->contact_count - volume->first_contact);
     return 0;
 }
 
@@ -339,9 +340,10 @@ static void push_both(struct interaction *it, const struct contact *contact) {
     const double impulse = 1 / (yield * shares); /* kg */
     vector_add(point->dv, impulse / point->mass, contact->change);
     for (int end = 0; end < 2; end++) {
-        struct point *node = &it->point[volume->end[end] < 0 ? 0 : volume->end[end]];
-        if (volume->end[end] >= 0)
-            vector_add(node->dv, -weight[end] * impulse / node->mass, contact->change);
+        if (volume->end[end] < 0)
+            continue;
+        struct point *node = &it->point[volume->end[end]];
+        vector_add(node->dv, -weight[end] * impulse / node->mass, contact->change);
     }
 }
 

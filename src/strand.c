@@ -52,14 +52,24 @@ struct strand *strand_create(const struct wisp *wisp, enum wisp_treatment treatm
     }
     s->wisp = wisp;
     s->treatment = treatment;
-    wisp_first_normal(wisp->direction, s->normal);
+    for (int k = 0; k < 3; k++)
+        s->head[k][k] = 1;
     return s;
 }
 
 void strand_turn(struct strand *s, const struct placement *head) {
-    double rest[3];
-    wisp_first_normal(s->wisp->direction, rest);
-    placed_direction(head, rest, s->normal);
+    memcpy(s->head, head->turn[0], sizeof s->head);
+}
+
+/* u_0 across the tangent, by the axes of the head: as if at rest, from a tangent turned back. */
+static void first_normal(const struct strand *s, const double tangent[3], double normal[3]) {
+    double rest[3] = {0}, u[3];
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++)
+            rest[k] += s->head[i][k] * tangent[i];
+    wisp_first_normal(rest, u);
+    for (int i = 0; i < 3; i++)
+        normal[i] = dot(s->head[i], u);
 }
 
 void strand_free(struct strand *strand) {
@@ -103,7 +113,7 @@ static void refresh_frames(struct strand *s) {
     tangent(s, 0, before);
     for (int i = 0; i < 2; i++) {
         memcpy(s->axis_w[i], before, sizeof before);
-        memcpy(s->axis_u[i], s->normal, sizeof s->normal);
+        first_normal(s, before, s->axis_u[i]);
         cross(s->axis_w[i], s->axis_u[i], s->axis_v[i]);
     }
     tangent(s, 1, before);

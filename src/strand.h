@@ -14,7 +14,7 @@ struct strand {
     double (*axis_u)[3], (*axis_v)[3], (*axis_w)[3]; /* frames of section "envelope", unit vectors;
                                                         without envelope w only is of use */
 
-    double normal[3]; /* u_0 = u_1: h across the tangent, h the head's axis */
+    double head[3][3]; /* of the head, whose axes give the first normal; 1 where it rests */
 
     /* by node and sample, index node * M + sample */
     double *r, *rate;         /* distance along the half-line and its rate, m, m/s */
@@ -29,7 +29,7 @@ struct strand {
 /* The unit half-line a of a sample. */
 void strand_half_line(const struct strand *strand, int node, int sample, double a[3]);
 
-/* Turns the first normal with the head; it is that of a head at rest otherwise. */
+/* Tells how the head is turned. */
 void strand_turn(struct strand *strand, const struct placement *head);
 
 /* After p changed: tangents and frames again, then e and ev

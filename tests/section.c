@@ -285,6 +285,7 @@ Test(section, sections_without_a_shape_contain_nothing) {
         {{1, 0, 0}, {2, 0, 0}, {3, 0, 0}},             /* no length at all */
         {{2, 0, 0}, {2, 0, 0}, {2, 0, 0}},
         {{1e200, 0, 0}, {-1e200, 1e200, 0}, {0, 0, 1e308}},
+        {{2, 0, 0}, {1.005, 0.0998, 0}, {0.01, 0.1996, 0}}, /* leans by 0.05, within the 0.1 */
         {{1e-200, 0, 0}, {2e-200, 0, 0}, {0, 3e-320, 0}},
     };
     for (size_t c = 0; c < sizeof tails / sizeof *tails; c++) {
