@@ -1,5 +1,5 @@
-/* What hair falls on: ellipsoids that push nodes and samples out (Plante 1999, section 4.2.2;
- * MODEL.md, section 7). SI units. */
+/* What hair falls on: ellipsoids that push nodes and samples out (Plante 1999, section
+ * 4.2.2). SI units. */
 #ifndef WISPLAB_BODY_H
 #define WISPLAB_BODY_H
 

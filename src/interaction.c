@@ -206,8 +206,8 @@ static void interpenetrate(const struct interaction *it, const struct volume *vo
     contact->corrected = 1;
 }
 
-/* Section 4.3.2 with what section 14 of the model changes: the criterion does not divide by the
- * length of the normal, which is noise for nearly parallel wisps. */
+/* Section 4.3.2 of the thesis but for one thing: the criterion does not divide by the length of the
+ * normal, which is noise for nearly parallel wisps. */
 static void respond(const struct interaction *it, struct contact *contact,
                     const struct section_place *place) {
     const struct volume *volume = &it->volume[contact->section];

@@ -1,4 +1,4 @@
-/* Body contact (MODEL.md, section 7): the ellipsoid, the response of one wisp against closed forms
+/* Body contact: the ellipsoid, the response of one wisp against closed forms
  * and against the page's own words written down a second time, and whole runs. */
 #include "body.h"
 

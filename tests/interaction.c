@@ -1,4 +1,4 @@
-/* Wisps against wisps (section 8 of the model): the tick against the model's text done by brute
+/* Wisps against wisps: the tick against its rules done by brute
  * force, what physics asks of it, and what it must not depend on. */
 #include "interaction.h"
 
