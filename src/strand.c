@@ -1,29 +1,14 @@
 #include "strand.h"
 
+#include "vector.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* --- small vectors --- */
-
-static double dot(const double a[3], const double b[3]) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross(const double a[3], const double b[3], double c[3]) {
-    c[0] = a[1] * b[2] - a[2] * b[1];
-    c[1] = a[2] * b[0] - a[0] * b[2];
-    c[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-static void add_scaled(double a[3], double s, const double b[3]) {
-    for (int k = 0; k < 3; k++)
-        a[k] += s * b[k];
-}
-
 /* Scales to length 1; what has no length stays 0, a direction that no test takes for one. */
 static void normalise(double a[3]) {
-    const double length = sqrt(dot(a, a));
+    const double length = sqrt(vector_dot(a, a));
     for (int k = 0; k < 3; k++)
         a[k] = length > 0 ? a[k] / length : 0;
 }
@@ -69,7 +54,7 @@ static void first_normal(const struct strand *s, const double tangent[3], double
             rest[k] += s->head[i][k] * tangent[i];
     wisp_first_normal(rest, u);
     for (int i = 0; i < 3; i++)
-        normal[i] = dot(s->head[i], u);
+        normal[i] = vector_dot(s->head[i], u);
 }
 
 void strand_free(struct strand *strand) {
@@ -87,7 +72,7 @@ static void tangent(const struct strand *s, int segment, double t[3]) {
 /* w_i from the tangents before and after node i. */
 static void plane_normal(struct strand *s, int i, const double before[3], const double after[3]) {
     double sum[3] = {before[0] + after[0], before[1] + after[1], before[2] + after[2]};
-    if (sqrt(dot(sum, sum)) > 1e-9)
+    if (sqrt(vector_dot(sum, sum)) > 1e-9)
         normalise(sum);
     else
         memcpy(sum, s->axis_w[i - 1], sizeof sum);
@@ -97,14 +82,14 @@ static void plane_normal(struct strand *s, int i, const double before[3], const 
 /* u_i from u_(i-1) by the least rotation from w_(i-1) to w_i. */
 static void carry(struct strand *s, int i) {
     const double *w = s->axis_w[i], *w_before = s->axis_w[i - 1], *u_before = s->axis_u[i - 1];
-    const double denominator = 1 + dot(w_before, w);
+    const double denominator = 1 + vector_dot(w_before, w);
     memcpy(s->axis_u[i], u_before, 3 * sizeof(double));
     if (denominator > 1e-9) {
-        const double factor = -dot(u_before, w) / denominator;
-        add_scaled(s->axis_u[i], factor, w_before);
-        add_scaled(s->axis_u[i], factor, w);
+        const double factor = -vector_dot(u_before, w) / denominator;
+        vector_add(s->axis_u[i], factor, w_before);
+        vector_add(s->axis_u[i], factor, w);
     }
-    cross(w, s->axis_u[i], s->axis_v[i]);
+    vector_cross(w, s->axis_u[i], s->axis_v[i]);
 }
 
 static void refresh_frames(struct strand *s) {
@@ -114,7 +99,7 @@ static void refresh_frames(struct strand *s) {
     for (int i = 0; i < 2; i++) {
         memcpy(s->axis_w[i], before, sizeof before);
         first_normal(s, before, s->axis_u[i]);
-        cross(s->axis_w[i], s->axis_u[i], s->axis_v[i]);
+        vector_cross(s->axis_w[i], s->axis_u[i], s->axis_v[i]);
     }
     tangent(s, 1, before);
     for (int i = 2; i <= last; i++) {
@@ -164,12 +149,12 @@ void strand_refresh(struct strand *s) {
 }
 
 void strand_move_node(struct strand *s, int node, const double dp[3], const double dv[3]) {
-    add_scaled(s->p[node], 1, dp);
-    add_scaled(s->v[node], 1, dv);
+    vector_add(s->p[node], 1, dp);
+    vector_add(s->v[node], 1, dv);
     for (int j = 0; j < s->wisp->samples; j++) {
         const int at = node * s->wisp->samples + j;
-        add_scaled(s->e[at], 1, dp);
-        add_scaled(s->ev[at], 1, dv);
+        vector_add(s->e[at], 1, dp);
+        vector_add(s->ev[at], 1, dv);
     }
     s->changed = 1;
 }
@@ -178,8 +163,8 @@ void strand_set_sample(struct strand *s, int node, int sample, double r, double 
     const int at = node * s->wisp->samples + sample;
     double a[3];
     strand_half_line(s, node, sample, a);
-    add_scaled(s->e[at], r - s->r[at], a);
-    add_scaled(s->ev[at], rate - s->rate[at], a);
+    vector_add(s->e[at], r - s->r[at], a);
+    vector_add(s->ev[at], rate - s->rate[at], a);
     s->r[at] = r;
     s->rate[at] = rate;
     s->changed = 1;

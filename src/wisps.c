@@ -392,7 +392,8 @@ static void place_bodies(const struct scene *scene, double t, struct bodies *bod
     }
 }
 
-/* Section 7, for the wisps of a part that are near a body. Returns whether any changed. */
+/* Body contact (section 4.2.2 of the thesis) for the wisps of a part that are near a body. Returns
+ * whether any changed. */
 static int push_out(const struct wisp_model *m, int i, const struct bodies *bodies, unsigned near) {
     struct counters *counters = &m->model.parts[i].system.counters;
     struct body_report report = {0, 0, 0};
