@@ -1,41 +1,13 @@
 /* The problem of wisps: a scene's wisps, gathered into parts for the kernel. */
-#include "clock.h"
-#include "interaction.h"
 #include "kernel/kernel.h"
 #include "kernel/sparse.h"
-#include "model.h"
-#include "scene.h"
+#include "wisp_model.h"
 
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { LANES_MAX = 4 };
-
-static const struct treatment treatments[] = {
-    [WISP_PROJECTION] = {"projection", "the sample's line counts as fixed in space (the thesis)"},
-    [WISP_PENALTY] = {"penalty", "samples are free particles held to their lines by springs"},
-    [WISP_GENERALISED] = {"generalised", "the distance along the line is the sample's coordinate"},
-    {0},
-};
-
-/* The kernel for a number of lanes. */
-static const struct kernel {
-    int lanes;
-    void *(*create)(const struct wisp *const *, const struct surroundings *, enum wisp_treatment,
-                    struct system *);
-    void (*free)(void *);
-    void (*rest)(void *, double *, double *);
-    void (*prescribe)(void *, double);
-    void (*sample)(void *, int, const double *, const double *, double *, int);
-    void (*sample_accelerations)(void *, int, const double *, double *, int);
-    void (*restore)(void *, int, const double *, int, double *, double *);
-    int (*clamp)(void *, double *, double *);
-    unsigned (*near)(void *, const double *, const double *, const double *, int, int *);
-    double (*strain)(void *, int, const double *);
-    const struct system_ops *ops;
-} kernels[] = {
+static const struct kernel kernels[] = {
     {1, kernel_create_1, kernel_free_1, kernel_rest_1, kernel_prescribe_1, kernel_sample_1,
      kernel_sample_accelerations_1, kernel_restore_1, kernel_clamp_1, kernel_near_1,
      kernel_strain_1, &kernel_ops_1},
@@ -44,26 +16,11 @@ static const struct kernel {
      kernel_strain_4, &kernel_ops_4},
 };
 
-/* Which wisps of the scene a part holds, by lane; padding lanes repeat the first. */
-struct batch {
-    int wisp[LANES_MAX];
-    int count;
-    struct sparse_matrix *pattern; /* owned; of parts of one wisp */
-};
-
-struct wisp_model {
-    struct model model;
-    const struct scene *scene;
-    const struct kernel *kernel;
-    enum wisp_treatment treatment;
-    struct batch *batches;   /* one for each part */
-    int *first_row;          /* by wisp: its first row of a frame */
-    struct strand **strands; /* by wisp, where the scene has contacts; NULL-terminated */
-    double *strand_rows;     /* of the wisp with most nodes, without the columns wisp and node */
-    struct touch *touch;     /* NULL where wisps do not interact */
-    char **columns, **rate_columns;
-    char name[64];
-    double kinks[1 + 2 * KNOTS_MAX];
+static const struct treatment treatments[] = {
+    [WISP_PROJECTION] = {"projection", "the sample's line counts as fixed in space (the thesis)"},
+    [WISP_PENALTY] = {"penalty", "samples are free particles held to their lines by springs"},
+    [WISP_GENERALISED] = {"generalised", "the distance along the line is the sample's coordinate"},
+    {0},
 };
 
 /* --- parts --- */
@@ -130,57 +87,50 @@ static int create_part(struct wisp_model *m, int i) {
 
 /* --- frames --- */
 
-static char *text(const char *format, ...) __attribute__((format(printf, 1, 2)));
-static char *text(const char *format, ...) {
-    char *made = NULL;
-    va_list arguments;
-    va_start(arguments, format);
-    const int length = vasprintf(&made, format, arguments);
-    va_end(arguments);
-    return length < 0 ? NULL : made;
+static void free_names(char **names) {
+    for (int i = 0; names && names[i]; i++)
+        free(names[i]);
+    free(names);
 }
 
-/* wisp node x y z vx vy vz, then r0 rd0 ... or e0x e0y e0z e0vx e0vy e0vz ... */
-static int name_columns(struct wisp_model *m) {
-    static const char *const fixed[] = {"wisp", "node", "x", "y", "z", "vx", "vy", "vz"};
-    static const char *const particle[] = {"x", "y", "z", "vx", "vy", "vz"};
-    const int samples = m->scene->wisps[0].samples, penalty = m->treatment == WISP_PENALTY;
-    const int count = 8 + samples * (penalty ? 6 : 2);
-    m->columns = calloc((size_t)count + 1, sizeof *m->columns);
-    if (!m->columns)
-        return -1;
-    for (int i = 0; i < count; i++) {
-        const int k = i - 8;
-        m->columns[i] = i < 8     ? text("%s", fixed[i])
-                        : penalty ? text("e%d%s", k / 6, particle[k % 6])
-                                  : text("r%s%d", k % 2 ? "d" : "", k / 2);
-        if (!m->columns[i])
-            return -1;
+/* The names `fixed`, then for each sample those of `sample` with its number put in at %d. NULL
+ * where memory cannot be had. */
+static char **name_columns(const struct wisp_model *m, const char *const *fixed,
+                           const char *const *sample, int *count) {
+    int fixed_count = 0, each = 0;
+    while (fixed[fixed_count])
+        fixed_count++;
+    while (sample[each])
+        each++;
+    *count = fixed_count + each * m->scene->wisps[0].samples;
+    char **names = calloc((size_t)*count + 1, sizeof *names);
+    for (int i = 0; names && i < *count; i++) {
+        const int k = i - fixed_count;
+        const int length = k < 0 ? asprintf(&names[i], "%s", fixed[i])
+                                 : asprintf(&names[i], sample[k % each], k / each);
+        if (length < 0) {
+            names[i] = NULL;
+            free_names(names);
+            return NULL;
+        }
     }
+    return names;
+}
+
+static int name_all_columns(struct wisp_model *m) {
+    static const char *const state[] = {"wisp", "node", "x", "y", "z", "vx", "vy", "vz", NULL};
+    static const char *const rates[] = {"wisp", "node", "ax", "ay", "az", NULL};
+    static const char *const distance[] = {"r%d", "rd%d", NULL}, *const distance_rate[] = {"rdd%d",
+                                                                                           NULL};
+    static const char *const particle[] = {"e%dx", "e%dy", "e%dz", "e%dvx", "e%dvy", "e%dvz", NULL};
+    static const char *const particle_rate[] = {"e%dax", "e%day", "e%daz", NULL};
+    const int penalty = m->treatment == WISP_PENALTY;
+    m->columns = name_columns(m, state, penalty ? particle : distance, &m->model.column_count);
+    m->rate_columns = name_columns(m, rates, penalty ? particle_rate : distance_rate,
+                                   &m->model.rate_column_count);
     m->model.columns = (const char *const *)m->columns;
-    m->model.column_count = count;
-    return 0;
-}
-
-/* wisp node ax ay az, then rdd0 ... or e0ax e0ay e0az ... */
-static int name_rate_columns(struct wisp_model *m) {
-    static const char *const fixed[] = {"wisp", "node", "ax", "ay", "az"};
-    const int samples = m->scene->wisps[0].samples, penalty = m->treatment == WISP_PENALTY;
-    const int count = 5 + samples * (penalty ? 3 : 1);
-    m->rate_columns = calloc((size_t)count + 1, sizeof *m->rate_columns);
-    if (!m->rate_columns)
-        return -1;
-    for (int i = 0; i < count; i++) {
-        const int k = i - 5;
-        m->rate_columns[i] = i < 5     ? text("%s", fixed[i])
-                             : penalty ? text("e%d%s", k / 3, fixed[2 + k % 3])
-                                       : text("rdd%d", k);
-        if (!m->rate_columns[i])
-            return -1;
-    }
     m->model.rate_columns = (const char *const *)m->rate_columns;
-    m->model.rate_column_count = count;
-    return 0;
+    return m->columns && m->rate_columns ? 0 : -1;
 }
 
 static int count_rows(struct wisp_model *m) {
@@ -190,27 +140,6 @@ static int count_rows(struct wisp_model *m) {
         m->model.row_count += m->scene->wisps[i].nodes;
     }
     return m->first_row ? 0 : -1;
-}
-
-static int interacts(const struct scene *scene) {
-    return scene->interaction.interpenetration || scene->interaction.collision;
-}
-
-/* Contacts see wisps one by one. */
-static int create_strands(struct wisp_model *m) {
-    const struct scene *scene = m->scene;
-    int most = 0;
-    if (scene->body_count == 0 && !interacts(scene))
-        return 0;
-    m->strands = calloc((size_t)scene->wisp_count + 1, sizeof(struct strand *));
-    for (int i = 0; m->strands && i < scene->wisp_count; i++) {
-        most = scene->wisps[i].nodes > most ? scene->wisps[i].nodes : most;
-        m->strands[i] = strand_create(&scene->wisps[i], m->treatment);
-        if (!m->strands[i])
-            return -1;
-    }
-    m->strand_rows = calloc((size_t)(most * m->model.column_count), sizeof(double));
-    return m->strands && m->strand_rows ? 0 : -1;
 }
 
 static void wisps_sample(const struct model *model, double *rows) {
@@ -283,167 +212,6 @@ static int wisps_terms(const struct scene *scene, const char **names, int most) 
     return count;
 }
 
-/* --- wisps with each other --- */
-
-/* What wisps need to touch. Their order is one of what they are, not of where they stand in the
- * file: nothing that happens between them, down to the order of sums, depends on the file. */
-struct touch {
-    struct interaction *interaction;
-    struct strand *in_order[]; /* the model's */
-};
-
-/* By root, direction, length and nodes; the rest is the same in all wisps of a scene. Wisps of
- * which all that is equal move alike, and may change places. */
-static int compare_strands(const void *one, const void *other) {
-    const struct wisp *a = (*(struct strand *const *)one)->wisp,
-                      *b = (*(struct strand *const *)other)->wisp;
-    const double of_a[] = {a->root[0],      a->root[1],      a->root[2], a->direction[0],
-                           a->direction[1], a->direction[2], a->length,  a->nodes};
-    const double of_b[] = {b->root[0],      b->root[1],      b->root[2], b->direction[0],
-                           b->direction[1], b->direction[2], b->length,  b->nodes};
-    for (size_t k = 0; k < sizeof of_a / sizeof *of_a; k++)
-        if (of_a[k] != of_b[k])
-            return of_a[k] < of_b[k] ? -1 : 1;
-    return 0;
-}
-
-static void free_touch(struct touch *touch) {
-    if (touch)
-        interaction_free(touch->interaction);
-    free(touch);
-}
-
-static int create_touch(struct wisp_model *m) {
-    const size_t wisps = (size_t)m->scene->wisp_count;
-    struct touch *touch = calloc(1, sizeof *touch + wisps * sizeof *touch->in_order);
-    m->touch = touch;
-    if (!touch)
-        return -1;
-    touch->interaction = interaction_create(&m->scene->interaction);
-    if (!touch->interaction)
-        return -1;
-    memcpy(touch->in_order, m->strands, wisps * sizeof *touch->in_order);
-    qsort(touch->in_order, wisps, sizeof(struct strand *), compare_strands);
-    m->model.interaction_rate = m->scene->interaction.rate;
-    return 0;
-}
-
-/* Lays a wisp of a part open, and takes it back into its lane and the padding that repeats it. */
-static struct strand *open_strand(const struct wisp_model *m, int i, int lane) {
-    const struct part *part = &m->model.parts[i];
-    struct strand *strand = m->strands[m->batches[i].wisp[lane]];
-    const int stride = m->model.column_count - 2;
-    struct placement head;
-    head_placement(&m->scene->around.head, m->model.t, &head);
-    m->kernel->prescribe(part->system.ctx, m->model.t);
-    m->kernel->sample(part->system.ctx, lane, part->q, part->v, m->strand_rows, stride);
-    strand_turn(strand, &head);
-    strand_load(strand, m->strand_rows, stride);
-    return strand;
-}
-
-static void close_strand(const struct wisp_model *m, int i, int lane) {
-    const struct part *part = &m->model.parts[i];
-    const struct batch *batch = &m->batches[i];
-    const int stride = m->model.column_count - 2;
-    strand_store(m->strands[batch->wisp[lane]], m->strand_rows, stride);
-    for (int k = 0; k < m->kernel->lanes; k++)
-        if (batch->wisp[k] == batch->wisp[lane])
-            m->kernel->restore(part->system.ctx, k, m->strand_rows, stride, part->q, part->v);
-}
-
-static enum outcome interact(struct wisp_model *m, int *changed) {
-    for (int i = 0; i < m->model.part_count; i++)
-        for (int k = 0; k < m->batches[i].count; k++)
-            open_strand(m, i, k);
-    if (interaction_tick(m->touch->interaction, m->touch->in_order, m->scene->wisp_count) < 0)
-        return OUT_OF_MEMORY;
-    for (int i = 0; i < m->model.part_count; i++)
-        for (int k = 0; k < m->batches[i].count; k++)
-            if (m->strands[m->batches[i].wisp[k]]->changed) {
-                close_strand(m, i, k);
-                changed[i] = 1;
-            }
-    return FINISHED;
-}
-
-/* --- the clock --- */
-
-/* A tick's bodies. */
-struct bodies {
-    const struct body *body;
-    int count;
-    double t, interval;                    /* s */
-    double boxes[6 * BODIES_MAX], hull[6]; /* around each, around all */
-};
-
-static void place_bodies(const struct scene *scene, double t, struct bodies *bodies) {
-    bodies->body = scene->bodies;
-    bodies->count = scene->body_count;
-    bodies->t = t;
-    bodies->interval = 1 / scene->collision_rate;
-    for (int i = 0; i < bodies->count; i++) {
-        double *box = bodies->boxes + 6 * i, *hull = bodies->hull;
-        body_box(&bodies->body[i], t, box);
-        for (int k = 0; k < 3; k++) {
-            hull[k] = i == 0 || box[k] < hull[k] ? box[k] : hull[k];
-            hull[3 + k] = i == 0 || box[3 + k] > hull[3 + k] ? box[3 + k] : hull[3 + k];
-        }
-    }
-}
-
-/* Body contact (section 4.2.2 of the thesis) for the wisps of a part that are near a body. Returns
- * whether any changed. */
-static int push_out(const struct wisp_model *m, int i, const struct bodies *bodies, unsigned near) {
-    struct counters *counters = &m->model.parts[i].system.counters;
-    struct body_report report = {0, 0, 0};
-    int changed = 0;
-    for (int k = 0; k < m->batches[i].count; k++) {
-        if (!(near >> k & 1))
-            continue;
-        struct strand *strand = open_strand(m, i, k);
-        body_contact(strand, bodies->body, bodies->count, bodies->t, bodies->interval, &report);
-        if (strand->changed)
-            close_strand(m, i, k);
-        changed |= strand->changed;
-    }
-    counters->body_contacts += report.nodes + report.samples;
-    counters->nodes_left_inside += report.inside;
-    return changed;
-}
-
-/* Part by part: body contact, then the clamp. Most parts are far from every body and have nothing
- * to clamp: one look says so. */
-static void collide(struct wisp_model *m, int *changed) {
-    const int envelope = m->scene->wisps[0].samples > 0;
-    struct bodies bodies;
-    place_bodies(m->scene, m->model.t, &bodies);
-    for (int i = 0; i < m->model.part_count; i++) {
-        const struct part *part = &m->model.parts[i];
-        void *ctx = part->system.ctx;
-        unsigned near = 0;
-        int clamp = envelope;
-        m->kernel->prescribe(ctx, m->model.t);
-        if (bodies.count > 0)
-            near = m->kernel->near(ctx, part->q, bodies.hull, bodies.boxes, bodies.count, &clamp);
-        if (near)
-            changed[i] |= push_out(m, i, &bodies, near);
-        if (clamp || (near && envelope))
-            changed[i] |= m->kernel->clamp(ctx, part->q, part->v);
-    }
-}
-
-/* At one time wisps touch first, then bodies push them out and samples are kept off their nodes. */
-static enum outcome wisps_tick(struct model *model, unsigned events, int *changed) {
-    struct wisp_model *m = (struct wisp_model *)model;
-    enum outcome outcome = FINISHED;
-    if (events & STOP_INTERACTION && m->touch)
-        outcome = interact(m, changed);
-    if (events & STOP_COLLISION && outcome == FINISHED)
-        collide(m, changed);
-    return outcome;
-}
-
 /* Stable runs stay below 0.01 at the default material, and Runge-Kutta 4 just past its limit of
  * stability is at 0.2 and stays there. */
 static const double largest_strain = 0.1;
@@ -480,12 +248,6 @@ static const char *wisps_default_linear(const struct stepper_method *method) {
     return strcmp(method->name, "implicit-euler") == 0 ? "cg" : "direct";
 }
 
-static void free_names(char **names) {
-    for (int i = 0; names && names[i]; i++)
-        free(names[i]);
-    free(names);
-}
-
 static void wisps_free(struct model *model) {
     struct wisp_model *m = (struct wisp_model *)model;
     for (int i = 0; i < model->part_count; i++) {
@@ -494,11 +256,7 @@ static void wisps_free(struct model *model) {
         free(model->parts[i].q);
         free(model->parts[i].v);
     }
-    free_touch(m->touch);
-    for (int i = 0; m->strands && m->strands[i]; i++)
-        strand_free(m->strands[i]);
-    free(m->strands);
-    free(m->strand_rows);
+    wisp_ticks_free(m);
     free_names(m->columns);
     free_names(m->rate_columns);
     free(m->first_row);
@@ -549,15 +307,11 @@ static struct model *wisps_create(const struct scene *scene, int treatment, int 
         m->model.part_count = gather_batches(m);
     for (int i = 0; i < m->model.part_count && !code; i++)
         code = create_part(m, i);
-    code = code || name_columns(m) || name_rate_columns(m) || count_rows(m) || create_strands(m);
-    if (!code && interacts(scene))
-        code = create_touch(m);
+    code = code || name_all_columns(m) || count_rows(m) || wisp_ticks_create(m);
     if (code) {
         wisps_free(&m->model);
         return NULL;
     }
-    if (scene->wisps[0].samples > 0 || scene->body_count > 0)
-        m->model.collision_rate = scene->collision_rate;
     gather_kinks(m);
     return &m->model;
 }
