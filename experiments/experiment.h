@@ -36,6 +36,7 @@ struct plan {
     int loaded_count;
     struct subject *subjects; /* owned; see plan_subjects */
     int subject_count;
+    void *notes;              /* of the experiment, from stage to stage; freed with the plan */
     char reason[REASON_SIZE]; /* of a failure */
 };
 
