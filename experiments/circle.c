@@ -43,9 +43,9 @@ static const struct contestant contestants[] = {
     {.name = "implicit-euler", .stepper = "implicit-euler"},
     {.name = "implicit-euler newton",
      .stepper = "implicit-euler",
-     .option = "newton.iterations=30"},
-    {.name = "cvode bdf", .stepper = "cvode", .option = "method=bdf"},
-    {.name = "cvode adams", .stepper = "cvode", .option = "method=adams"},
+     .options = {"newton.iterations=30"}},
+    {.name = "cvode bdf", .stepper = "cvode", .options = {"method=bdf"}},
+    {.name = "cvode adams", .stepper = "cvode", .options = {"method=adams"}},
     {.name = "reference", .stepper = "reference"},
 };
 enum { CONTESTANTS = sizeof contestants / sizeof *contestants };
@@ -373,7 +373,7 @@ static int write_prediction(struct plan *plan, const char *folder) {
                           "method\tstepper\tstep\tradius"))
         return -1;
     for (int c = 0; c < CONTESTANTS; c++) {
-        if (!stepper_find(contestants[c].stepper)->table || contestants[c].option ||
+        if (!stepper_find(contestants[c].stepper)->table || contestants[c].options[0] ||
             !plan_wants(plan, contestants[c].stepper))
             continue;
         for (int k = 0; k <= 400; k++) {

@@ -36,6 +36,7 @@ struct plan {
     int loaded_count;
     struct subject *subjects; /* owned; see plan_subjects */
     int subject_count;
+    void *notes;              /* of the experiment, from stage to stage; freed with the plan */
     char reason[REASON_SIZE]; /* of a failure */
 };
 
@@ -45,6 +46,10 @@ struct experiment {
 
     /* Fills the plan with plan_add. Returns 0, or -1 with plan->reason. */
     int (*plan)(struct plan *plan);
+
+    /* Adds runs that depend on what those before have shown; called once they are all there. NULL:
+     * there are none. */
+    int (*plan_more)(struct plan *plan);
 
     /* Writes the tables into `folder` from the run folders, and prints the answer in a few lines.
      * Returns 0, or -1 with plan->reason, or 1 with one where the runs left nothing to tabulate. */

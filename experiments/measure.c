@@ -15,10 +15,13 @@ int contestant_is_adaptive(const struct contestant *contestant) {
 struct run_request contestant_request(const struct contestant *contestant, double setting,
                                       double atol_ratio) {
     const int adaptive = contestant_is_adaptive(contestant);
+    int options = 0;
+    while (contestant->options[options])
+        options++;
     return (struct run_request){.stepper = contestant->stepper,
                                 .linear = contestant->linear,
-                                .options = &contestant->option,
-                                .option_count = contestant->option != NULL,
+                                .options = contestant->options,
+                                .option_count = options,
                                 .step = adaptive ? 0 : setting,
                                 .rtol = adaptive ? setting : 0,
                                 .atol = adaptive ? setting * atol_ratio : 0};
@@ -144,24 +147,61 @@ int measure_deviation(const struct scene *scene, const struct table *run,
                       char *reason) {
     struct sums sums = {0};
     *deviation = (struct deviation){0};
-    const int rows = reference->row_count, samples = same_samples(run, reference);
-    const double end = rows > 0 ? table_value(reference, rows - 1, 0) : 0;
+    const int rows = run->row_count, samples = same_samples(run, reference);
+    const double end = rows > 0 ? table_value(run, rows - 1, 0) : 0;
     for (int i = 0; i < rows; i++) {
         const double *a = run->value + (size_t)i * (size_t)run->column_count;
         const double *b = reference->value + (size_t)i * (size_t)reference->column_count;
-        if (run->row_count != rows || a[WISP] != b[WISP] || a[NODE] != b[NODE] ||
+        if (reference->row_count < rows || a[WISP] != b[WISP] || a[NODE] != b[NODE] ||
             fabs(a[0] - b[0]) > 1e-12 * fmax(1, b[0])) {
             snprintf(reason, REASON_SIZE, "scene %s: two runs have not the same frames",
                      scene->name);
             return -1;
         }
-        add_row(&sums, deviation, a, b, scene->wisps[(int)b[WISP]].length, b[0] == end);
+        add_row(&sums, deviation, a, b, scene->wisps[(int)b[WISP]].length, a[0] == end);
         if (samples)
             add_samples(&sums, run, a, reference, b);
-        if (b[0] == end)
+        if (a[0] == end)
             add_components(&sums, a, b, POSITION, samples ? run->column_count : SAMPLES, floor);
     }
     finish(&sums, deviation);
+    return 0;
+}
+
+/* --- the horizon --- */
+
+/* A frame that is too far apart ends it; the second one never does, for it would leave nothing to
+ * compare. */
+static double horizon_of(const struct table *a, const struct table *b) {
+    double before = 0, now = 0; /* times of two frames */
+    int frame = 0;
+    for (int i = 0; i < a->row_count && i < b->row_count; i++) {
+        const double *x = a->value + (size_t)i * (size_t)a->column_count;
+        const double *y = b->value + (size_t)i * (size_t)b->column_count;
+        if (x[0] != now) {
+            before = now;
+            now = x[0];
+            frame++;
+        }
+        if (frame > 1 && distance(x + POSITION, y + POSITION) > HORIZON_DISTANCE)
+            return before;
+    }
+    return now;
+}
+
+int measure_horizon(const char *folder, const char *other_folder, double *horizon, char *reason) {
+    struct run_files one, other;
+    *horizon = NAN;
+    if (run_read(&one, folder, reason))
+        return -1;
+    if (run_read(&other, other_folder, reason)) {
+        run_free(&one);
+        return -1;
+    }
+    if (one.outcome == FINISHED && other.outcome == FINISHED)
+        *horizon = horizon_of(&one.states, &other.states);
+    run_free(&one);
+    run_free(&other);
     return 0;
 }
 

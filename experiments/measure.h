@@ -8,12 +8,12 @@
 
 /* A curve of a comparison: a stepper with its settings. */
 struct contestant {
-    const char *name;    /* in tables and legends; its first word gives the colour */
-    const char *stepper; /* in the registry */
-    const char *linear;  /* solver, or NULL for the default */
-    const char *option;  /* "key=value", or NULL */
-    double finest;       /* tolerance of an adaptive method that is worth trying */
-    double cost;         /* CPU time of a fixed step, s per unknown, roughly */
+    const char *name;       /* in tables and legends; its first word gives the colour */
+    const char *stepper;    /* in the registry */
+    const char *linear;     /* solver, or NULL for the default */
+    const char *options[3]; /* "key=value"; NULL-terminated */
+    double finest;          /* tolerance of an adaptive method that is worth trying */
+    int order;              /* with which its steps follow the tolerance */
 };
 
 int contestant_is_adaptive(const struct contestant *contestant);
@@ -53,10 +53,23 @@ struct deviation {
 };
 
 /* Compares run and reference, tables of states of `scene`; samples, where both have the same ones.
- * `floor` is atol/rtol of the mescd. Returns 0, or -1 with a reason where their frames differ. */
+ * The reference may go on for longer. `floor` is atol/rtol of the mescd. Returns 0, or -1 with a
+ * reason where their frames differ. */
 int measure_deviation(const struct scene *scene, const struct table *run,
                       const struct table *reference, double floor, struct deviation *deviation,
                       char *reason);
+
+/* --- how long trajectories can be compared --- */
+
+/* Two runs from starts that are this far apart, m, are within the other distance, m, up to the
+ * separation horizon: what they do after it no longer depends on the method alone. */
+#define HORIZON_PERTURBATION 1e-10
+#define HORIZON_DISTANCE     1e-3
+
+/* The last frame, s, at which no node of two runs is farther from the other one's than
+ * HORIZON_DISTANCE, but at least the second one. NaN where a run did not finish. Returns 0, or -1
+ * with a reason. */
+int measure_horizon(const char *folder, const char *other_folder, double *horizon, char *reason);
 
 /* The slope of log error over log cost, of points added from coarse to fine. */
 enum { SLOPE_POINTS = 48, SLOPE_FINEST = 3 };

@@ -47,7 +47,7 @@ variants = '"euler" "midpoint" "rk4" "implicit-euler" "implicit-euler newton"' \
     .' "cvode" "cvode bdf" "cvode adams" "reference"'
 same_as = '"cvode bdf"'; same_as_what = '"cvode"' # bdf is what plain cvode is
 
-FAMILIES = 9; VARIANTS = 4
+FAMILIES = 9; VARIANTS = 8
 array colour[FAMILIES] = ['#D55E00', '#E69F00', '#0072B2', '#009E73', '#CC79A7', '#000000', \
                           '#56B4E9', '#8C8C00', '#7F7F7F']
 # The same, dark enough for text on white.
@@ -59,12 +59,14 @@ array dash[FAMILIES] = ['solid', '(12,4)', '(10,3,2,3)', '(6,3)', '(2.5,2.5)', '
                         '(20,4)', '(4,2,4,6)', '(1.5,4)']
 array open_dash[FAMILIES] = ['(5,3)', '(4,3)', '(5,2,1,2)', '(2,3)', '(8,3,2,3)', '(6,3)', \
                              '(8,4)', '(2,2)', '(3,4)']
+array variant_mark[VARIANTS] = [0, 0, 1, 3, 4, 6, 8, 14]
+array variant_dash[VARIANTS] = ['', '', '(12,3,3,3,3,3)', '(1.5,2.5)', '(9,3)', '(3,2)', '(16,3,2,3)', '(6,2,2,2)']
 do for [f = 1:FAMILIES] {
     do for [v = 0:VARIANTS - 1] {
-        dt = v == 0 ? dash[f] : v == 1 ? open_dash[f] : v == 2 ? '(12,3,3,3,3,3)' : '(1.5,2.5)'
-        pt = v == 0 ? mark[f] : v == 1 ? open_mark[f] : v == 2 ? 1 : 3
+        dt = v == 0 ? dash[f] : v == 1 ? open_dash[f] : variant_dash[v + 1]
+        pt = v == 0 ? mark[f] : v == 1 ? open_mark[f] : variant_mark[v + 1]
         eval sprintf('set linetype %d lc rgb "%s" dt %s pt %d ps 0.85 lw 1.7', \
-                     100 + 10 * f + v, colour[f], dt, pt)
+                     100 + 10 * f + v, v < 4 ? colour[f] : ink[f], dt, pt)
     }
 }
 

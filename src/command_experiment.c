@@ -53,16 +53,15 @@ static int read_manner(const struct arguments *arguments, struct manner *manner)
     return 0;
 }
 
-/* Runs this shard's cases; leaves in *missing how many others are not there yet. Returns 0 or an
- * exit code. */
-static int do_runs(const struct plan *plan, struct manner *manner, int *missing, char *reason) {
+/* Runs this shard's cases from `first` on. Returns 0 or an exit code. */
+static int do_runs(const struct plan *plan, int first, struct manner *manner, char *reason) {
     struct run_case *cases = calloc((size_t)plan->case_count + 1, sizeof *cases);
     int count = 0;
     if (!cases)
         return complain(2, "out of memory");
     if (manner->limits.seconds == 0)
         manner->limits.seconds = plan->run_seconds > 0 ? plan->run_seconds : 60;
-    for (int i = 0; i < plan->case_count; i++) {
+    for (int i = first; i < plan->case_count; i++) {
         const struct run_case *run = &plan->cases[i].run;
         char path[PATH_SIZE];
         if (i % manner->shards != manner->shard - 1)
@@ -76,9 +75,6 @@ static int do_runs(const struct plan *plan, struct manner *manner, int *missing,
     free(cases);
     if (ran < 0)
         return complain(outcome_exit_code((enum outcome) - ran), "%s", reason);
-    *missing = 0;
-    for (int i = 0; i < plan->case_count; i++)
-        *missing += !run_is_complete(plan->cases[i].run.folder);
     if (count > 0)
         printf("%s: %d runs, %d of them new\n", plan->experiment->name, count, ran);
     return 0;
@@ -156,16 +152,36 @@ static int tabulate_and_draw(struct plan *plan) {
     return 0;
 }
 
-static int carry_out(struct plan *plan, const struct arguments *arguments) {
-    struct manner manner;
+static int count_missing(const struct plan *plan) {
     int missing = 0;
-    if (read_manner(arguments, &manner))
-        return 1;
+    for (int i = 0; i < plan->case_count; i++)
+        missing += !run_is_complete(plan->cases[i].run.folder);
+    return missing;
+}
+
+/* The runs that the rest of the plan depends on are every shard's. */
+static int do_all_runs(struct plan *plan, struct manner *manner) {
+    struct manner whole = *manner;
     if (plan->experiment->plan(plan))
         return complain(1, "%s", plan->reason);
-    const int code = do_runs(plan, &manner, &missing, plan->reason);
+    if (plan->experiment->plan_more)
+        whole.shard = whole.shards = 1;
+    const int code = do_runs(plan, 0, &whole, plan->reason), first = plan->case_count;
+    if (code || !plan->experiment->plan_more)
+        return code;
+    if (plan->experiment->plan_more(plan))
+        return complain(2, "%s", plan->reason);
+    return do_runs(plan, first, manner, plan->reason);
+}
+
+static int carry_out(struct plan *plan, const struct arguments *arguments) {
+    struct manner manner;
+    if (read_manner(arguments, &manner))
+        return 1;
+    const int code = do_all_runs(plan, &manner);
     if (code)
         return code;
+    const int missing = count_missing(plan);
     if (missing > 0) {
         printf("%s: %d runs of other shards are missing; figures when they are there\n",
                plan->experiment->name, missing);

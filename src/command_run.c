@@ -19,6 +19,8 @@ static const struct cli_option options[] = {
     {"option", "KEY=VALUE", "an option of the stepper or solver (`wisplab list steppers -v`)", 1},
     {"duration", "T", "simulated time, s, instead of the scene's", 0},
     {"set", "PATH=VALUE", "override a setting of the scene: --set run.step=0.1", 1},
+    {"perturb", "D", "displace the nodes' start at random, by D in the rms, m", 0},
+    {"draw", "N", "which random displacement (default 1)", 0},
     {"threads", "N", "threads that share a scene's wisps (results do not depend on it)", 0},
     {"out", "DIR", "folder for states.tsv and run.json (default results)", 0},
     {"profile", NULL, "time every call to the model; printed, and in run.json", 0},
@@ -28,7 +30,7 @@ static const struct cli_option options[] = {
 
 /* The request of the command line. Returns 0, or -1 having said why. */
 static int read_request(const struct arguments *arguments, struct run_request *request) {
-    double rate, threads;
+    double rate, threads, draw;
     *request = (struct run_request){
         .stepper = argument_text(arguments, "stepper"),
         .treatment = argument_text(arguments, "treatment"),
@@ -40,8 +42,13 @@ static int read_request(const struct arguments *arguments, struct run_request *r
         argument_positive(arguments, "rate", 0, &rate) ||
         argument_positive(arguments, "rtol", 0, &request->rtol) ||
         argument_positive(arguments, "atol", 0, &request->atol) ||
+        argument_positive(arguments, "perturb", 0, &request->perturbation) ||
+        argument_positive(arguments, "draw", 1, &draw) ||
         argument_positive(arguments, "threads", 1, &threads))
         return -1;
+    if (draw != floor(draw) || draw > 1e9)
+        return complain(-1, "--draw %g: must be a whole number up to 1e9", draw);
+    request->draw = (int)draw;
     if (threads != floor(threads) || threads > 1024)
         return complain(-1, "--threads %g: must be a whole number up to 1024", threads);
     request->threads = (int)threads;

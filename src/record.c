@@ -199,7 +199,8 @@ enum outcome record_run(const struct scene *scene, const struct settings *settin
     struct kept_frames kept = {0};
     struct two_observers two = {{write_frame, &writer}, {keep_frame, &kept}};
     const struct observer write_only = two.first, write_and_keep = {both, &two};
-    const int checked = settings->method->checked_by != NULL;
+    /* a perturbed run is a neighbour of one that is checked */
+    const int checked = settings->method->checked_by && settings->perturbation == 0;
     struct run_result result;
 
     if (open_frames(&writer, scene, settings, folder, reason))

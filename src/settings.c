@@ -128,11 +128,20 @@ static int refuse_combination(const struct scene *scene, struct settings *settin
     return code ? REFUSED : 0;
 }
 
+static int check_perturbation(const struct settings *settings, char *reason) {
+    const double size = settings->perturbation;
+    return size == 0 || (size > 0 && isfinite(size))
+               ? 0
+               : refuse_number(reason, "perturb", size, "must be a positive number");
+}
+
 int settings_resolve(const struct scene *scene, const struct run_request *request,
                      struct settings *settings, char *reason) {
     *settings = (struct settings){.timings = request->timings,
                                   .threads = request->threads > 0 ? request->threads : 1,
-                                  .profile = request->profile};
+                                  .profile = request->profile,
+                                  .perturbation = request->perturbation,
+                                  .draw = request->draw};
     const char *name = request->stepper ? request->stepper : "rk4";
     settings->method = stepper_find(name);
     if (!settings->method)
@@ -140,7 +149,7 @@ int settings_resolve(const struct scene *scene, const struct run_request *reques
     options_defaults(settings->method->options, settings->stepper.option);
     if (resolve_treatment(scene, request, settings, reason) ||
         resolve_linear(scene, request, settings, reason) ||
-        resolve_steps(scene, request, settings, reason))
+        resolve_steps(scene, request, settings, reason) || check_perturbation(settings, reason))
         return REFUSED;
     for (int i = 0; i < request->option_count; i++)
         if (resolve_option(request->options[i], settings, reason))
@@ -158,6 +167,8 @@ int settings_second_opinion(const struct scene *scene, const struct settings *se
         .atol = settings->stepper.atol * opinion->rtol_ratio,
         .options = opinion->options,
         .threads = settings->threads,
+        .perturbation = settings->perturbation,
+        .draw = settings->draw,
     };
     while (request.options && request.options[request.option_count])
         request.option_count++;
@@ -202,6 +213,10 @@ json_t *settings_to_json(const struct scene *scene, const struct settings *setti
         json_object_set_new(
             json, "linear_options",
             options_to_json(settings->stepper.linear->options, settings->stepper.linear_option));
+    }
+    if (settings->perturbation > 0) {
+        json_object_set_new(json, "perturbation", json_real(settings->perturbation));
+        json_object_set_new(json, "draw", json_integer(settings->draw));
     }
     json_object_set_new(json, "timings", json_integer(settings->timings));
     return json;

@@ -13,9 +13,11 @@ struct run_request {
     double step, rtol, atol;    /* s; relative; m and m/s */
     const char *const *options; /* "key=value" */
     int option_count;
-    int timings; /* how often the run is repeated for its CPU time */
-    int threads; /* that share out a scene's parts; 0: one */
-    int profile; /* whether calls to the model are timed */
+    int timings;         /* how often the run is repeated for its CPU time */
+    int threads;         /* that share out a scene's parts; 0: one */
+    double perturbation; /* rms displacement of each node's start, m; 0: none */
+    int draw;            /* which one of such displacements: the seed of the random numbers */
+    int profile;         /* whether calls to the model are timed */
 };
 
 struct settings {
@@ -24,6 +26,8 @@ struct settings {
     int treatment;         /* index into the problem's list */
     double step;           /* s, of fixed-step methods */
     double frame_interval; /* s, where the scene has no frame rate; 0: every accepted step */
+    double perturbation;   /* rms displacement of each node's start, m */
+    int draw;              /* which one: seeds the random numbers */
     int timings;
     int threads;  /* results do not depend on it */
     int profile;  /* nor on this */

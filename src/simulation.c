@@ -4,6 +4,7 @@
 #include "progress.h"
 #include "workers.h"
 
+#include <gsl/gsl_randist.h>
 #include <math.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -53,6 +54,27 @@ static void start_clock(struct simulation *sim) {
     sim->clock.kink_count = sim->model->kink_count;
 }
 
+/* Displaces every node's start at random, by settings->perturbation in the rms: two such runs tell
+ * how long the scene lets trajectories be compared. What a problem prescribes it does not take
+ * back from rows. */
+static void perturb_start(struct simulation *sim) {
+    const struct problem *problem = sim->scene->problem;
+    const int columns = sim->model->column_count;
+    const double each = sim->settings->perturbation / sqrt(3);
+    gsl_rng *random = gsl_rng_alloc(gsl_rng_mt19937);
+    if (!random) {
+        end_with(sim, OUT_OF_MEMORY, "no memory for random numbers");
+        return;
+    }
+    gsl_rng_set(random, (unsigned long)sim->settings->draw);
+    problem->sample(sim->model, sim->rows);
+    for (int i = 0; i < sim->model->row_count; i++)
+        for (int k = 2; k < 5; k++) /* x y z, after wisp and node */
+            sim->rows[i * columns + k] += gsl_ran_gaussian(random, each);
+    problem->restore(sim->model, sim->rows);
+    gsl_rng_free(random);
+}
+
 /* Scene -> model -> parts, each with its stepper; and the clock that will stop them. */
 static void open_simulation(struct simulation *sim) {
     const struct problem *problem = sim->scene->problem;
@@ -78,6 +100,8 @@ static void open_simulation(struct simulation *sim) {
         if (!sim->steppers[i])
             end_with(sim, OUT_OF_MEMORY, "no memory for a stepper");
     }
+    if (going(sim) && sim->settings->perturbation > 0)
+        perturb_start(sim);
 }
 
 static void add_counters(struct counters *sum, const struct counters *part) {

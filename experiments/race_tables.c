@@ -1,0 +1,296 @@
+/* A race's tables, from which its figures are drawn, and what it prints. */
+#include "race.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double targets[] = {1e-2, 1e-3, 1e-4, 1e-5}; /* m: errors that someone may want */
+enum { TARGETS = sizeof targets / sizeof *targets };
+
+enum { POINTS, REFERENCES, SLOPES, FRONT, CHEAPEST, TABLES };
+
+static const struct {
+    const char *suffix, *what, *columns;
+} table_kinds[TABLES] = {
+    [POINTS] =
+        {"",
+         "integration error against the tight solution of the same treatment, over free "
+         "nodes and all frames up to the separation horizon, the common start among them: error = "
+         "rms, m, and of runs at jittered tolerances rtol (1 + j 1e-12) the median, the least and "
+         "the greatest; of the median one: largest, m; relative = rms over length; end = rms at "
+         "the end, m; velocity = rms, m/s; radius = rms of the samples' distance from their node, "
+         "m; mescd at the end; CPU time, s: of repeated, or of the jittered runs, alone on the "
+         "machine; equivalents: CPU time over that of a force evaluation of rk4's pilot; setting: "
+         "step, s, or rtol; limited: within ten times the reference's bound, and so on no front; "
+         "front: Pareto, by CPU time and by force evaluations; nan: there is no number, see status "
+         "and note",
+         "method\ttreatment\tstepper\tsetting\tstatus\tfailure_time\terror\tlargest\trelative"
+         "\tend\tvelocity\tradius\tmescd\tcpu_median\tcpu_least\tcpu_greatest"
+         "\tforce_evaluations\tsteps\tlimited\tfront_cpu\tfront_evaluations\terror_least"
+         "\terror_greatest\truns\tfailed\tequivalents\tnote"},
+    [REFERENCES] = {"-reference",
+                    "the tight solutions: bound = largest difference from the second opinion, m; "
+                    "treatment_error = rms over free nodes and frames from the treatment penalty "
+                    "with ratio " EXACT_RATIO ", which stands for the exact constrained motion, m; "
+                    "horizon: up to when a perturbation of 1e-10 m stays below 1 mm, s; compared: "
+                    "what of the scene's duration is compared, s",
+                    "treatment\tbound\tforce_evaluations\tsteps\tstatus\ttreatment_error"
+                    "\thorizon\tcompared\tduration"},
+    [SLOPES] = {"-slopes",
+                "slopes of log error over log steps, between a relative error of a hundredth and a "
+                "hundred "
+                "times the reference's bound, " SLOPE_RULE,
+                "method\ttreatment\tkind\tslope\tspread\tpoints"},
+    [FRONT] =
+        {"-front",
+         "Pareto fronts: what no other run beats in cost and in error, as far as the reference can "
+         "tell (limited ones left out)",
+         "treatment\tmeasure\tcost\terror\tmethod\tsetting"},
+    [CHEAPEST] =
+        {"-cheapest",
+         "the least CPU time, s, for an error of at most target, m, and the next method; to the "
+         "error of a limited run the reference's bound is added",
+         "treatment\ttarget\tmethod\tsetting\terror\tcpu_median\tcpu_least\tcpu_greatest"
+         "\tnext_method\tnext_setting\tnext_cpu_median"},
+};
+
+static void write_point(FILE *stream, const struct field *field, const struct point *p) {
+    const struct deviation *d = &p->deviation;
+    const struct cost *cost = &p->cost;
+    fprintf(stream, "%s\t%s\t%s\t%.17g\t%s\t%.17g", p->entry->contestant->name,
+            race_treatment(field->treatment), p->entry->contestant->stepper, p->setting, p->status,
+            cost->failure_time);
+    const double numbers[] = {
+        d->rms,          d->largest,         d->relative,       d->end,
+        d->velocity,     d->radius,          d->mescd,          cost->cpu.median,
+        cost->cpu.least, cost->cpu.greatest, cost->evaluations, cost->steps};
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+        fprintf(stream, "\t%.17g", numbers[i]);
+    fprintf(stream, "\t%d\t%d\t%d\t%.17g\t%.17g\t%d\t%d\t%.17g\t%s\n", p->limited, p->front[0],
+            p->front[1], p->error_least, p->error_greatest, p->runs, p->failed,
+            cost->cpu.median / field->evaluation, p->note);
+}
+
+/* Rows of each contestant in the order of its settings; blocks are parted by two blank lines. */
+static void write_points(FILE *stream, const struct field *field) {
+    for (int i = 0; i < field->point_count; i++) {
+        const int last =
+            i + 1 == field->point_count || field->points[i + 1].entry != field->points[i].entry;
+        write_point(stream, field, &field->points[i]);
+        fprintf(stream, "%s", last ? "\n\n" : "");
+    }
+}
+
+static void write_slope(FILE *stream, const struct field *field,
+                        const struct contestant *contestant) {
+    const double least = fmax(1e-13, 100 * field->bound);
+    struct slope slope = {.count = 0};
+    for (int i = 0; i < field->point_count; i++) {
+        const struct point *p = &field->points[i];
+        if (p->entry->contestant != contestant || !race_finished(p) ||
+            p->deviation.relative > 0.01 || p->deviation.rms < least)
+            continue; /* out of the asymptotic range, or of what the reference can tell */
+        slope_add(&slope, p->cost.steps, p->deviation.rms);
+    }
+    const struct fit fit = slope_fit(&slope, contestant);
+    if (fit.points > 0)
+        fprintf(stream, "%s\t%s\t%s\t%.3f\t%.3f\t%d\n", contestant->name,
+                race_treatment(field->treatment),
+                contestant_is_adaptive(contestant) ? "adaptive" : "fixed", fit.slope, fit.spread,
+                fit.points);
+}
+
+/* The next point of a front: the cheapest that is dearer than `than`. */
+static const struct point *next_on_front(const struct field *field, int measure, double than) {
+    const struct point *best = NULL;
+    for (int i = 0; i < field->point_count; i++) {
+        const struct point *p = &field->points[i];
+        if (p->front[measure] && race_cost(p, measure) > than &&
+            (!best || race_cost(p, measure) < race_cost(best, measure)))
+            best = p;
+    }
+    return best;
+}
+
+static void write_front(FILE *stream, const struct field *field) {
+    for (int measure = 0; measure < 2; measure++) {
+        const struct point *p = next_on_front(field, measure, -1);
+        for (; p; p = next_on_front(field, measure, race_cost(p, measure)))
+            fprintf(stream, "%s\t%s\t%.17g\t%.17g\t%s\t%.17g\n", race_treatment(field->treatment),
+                    measure ? "evaluations" : "cpu", race_cost(p, measure), p->deviation.rms,
+                    p->entry->contestant->name, p->setting);
+        fprintf(stream, "\n\n");
+    }
+}
+
+/* The cheapest run within the target, of another contestant than `besides`; or NULL. */
+static const struct point *cheapest(const struct field *field, double target,
+                                    const struct contestant *besides) {
+    const struct point *best = NULL;
+    for (int i = 0; i < field->point_count; i++) {
+        const struct point *p = &field->points[i];
+        if (race_finished(p) && race_error_at_most(field, p) <= target &&
+            p->entry->contestant != besides &&
+            (!best || p->cost.cpu.median < best->cost.cpu.median))
+            best = p;
+    }
+    return best;
+}
+
+static void write_cheapest(FILE *stream, const struct field *field, double target) {
+    const struct point *p = cheapest(field, target, NULL);
+    const struct point *next = p ? cheapest(field, target, p->entry->contestant) : NULL;
+    fprintf(stream, "%s\t%g\t%s\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%s\t%.17g\t%.17g\n",
+            race_treatment(field->treatment), target, p ? p->entry->contestant->name : "none",
+            p ? p->setting : NAN, p ? p->deviation.rms : NAN, p ? p->cost.cpu.median : NAN,
+            p ? p->cost.cpu.least : NAN, p ? p->cost.cpu.greatest : NAN,
+            next ? next->entry->contestant->name : "none", next ? next->setting : NAN,
+            next ? next->cost.cpu.median : NAN);
+    printf("  %-15.15s %-12s %7g", field->subject->name, race_treatment(field->treatment),
+           1e3 * target);
+    if (!p) {
+        printf("   none\n");
+        return;
+    }
+    printf("   %-29s %4s %-10.3g %8.2f   ", p->entry->contestant->name,
+           contestant_is_adaptive(p->entry->contestant) ? "rtol" : "h", p->setting,
+           1e3 * p->cost.cpu.median);
+    printf(next ? "%s %.2f\n" : "\n", next ? next->entry->contestant->name : "",
+           next ? 1e3 * next->cost.cpu.median : 0);
+}
+
+static void write_field(const struct atomic_file *files, const struct field *field) {
+    write_points(files[POINTS].stream, field);
+    for (int i = 0; i < field->entry_count; i++)
+        write_slope(files[SLOPES].stream, field, field->entries[i].contestant);
+    write_front(files[FRONT].stream, field);
+    fprintf(files[REFERENCES].stream, "%s\t%.17g\t%.17g\t%.17g\t%s\t%.17g\t%.17g\t%.17g\t%.17g\n",
+            race_treatment(field->treatment), field->bound,
+            run_number(&field->reference, "counters.force_evaluations"),
+            run_number(&field->reference, "counters.steps"), outcome_name(field->reference.outcome),
+            field->treatment_error, field->horizon, field->scene->duration,
+            field->subject->scene->duration);
+    for (int i = 0; i < TARGETS && field->has_reference; i++)
+        write_cheapest(files[CHEAPEST].stream, field, targets[i]);
+}
+
+/* Opens the tables of a subject. Returns 0, or -1 with a reason and none of them open. */
+static int open_tables(struct atomic_file *files, const struct subject *subject, const char *folder,
+                       char *reason) {
+    for (int i = 0; i < TABLES; i++) {
+        char name[128];
+        snprintf(name, sizeof name, "%s%s", subject->name, table_kinds[i].suffix);
+        if (open_table(&files[i], folder, name, table_kinds[i].what, subject->scene,
+                       table_kinds[i].columns, reason)) {
+            while (i-- > 0)
+                atomic_discard(&files[i]);
+            return -1;
+        }
+    }
+    return 0;
+}
+
+static int close_tables(struct atomic_file *files, int code, char *reason) {
+    for (int i = 0; i < TABLES; i++) {
+        if (code)
+            atomic_discard(&files[i]);
+        else
+            code = atomic_commit(&files[i], reason);
+    }
+    return code;
+}
+
+/* The fields of a subject follow each other. Returns the number of those that have a reference, or
+ * -1. */
+static int tabulate_subject(struct plan *plan, const struct subject *subject, const char *folder,
+                            struct point *points) {
+    struct race_notes *notes = plan->notes;
+    struct atomic_file files[TABLES];
+    int code = open_tables(files, subject, folder, plan->reason), there = 0;
+    if (code)
+        return -1;
+    for (int f = 0; f < notes->field_count && !code; f++) {
+        struct field *field = &notes->fields[f];
+        if (field->subject != subject)
+            continue;
+        field->points = points;
+        code = race_read(plan, field);
+        if (!code)
+            write_field(files, field);
+        there += field->has_reference;
+        run_free(&field->reference);
+    }
+    return close_tables(files, code, plan->reason) ? -1 : there;
+}
+
+static double longest_wisp(const struct scene *scene) {
+    double length = 0;
+    for (int i = 0; i < scene->wisp_count; i++)
+        length = fmax(length, scene->wisps[i].length);
+    return length;
+}
+
+/* Says once for each scene what part of it is compared, and what the budget left out. */
+static void say_cuts(const struct race_notes *notes, const struct subject *subject) {
+    int cut = 0, fewer = 0;
+    for (int f = 0; f < notes->field_count; f++) {
+        const struct field *field = &notes->fields[f];
+        if (field->subject != subject)
+            continue;
+        if (field->scene->duration < field->whole->duration)
+            printf("  %s, %s: compared up to the separation horizon, %.3g s\n", subject->name,
+                   race_treatment(field->treatment), field->scene->duration);
+        for (int i = 0; i < field->entry_count; i++) {
+            cut += field->entries[i].cut[0] && !strstr(field->entries[i].cut, "instead of");
+            fewer += field->entries[i].cut[0] && strstr(field->entries[i].cut, "fewer");
+            fewer += field->entries[i].cut[0] && strstr(field->entries[i].cut, "instead of");
+        }
+    }
+    if (cut || fewer)
+        printf("  %s: the budget cut %d ladders short and jittered runs of %d; the table's rows "
+               "'left out' say which\n",
+               subject->name, cut, fewer);
+}
+
+/* The figures' list: scenes with at least one reference. */
+static int tabulate_all(struct plan *plan, const char *folder, FILE *list, struct point *points) {
+    int drawn = 0;
+    printf("  %-15s %-12s %7s   %-29s %4s %-10s %8s   %s\n", "scene", "treatment", "mm",
+           "cheapest method", "", "setting", "CPU ms", "next, CPU ms");
+    for (int i = 0; i < plan->subject_count; i++) {
+        const struct subject *subject = &plan->subjects[i];
+        const int there = tabulate_subject(plan, subject, folder, points);
+        if (there < 0)
+            return -1;
+        say_cuts(plan->notes, subject);
+        drawn += there > 0;
+        if (there > 0)
+            fprintf(list, "%s\t%s\t%d\t%.17g\n", subject->name, subject->scene->name,
+                    subject->scene->wisps[0].samples, longest_wisp(subject->scene));
+    }
+    if (drawn > 0)
+        return 0;
+    snprintf(plan->reason, REASON_SIZE,
+             "no reference run reached its end, so there is nothing to measure errors against");
+    return 1;
+}
+
+int race_tabulate(struct plan *plan, const char *folder) {
+    struct atomic_file list;
+    if (open_table(&list, folder, "scenes",
+                   plan->quick ? "scenes drawn; --quick: every third step or tolerance, three "
+                                 "jittered runs, and of the shipped scenes only some"
+                               : "scenes drawn",
+                   NULL, "file\tname\tsamples\tlength", plan->reason))
+        return -1;
+    struct point *points = calloc((size_t)CONTESTANTS_MAX * (RUNGS_MAX + 1), sizeof *points);
+    if (!points)
+        snprintf(plan->reason, REASON_SIZE, "out of memory");
+    const int code = points ? tabulate_all(plan, folder, list.stream, points) : -1;
+    free(points);
+    if (!code)
+        return atomic_commit(&list, plan->reason);
+    atomic_discard(&list);
+    return code;
+}

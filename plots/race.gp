@@ -1,0 +1,164 @@
+# Error against cost on scenes of wisps: one figure for each scene, one panel for each treatment and
+# measure of cost. WHAT is its title.
+load plots.'/style.gp'
+eval require('scenes')
+
+larger(a, b) = a > b ? a : b
+
+# columns of a scene's table
+STATUS = 5; ERROR = 7; CPU = 14; LEAST = 15; GREATEST = 16; CALLS = 17; LIMITED = 19
+ERROR_LEAST = 22; ERROR_GREATEST = 23; RUNS = 24
+# and of that of its references
+BOUND = 2; TREATMENT_ERROR = 6; COMPARED = 8; DURATION = 9
+
+is_failed(status) = status ne 'finished' && status ne 'refused' && status ne 'left out' \
+    && status ne 'status'
+is_point(m) = strcol(1) eq word(names, m) && strcol(2) eq treatment
+is_good(m) = is_point(m) && strcol(STATUS) eq 'finished'
+# What is said of a method's failures: how many, and of the first one of what kind and when.
+kinds = ''
+say(status, t) = status.(t == t ? sprintf(' at t = %.2g s', t) : '')
+count_failure(m) = (failures = failures + 1, kinds = kinds eq '' ? say(strcol(STATUS), $6) : kinds, 0)
+at(x) = x > 0 ? x : 0.6 * first # a run that was killed could not say what it had done
+row_of(name) = TOP * 10 ** (0.6 * place(in_band, name))
+
+scene_files = ''; scene_names = ''
+array samples_of[64]; array length_of[64]
+stats table('scenes') using (strcol(1) eq 'file' ? 0 \
+    : (scene_files = scene_files.quoted(strcol(1)), scene_names = scene_names.quoted(strcol(2)), \
+       samples_of[words(scene_files)] = $3, length_of[words(scene_files)] = $4), 0) nooutput
+
+do for [s = 1:words(scene_files)] {
+    scene = word(scene_files, s)
+    treatments = samples_of[s] > 0 ? 'projection penalty generalised' : 'generalised'
+    there = ''; compared = 1e300; duration = 0
+    stats table(scene.'-reference') using (strcol(1) eq 'treatment' ? 0 \
+        : (there = with_name(there, strcol(1)), compared = column(COMPARED) < compared \
+           ? column(COMPARED) : compared, duration = column(DURATION)), 0) nooutput
+    chosen = ''
+    do for [t in treatments] { if (place(there, t)) { chosen = chosen.' '.t } }
+    treatments = chosen; columns = words(treatments) > 1 ? words(treatments) : 2
+    TOP = length_of[s] # m: an error of the longest wisp's length is as bad as none
+    many = words(treatments) > 1
+    page_width = columns == 3 ? 1300 : 1000
+    page_height = many ? 1105 : 740
+    pitch = (page_width - 85) / columns # from panel to panel
+    eval figure(scene, page_width, page_height)
+    eval names_of(scene)
+    # Above the scale every method that fails somewhere has a row of its own.
+    in_band = ''; lowest = TOP
+    stats table(scene) using (in_band = is_failed(strcol(STATUS)) && place(names, strcol(1)) \
+        ? with_name(in_band, strcol(1)) : in_band, 0) nooutput
+    stats table(scene) using (lowest = strcol(STATUS) eq 'finished' && column(ERROR) > 0 \
+        && column(ERROR) < lowest ? column(ERROR) : lowest, 0) nooutput
+    highest = TOP * 10 ** (0.6 * (words(in_band) + 0.8))
+    bottom = larger(1e-15, lowest / 10)
+    # Each method with its slopes, one for each treatment.
+    titles = ''
+    do for [m = 1:words(names)] {
+        slopes = ''; some = 0
+        do for [t in treatments] {
+            one = '–'
+            stats table(scene.'-slopes') using (strcol(1) eq word(names, m) && strcol(2) eq t \
+                ? (some = 1, one = slope_text(strcol(3), $4, $5), 0) : 0, 0) nooutput
+            slopes = slopes.(slopes eq '' ? ': ' : ', ').one
+        }
+        titles = titles.quoted(word(names, m).(some ? slopes : ''))
+    }
+    set multiplot
+    eval heading(WHAT.': '.escaped(word(scene_names, s)), \
+        'rms distance of the free nodes from the tight solution of the same treatment, all frames' \
+        .(compared < duration ? sprintf(' to %.2g s', compared) : '') \
+        .'; ×: failed; legend: slopes'.(many ? ', panel by panel' : ''))
+    do for [p = 0:(many ? 2 * columns - 1 : 1)] {
+        row = many ? p / columns : 0
+        place_x = many ? p % columns : p
+        measure = many ? row : p
+        treatment = word(treatments, many ? place_x + 1 : 1)
+        c = measure == 0 ? CPU : CALLS
+        # one range of cost for all treatments
+        first = 1e300; last = 0
+        unset logscale; set autoscale
+        stats table(scene) using (x = column(c), ok = strcol(STATUS) eq 'finished' \
+            || is_failed(strcol(STATUS)), first = ok && x > 0 && x < first ? x : first, \
+            last = ok && x > last ? x : last, 0) nooutput
+        if (last == 0) { first = 1; last = 10 }
+        bound = NaN; inexact = NaN
+        stats table(scene.'-reference') using (strcol(1) eq treatment \
+            ? (bound = column(BOUND), inexact = column(TREATMENT_ERROR)) : 0, 0) nooutput
+        do for [i = 1:20] { unset label 20 + i }
+        do for [i = 1:measure == 0 ? words(in_band) : 0] {
+            failures = 0; kinds = ''
+            stats table(scene) using (strcol(1) eq word(in_band, i) && strcol(2) eq treatment \
+                && is_failed(strcol(STATUS)) ? count_failure(0) : 0, 0) nooutput
+            if (failures) {
+                remark = failures == 1 ? kinds : sprintf('%d, first: %s', failures, kinds)
+                set label 20 + i remark \
+                    at graph 0.99, first row_of(word(in_band, i)) right font ',10' \
+                    textcolor rgb ink_of(word(in_band, i))
+            }
+        }
+        if (many) {
+            eval panel(80 + pitch * place_x, 95 + 415 * row, pitch - 30, 345)
+            if (row == 0) { set title '{/:Bold '.treatment.'}' offset 0, -0.6 } else { unset title }
+        } else { eval panel(80 + pitch * p, 70, pitch - 30, 420); unset title }
+        eval powers('x'); eval powers('y')
+        set ytics 1e-16, 100, 1; set mytics 1
+        if (place_x > 0) { set format y '' }
+        set xrange [0.5 * first:2 * last]; set yrange [bottom:highest]
+        set xtics offset 0, 0.3
+        set xlabel measure == 0 ? 'CPU time (s): median, least to greatest' : 'force evaluations' \
+            offset 0, 0.4
+        set ylabel place_x == 0 ? 'integration error (m)' : '' offset 1, 0
+        unset arrow; unset label 3; unset label 4; unset label 5
+        set arrow 1 from graph 0, first TOP to graph 1, first TOP nohead lc rgb GREY lw 0.8
+        if (bound == bound && bound > bottom) {
+            set arrow 2 from graph 0, first bound to graph 1, first bound nohead lt 2 lw 1.2
+            set label 4 'bound of the reference' at graph 0.01, first bound left \
+                offset 0, 0.5 font ',11' textcolor rgb GREY
+        }
+        if (inexact == inexact && inexact > bottom) {
+            set arrow 3 from graph 0, first inexact to graph 1, first inexact nohead \
+                lc rgb GREY dt (8,4) lw 1.2
+            set label 5 'error of the treatment' at graph 0.01, first inexact left \
+                offset 0, 0.5 font ',11' textcolor rgb GREY
+        }
+        if (!(bound == bound) && place_x == 0) {
+            set label 4 'the reference has no bound' at graph 0.01, graph 0.03 left font ',11' \
+                textcolor rgb GREY
+        }
+        set bars 0
+        plot table(scene.'-front') using (strcol(1) eq treatment \
+                && strcol(2) eq (measure == 0 ? 'cpu' : 'evaluations') ? $3 : NaN):4 \
+                with steps lw 7 lc rgb '#D9D9D9' dt solid, \
+             for [m = 1:words(names)] table(scene) \
+                using (is_good(m) && column(RUNS) > 1 ? column(c) : NaN) \
+                :(larger(column(ERROR_LEAST), bottom)):(larger(column(ERROR_GREATEST), bottom)) \
+                with filledcurves fs transparent solid 0.25 noborder \
+                lc rgb colour_of(word(names, m)), \
+             for [m = 1:words(names)] table(scene) \
+                using (is_good(m) ? column(c) : NaN):(larger(column(ERROR), bottom)) \
+                :(measure ? column(c) : column(LEAST)):(measure ? column(c) : column(GREATEST)) \
+                with xerrorbars lt style_of(word(names, m)) dt solid lw 1 pt 0, \
+             for [m = 1:words(names)] '' \
+                using (is_good(m) ? column(c) : NaN):(larger(column(ERROR), bottom)) \
+                with linespoints lt style_of(word(names, m)), \
+             for [m = 1:words(names)] '' \
+                using (is_good(m) && column(LIMITED) == 1 ? column(c) : NaN) \
+                :(larger(column(ERROR), bottom)) \
+                with points lt style_of(word(names, m)) lc rgb '#BBBBBB', \
+             for [m = 1:words(names)] '' \
+                using (is_point(m) && is_failed(strcol(STATUS)) ? at(column(c)) : NaN) \
+                :(row_of(strcol(1))) \
+                with points pt FAILED ps 0.8 lw 1.6 lc rgb colour_of(word(names, m))
+        eval heading_done
+    }
+    eval legend(0, page_height - 183, page_width, 175, 7)
+    plot @BLANK, for [m = 1:words(names)] keyentry with linespoints lt style_of(word(names, m)) \
+            title word(titles, m), \
+         keyentry with boxes fs solid 0.25 noborder lc rgb '#0072B2' title 'jittered tolerances', \
+         keyentry with lines lw 7 lc rgb '#D9D9D9' dt solid title 'Pareto front', \
+         keyentry with points pt 7 ps 0.85 lc rgb '#BBBBBB' title 'within ten times the bound'
+    unset multiplot
+}
+set output
