@@ -3,17 +3,23 @@
 #include "model.h"
 #include "scene_wisps.h"
 
+#include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
 extern const struct experiment circle_experiment, treatments_experiment, work_precision_experiment,
-    solvers_experiment, kernel_experiment;
+    solvers_experiment, horizon_experiment, kernel_experiment;
 
 /* A new experiment is one file and one line here. */
 const struct experiment *const experiments[] = {
-    &circle_experiment,  &treatments_experiment, &work_precision_experiment,
-    &solvers_experiment, &kernel_experiment,     NULL,
+    &circle_experiment,
+    &treatments_experiment,
+    &work_precision_experiment,
+    &solvers_experiment,
+    &horizon_experiment,
+    &kernel_experiment,
+    NULL,
 };
 
 const struct experiment *experiment_find(const char *name) {
@@ -98,6 +104,26 @@ int plan_subjects(struct plan *plan, const char *const *own, int own_count) {
         if (add_subject(plan, names[i]))
             return -1;
     return 0;
+}
+
+double sparse_frame_rate(const struct scene *scene, double duration) {
+    const double most = 200000; /* 4 MB of text */
+    double nodes = 0;
+    for (int i = 0; i < scene->wisp_count; i++)
+        nodes += scene->wisps[i].nodes;
+    const double numbers = nodes * (7 + 6 * scene->wisps[0].samples) * duration * scene->frame_rate;
+    return scene->frame_rate / fmax(1, ceil(numbers / most));
+}
+
+const struct scene *plan_cut_scene(struct plan *plan, const struct subject *subject, double rate,
+                                   double duration, const char *set) {
+    char sets[2][64];
+    const char *const all[] = {sets[0], sets[1], set};
+    const double frames = fmax(1, floor(duration * rate + 1e-9));
+    snprintf(sets[0], sizeof sets[0], "frame_rate=%.17e", rate);
+    snprintf(sets[1], sizeof sets[1], "duration=%.17e",
+             fmin(frames / rate, subject->scene->duration));
+    return plan_scene(plan, subject->source, all, set ? 3 : 2);
 }
 
 int plan_wants(const struct plan *plan, const char *stepper) {

@@ -72,6 +72,15 @@ const struct scene *plan_scene_bare(struct plan *plan, const char *name, double 
  * Returns 0, or -1 with plan->reason. */
 int plan_subjects(struct plan *plan, const char *const *own, int own_count);
 
+/* The frame rate at which a run of that duration writes no more numbers than are of use, a whole
+ * fraction of the scene's, Hz. */
+double sparse_frame_rate(const struct scene *scene, double duration);
+
+/* A subject's scene over its first seconds, a whole number of frames; `set` is a further override
+ * or NULL. NULL with plan->reason. */
+const struct scene *plan_cut_scene(struct plan *plan, const struct subject *subject, double rate,
+                                   double duration, const char *set);
+
 /* Whether the user's choice of steppers leaves this one in. */
 int plan_wants(const struct plan *plan, const char *stepper);
 

@@ -170,39 +170,88 @@ int measure_deviation(const struct scene *scene, const struct table *run,
 
 /* --- the horizon --- */
 
-/* A frame that is too far apart ends it; the second one never does, for it would leave nothing to
- * compare. */
-static double horizon_of(const struct table *a, const struct table *b) {
-    double before = 0, now = 0; /* times of two frames */
-    int frame = 0;
-    for (int i = 0; i < a->row_count && i < b->row_count; i++) {
-        const double *x = a->value + (size_t)i * (size_t)a->column_count;
-        const double *y = b->value + (size_t)i * (size_t)b->column_count;
-        if (x[0] != now) {
-            before = now;
-            now = x[0];
-            frame++;
-        }
-        if (frame > 1 && distance(x + POSITION, y + POSITION) > HORIZON_DISTANCE)
-            return before;
-    }
-    return now;
+int scene_has_contacts(const struct scene *scene) {
+    return scene->body_count > 0 || scene->interaction.interpenetration ||
+           scene->interaction.collision;
 }
 
-int measure_horizon(const char *folder, const char *other_folder, double *horizon, char *reason) {
+double reference_cost(const struct scene *scene) {
+    const double node_seconds =
+        0.04; /* measured on `interactions`; the tightest third is CVODE's */
+    int nodes = 0;
+    for (int i = 0; i < scene->wisp_count; i++)
+        nodes += scene->wisps[i].nodes - 2;
+    return node_seconds * nodes;
+}
+
+/* Calls `use` with the largest distance of a node at each frame that both runs have. */
+static int each_separation(const char *folder, const char *other_folder,
+                           void (*use)(void *ctx, double t, double apart), void *ctx,
+                           int *both_finished, char *reason) {
     struct run_files one, other;
-    *horizon = NAN;
     if (run_read(&one, folder, reason))
         return -1;
     if (run_read(&other, other_folder, reason)) {
         run_free(&one);
         return -1;
     }
-    if (one.outcome == FINISHED && other.outcome == FINISHED)
-        *horizon = horizon_of(&one.states, &other.states);
+    const struct table *a = &one.states, *b = &other.states;
+    double apart = 0;
+    for (int i = 0; i < a->row_count && i < b->row_count; i++) {
+        const double *x = a->value + (size_t)i * (size_t)a->column_count;
+        const double *y = b->value + (size_t)i * (size_t)b->column_count;
+        const int last = i + 1 == a->row_count || table_value(a, i + 1, 0) != x[0];
+        apart = fmax(apart, distance(x + POSITION, y + POSITION));
+        if (last) {
+            use(ctx, x[0], apart);
+            apart = 0;
+        }
+    }
+    *both_finished = one.outcome == FINISHED && other.outcome == FINISHED;
     run_free(&one);
     run_free(&other);
     return 0;
+}
+
+struct horizon {
+    double t;
+    int frames, over;
+};
+
+/* A frame that is too far apart ends it; the second one never does, for it would leave nothing to
+ * compare. */
+static void look_out(void *ctx, double t, double apart) {
+    struct horizon *horizon = ctx;
+    horizon->frames++;
+    horizon->over |= horizon->frames > 2 && apart > HORIZON_DISTANCE;
+    if (!horizon->over)
+        horizon->t = t;
+}
+
+int measure_horizon(const char *folder, const char *other_folder, double *horizon, char *reason) {
+    struct horizon found = {0, 0, 0};
+    int finished;
+    if (each_separation(folder, other_folder, look_out, &found, &finished, reason))
+        return -1;
+    *horizon = finished ? found.t : NAN;
+    return 0;
+}
+
+struct separation_rows {
+    FILE *stream;
+    const char *name;
+};
+
+static void write_separation(void *ctx, double t, double apart) {
+    const struct separation_rows *rows = ctx;
+    fprintf(rows->stream, "%s\t%.17g\t%.17g\n", rows->name, t, apart);
+}
+
+int measure_separation(const char *folder, const char *other_folder, const char *name, FILE *stream,
+                       char *reason) {
+    struct separation_rows rows = {stream, name};
+    int finished;
+    return each_separation(folder, other_folder, write_separation, &rows, &finished, reason);
 }
 
 /* --- slopes --- */

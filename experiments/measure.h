@@ -61,6 +61,12 @@ int measure_deviation(const struct scene *scene, const struct table *run,
 
 /* --- how long trajectories can be compared --- */
 
+/* Whether ticks can part two trajectories that are close. */
+int scene_has_contacts(const struct scene *scene);
+
+/* CPU time that `reference` and what checks it take for a simulated second, s, roughly. */
+double reference_cost(const struct scene *scene);
+
 /* Two runs from starts that are this far apart, m, are within the other distance, m, up to the
  * separation horizon: what they do after it no longer depends on the method alone. */
 #define HORIZON_PERTURBATION 1e-10
@@ -70,6 +76,11 @@ int measure_deviation(const struct scene *scene, const struct table *run,
  * HORIZON_DISTANCE, but at least the second one. NaN where a run did not finish. Returns 0, or -1
  * with a reason. */
 int measure_horizon(const char *folder, const char *other_folder, double *horizon, char *reason);
+
+/* Writes rows "name, t, largest distance of a node, m", one for each frame of both runs. Returns 0,
+ * or -1 with a reason. */
+int measure_separation(const char *folder, const char *other_folder, const char *name, FILE *stream,
+                       char *reason);
 
 /* The slope of log error over log cost, of points added from coarse to fine. */
 enum { SLOPE_POINTS = 48, SLOPE_FINEST = 3 };

@@ -33,49 +33,12 @@ static const struct labelled_case *found(const struct plan *plan, const struct f
 
 /* --- scenes --- */
 
-/* Seconds that the reference and what checks it take for a free node and simulated second, and how
- * many runs of that kind a treatment needs; roughly. */
-static const double reference_seconds = 0.04;
-enum { NUMBERS_MOST = 200000 }; /* in a run's states */
-
-static int free_nodes(const struct scene *scene) {
-    int nodes = 0;
-    for (int i = 0; i < scene->wisp_count; i++)
-        nodes += scene->wisps[i].nodes - 2;
-    return nodes;
-}
-
-/* The frame rate at which a run of this length writes no more numbers than are of use. */
-static double sparse_rate(const struct scene *scene, double duration) {
-    const double numbers = (free_nodes(scene) + 2. * scene->wisp_count) *
-                           (7. + 6. * scene->wisps[0].samples) * duration * scene->frame_rate;
-    return scene->frame_rate / fmax(1, ceil(numbers / NUMBERS_MOST));
-}
-
-/* A subject's scene over its first seconds, a whole number of frames; `set` is a further override
- * or NULL. NULL with plan->reason. */
-static const struct scene *cut_scene(struct plan *plan, const struct subject *subject, double rate,
-                                     double duration, const char *set) {
-    char sets[2][64];
-    const char *const all[] = {sets[0], sets[1], set};
-    const double frames = fmax(1, floor(duration * rate + 1e-9));
-    snprintf(sets[0], sizeof sets[0], "frame_rate=%.17e", rate);
-    snprintf(sets[1], sizeof sets[1], "duration=%.17e",
-             fmin(frames / rate, subject->scene->duration));
-    return plan_scene(plan, subject->source, all, set ? 3 : 2);
-}
-
 static int wants_treatment(const struct race *race, const struct scene *scene, int treatment) {
     int wanted = race->treatments == NULL;
     for (int i = 0; !wanted && race->treatments[i]; i++)
         wanted = strcmp(race->treatments[i], race_treatment(treatment)) == 0;
     /* without an envelope the treatments are the same equations */
     return scene->wisps[0].samples > 0 ? wanted : treatment == WISP_GENERALISED;
-}
-
-static int trajectories_may_part(const struct scene *scene) {
-    return scene->body_count > 0 || scene->interaction.interpenetration ||
-           scene->interaction.collision;
 }
 
 /* --- the first stage --- */
@@ -137,9 +100,9 @@ static double affordable_duration(const struct plan *plan, const struct race *ra
                                   const struct scene *scene) {
     int runs = 0;
     for (int t = 0; wisp_problem.treatments[t].name; t++)
-        runs += wants_treatment(race, scene, t) * (trajectories_may_part(scene) ? 2 : 1);
+        runs += wants_treatment(race, scene, t) * (scene_has_contacts(scene) ? 2 : 1);
     const double cores = 2, share = budget(plan, race) / 5 / plan->subject_count * cores;
-    return share / (reference_seconds * free_nodes(scene) * runs);
+    return share / (reference_cost(scene) * runs);
 }
 
 static int plan_scenes(struct plan *plan, struct race_notes *notes) {
@@ -147,11 +110,12 @@ static int plan_scenes(struct plan *plan, struct race_notes *notes) {
         const struct subject *subject = &plan->subjects[i];
         const double duration =
             fmin(subject->scene->duration, affordable_duration(plan, notes->race, subject->scene));
-        const double rate = sparse_rate(subject->scene, duration);
-        const struct scene *scene = cut_scene(plan, subject, rate, duration, NULL), *exact = NULL;
+        const double rate = sparse_frame_rate(subject->scene, duration);
+        const struct scene *scene = plan_cut_scene(plan, subject, rate, duration, NULL),
+                           *exact = NULL;
         if (scene && scene->wisps[0].samples > 0)
-            exact = cut_scene(plan, subject, rate, duration,
-                              "envelope.penalty_ratio=" EXACT_RATIO ".0");
+            exact = plan_cut_scene(plan, subject, rate, duration,
+                                   "envelope.penalty_ratio=" EXACT_RATIO ".0");
         if (!scene || (scene->wisps[0].samples > 0 && !exact))
             return -1;
         if (scene->duration < subject->scene->duration)
@@ -164,7 +128,7 @@ static int plan_scenes(struct plan *plan, struct race_notes *notes) {
             field->subject = subject;
             field->whole = field->scene = scene;
             field->treatment = t;
-            field->touches = trajectories_may_part(scene);
+            field->touches = scene_has_contacts(scene);
             notes->field_count++;
             if (plan_field(plan, notes->race, field, exact))
                 return -1;
@@ -209,7 +173,8 @@ static int read_horizon(struct plan *plan, struct field *field) {
         return -1;
     if (isnan(field->horizon) || field->horizon >= field->whole->duration)
         return 0;
-    field->scene = cut_scene(plan, field->subject, field->whole->frame_rate, field->horizon, NULL);
+    field->scene =
+        plan_cut_scene(plan, field->subject, field->whole->frame_rate, field->horizon, NULL);
     return field->scene ? 0 : -1;
 }
 

@@ -1,0 +1,378 @@
+/* How long can trajectories be compared, and what is left to compare after that? Where wisps and
+ * bodies touch, two runs from starts a tenth of a nanometre apart may part, by whatever method: up
+ * to that separation horizon a method's error is its own. After it, only what many runs from
+ * perturbed starts have in common says anything: their mean shape, energy and number of contacts.
+ * The yardstick is how far two halves of the reference's own ensemble are from each other. */
+#include "measure.h"
+#include "model.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const own_scenes[] = {"interactions", "sphere", "radii", "wind"};
+static const double seconds = 300, quick_seconds = 20; /* of wall time, on two cores */
+static const char treatment[] = "generalised";
+static const double scatter = 1e-4; /* rms displacement of an ensemble's starts, m */
+enum { MEMBERS = 16, QUICK_MEMBERS = 8 };
+
+static int members(const struct plan *plan) {
+    return plan->quick ? QUICK_MEMBERS : MEMBERS;
+}
+
+/* --- the runs --- */
+
+static int add(struct plan *plan, const struct subject *subject, const struct scene *scene,
+               struct run_request *request, double perturbation, int draw, const char *label) {
+    request->treatment = treatment;
+    request->perturbation = perturbation;
+    request->draw = draw;
+    return plan_add(plan, scene, request, subject->name, "%s", label);
+}
+
+static void name_member(char label[64], const char *stepper, int member) {
+    snprintf(label, 64, "%s %d", stepper, member);
+}
+
+/* Members at the scene's own step or tolerance; those of the reference need not be its tightest. */
+static int plan_ensemble(struct plan *plan, const struct subject *subject,
+                         const struct scene *scene, const struct stepper_method *method) {
+    const int is_reference = method->checked_by != NULL;
+    struct run_request request = {.stepper = method->name,
+                                  .rtol = is_reference ? 1e-9 : 0,
+                                  .atol = is_reference ? 1e-11 : 0,
+                                  .diagnostics = 1};
+    for (int i = 0; i < members(plan); i++) {
+        char label[64];
+        name_member(label, method->name, i);
+        if (add(plan, subject, scene, &request, scatter, 2 + i, label))
+            return -1;
+    }
+    return 0;
+}
+
+static int plan_subject(struct plan *plan, const struct subject *subject) {
+    const double budget = plan->quick ? quick_seconds : seconds, cores = 2;
+    const double runs = 2 + 0.5 * members(plan); /* in units of the tight one */
+    const double duration =
+        fmin(subject->scene->duration,
+             0.6 * budget * cores / plan->subject_count / runs / reference_cost(subject->scene));
+    const struct scene *scene =
+        plan_cut_scene(plan, subject, sparse_frame_rate(subject->scene, duration), duration, NULL);
+    struct run_request tight = {.stepper = "reference"};
+    if (!scene)
+        return -1;
+    if (scene->duration < subject->scene->duration)
+        printf("  %s: only its first %.3g s, for the budget of %g s\n", subject->name,
+               scene->duration, budget);
+    if (add(plan, subject, scene, &tight, 0, 0, "tight") ||
+        add(plan, subject, scene, &tight, HORIZON_PERTURBATION, 1, "tight, perturbed"))
+        return -1;
+    for (int m = 0; stepper_methods[m]; m++)
+        if ((plan_wants(plan, stepper_methods[m]->name) || stepper_methods[m]->checked_by) &&
+            plan_ensemble(plan, subject, scene, stepper_methods[m]))
+            return -1;
+    return 0;
+}
+
+static int horizon_plan(struct plan *plan) {
+    plan->run_seconds = 120;
+    if (plan_subjects(plan, own_scenes, plan->quick ? 2 : 4))
+        return -1;
+    for (int i = 0; i < plan->subject_count; i++)
+        if (plan_subject(plan, &plan->subjects[i]))
+            return -1;
+    return 0;
+}
+
+/* --- members --- */
+
+/* One run of an ensemble from the horizon on. */
+struct member {
+    enum outcome outcome;
+    double failure_time;
+    int rows;        /* of states, over those frames */
+    double *x;       /* positions, 3 for each row, m; owned */
+    double energy;   /* kinetic and potential, mean over those frames, J */
+    double contacts; /* of wisps and bodies, after the first of those frames */
+};
+
+static void copy_positions(struct member *member, const struct table *states, double from) {
+    const int x = table_column(states, "x");
+    int first = 0;
+    while (first < states->row_count && table_value(states, first, 0) < from - 1e-9)
+        first++;
+    member->rows = states->row_count - first;
+    member->x = malloc((3 * (size_t)member->rows + 1) * sizeof(double));
+    for (int i = 0; member->x && i < 3 * member->rows; i++)
+        member->x[i] = table_value(states, first + i / 3, x + i % 3);
+}
+
+static void average_diagnoses(struct member *member, const struct table *diagnoses, double from) {
+    static const char *const energies[] = {"kinetic", "gravity", "stretch", "bending", "envelope"};
+    int frames = 0;
+    for (int i = 0; i < diagnoses->row_count; i++) {
+        const double t = table_value(diagnoses, i, 0);
+        if (t < from - 1e-9)
+            continue;
+        for (int e = 0; e < 5; e++)
+            member->energy += table_value(diagnoses, i, table_column(diagnoses, energies[e]));
+        if (frames++ == 0)
+            continue; /* what was counted up to the first frame is before it */
+        member->contacts += table_value(diagnoses, i, table_column(diagnoses, "wisp_contacts")) +
+                            table_value(diagnoses, i, table_column(diagnoses, "body_contacts"));
+    }
+    member->energy /= frames;
+}
+
+static int read_member(struct member *member, const char *folder, double from, char *reason) {
+    struct run_files run;
+    struct table diagnoses;
+    char path[PATH_SIZE];
+    int code = 0;
+    if (run_read(&run, folder, reason))
+        return -1;
+    *member =
+        (struct member){.outcome = run.outcome, .failure_time = run_number(&run, "failure_time")};
+    path_format(path, "%s/diagnostics.tsv", folder);
+    if (run.outcome == FINISHED) {
+        copy_positions(member, &run.states, from);
+        code = table_read(&diagnoses, path, reason);
+        if (!code) {
+            average_diagnoses(member, &diagnoses, from);
+            table_free(&diagnoses);
+        }
+    }
+    run_free(&run);
+    return code;
+}
+
+/* --- ensembles --- */
+
+struct ensemble {
+    struct member member[MEMBERS];
+    int count, failed;
+};
+
+static void ensemble_free(struct ensemble *ensemble) {
+    for (int i = 0; i < ensemble->count; i++)
+        free(ensemble->member[i].x);
+    ensemble->count = 0;
+}
+
+static int ensemble_read(struct plan *plan, const struct subject *subject, const char *stepper,
+                         double from, struct ensemble *ensemble) {
+    *ensemble = (struct ensemble){.count = 0};
+    for (int i = 0; i < members(plan); i++) {
+        char label[64];
+        name_member(label, stepper, i);
+        const struct labelled_case *one = find_case(plan, subject->name, label);
+        struct member *member = &ensemble->member[ensemble->count];
+        if (read_member(member, one->run.folder, from, plan->reason))
+            return -1;
+        ensemble->failed += member->outcome != FINISHED;
+        ensemble->count++;
+    }
+    return 0;
+}
+
+/* Members from, from + by, from + 2 by, ...: all, or every second one. */
+struct group {
+    const struct ensemble *ensemble;
+    int from, by;
+};
+
+/* Mean over a group's members that finished of a number that `of` picks. */
+static double group_mean(const struct group *group, double (*of)(const struct member *, int),
+                         int index) {
+    double sum = 0;
+    int count = 0;
+    for (int i = group->from; i < group->ensemble->count; i += group->by) {
+        const struct member *member = &group->ensemble->member[i];
+        if (member->outcome != FINISHED)
+            continue;
+        sum += of(member, index);
+        count++;
+    }
+    return sum / count;
+}
+
+static double position_of(const struct member *member, int index) {
+    return member->x ? member->x[index] : NAN;
+}
+static double energy_of(const struct member *member, int index) {
+    (void)index;
+    return member->energy;
+}
+static double contacts_of(const struct member *member, int index) {
+    (void)index;
+    return member->contacts;
+}
+
+/* How far two groups' means are from each other: rms over nodes and frames, m; J; a number. */
+struct distance {
+    double shape, energy, contacts;
+};
+
+/* NaN in shape where frames have not the same rows in all members. */
+static struct distance group_distance(const struct group *a, const struct group *b) {
+    struct distance d;
+    double square = 0;
+    int rows = -1, same = 1;
+    const struct group *const both[] = {a, b};
+    for (int g = 0; g < 2; g++)
+        for (int i = both[g]->from; i < both[g]->ensemble->count; i += both[g]->by) {
+            const struct member *member = &both[g]->ensemble->member[i];
+            if (member->outcome != FINISHED)
+                continue;
+            same = same && (rows < 0 || member->rows == rows);
+            rows = member->rows;
+        }
+    for (int k = 0; same && k < 3 * rows; k++) {
+        const double gap = group_mean(a, position_of, k) - group_mean(b, position_of, k);
+        square += gap * gap;
+    }
+    d.shape = same && rows > 0 ? sqrt(square / rows) : NAN;
+    d.energy = fabs(group_mean(a, energy_of, 0) - group_mean(b, energy_of, 0));
+    d.contacts = fabs(group_mean(a, contacts_of, 0) - group_mean(b, contacts_of, 0));
+    return d;
+}
+
+/* --- tables --- */
+
+enum { GROWTH, HORIZONS, ENSEMBLES, TABLES };
+static const struct {
+    const char *name, *what, *columns;
+} tables[TABLES] = {
+    {"growth",
+     "largest distance of a node between two tight runs whose starts are 1e-10 m apart, m",
+     "scene\tt\tseparation"},
+    {"horizons",
+     "separation horizon: the last frame at which that distance is below 1 mm, s; compared: what "
+     "was run of the scene's duration, s; bound: of the tight run, m",
+     "scene\thorizon\tcompared\tduration\tbound\tstatus"},
+    {"ensembles",
+     "means of ensembles of runs whose starts are displaced by 1e-4 m (rms), from the horizon on, "
+     "or over all frames where there is none: their distance from the reference's, in the shape "
+     "(rms over nodes and frames, m), energy (J), number of contacts; yardstick: the same between "
+     "two halves of the reference's ensemble. Two ensembles of one distribution are about 0.7 "
+     "yardsticks apart",
+     "stepper\tscene\tmembers\tfailed\tfailure_time\tshape\tshape_yardstick\tenergy"
+     "\tenergy_yardstick\tcontacts\tcontacts_yardstick\tcontacts_mean"},
+};
+
+static double first_failure(const struct ensemble *ensemble) {
+    double t = NAN;
+    for (int i = 0; i < ensemble->count; i++)
+        if (ensemble->member[i].outcome != FINISHED)
+            t = fmin(isnan(t) ? INFINITY : t, ensemble->member[i].failure_time);
+    return t;
+}
+
+static void write_ensemble(FILE *stream, const struct subject *subject, const char *stepper,
+                           const struct ensemble *ensemble, const struct ensemble *reference) {
+    const struct group all = {ensemble, 0, 1}, theirs = {reference, 0, 1};
+    const struct group half = {reference, 0, 2}, other_half = {reference, 1, 2};
+    const struct distance yardstick = group_distance(&half, &other_half);
+    const struct distance d = group_distance(&all, &theirs);
+    fprintf(stream, "%s\t%s\t%d\t%d\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\n",
+            stepper, subject->name, ensemble->count, ensemble->failed, first_failure(ensemble),
+            d.shape, yardstick.shape, d.energy, yardstick.energy, d.contacts, yardstick.contacts,
+            group_mean(&all, contacts_of, 0));
+    if (ensemble == reference)
+        return;
+    printf("    %-15s ", stepper);
+    if (ensemble->failed)
+        printf("%d of %d runs failed\n", ensemble->failed, ensemble->count);
+    else
+        printf("mean shape %.2g yardsticks away, energy %.2g, contacts %.2g\n",
+               d.shape / yardstick.shape, d.energy / yardstick.energy,
+               d.contacts / yardstick.contacts);
+}
+
+static int tabulate_ensembles(struct plan *plan, const struct subject *subject, double from,
+                              FILE *stream, struct ensemble *pair) {
+    struct ensemble *reference = &pair[0], *ensemble = &pair[1];
+    int code = 0;
+    for (int m = 0; stepper_methods[m]; m++)
+        if (stepper_methods[m]->checked_by)
+            code = ensemble_read(plan, subject, stepper_methods[m]->name, from, reference);
+    for (int m = 0; stepper_methods[m] && !code; m++) {
+        const char *name = stepper_methods[m]->name;
+        if (stepper_methods[m]->checked_by) {
+            write_ensemble(stream, subject, name, reference, reference);
+        } else if (plan_wants(plan, name)) {
+            code = ensemble_read(plan, subject, name, from, ensemble);
+            if (!code)
+                write_ensemble(stream, subject, name, ensemble, reference);
+            ensemble_free(ensemble);
+        }
+    }
+    ensemble_free(reference);
+    return code;
+}
+
+static int write_growth(struct plan *plan, const struct subject *subject, FILE *stream) {
+    const struct labelled_case *one = find_case(plan, subject->name, "tight"),
+                               *other = find_case(plan, subject->name, "tight, perturbed");
+    return measure_separation(one->run.folder, other->run.folder, subject->name, stream,
+                              plan->reason);
+}
+
+/* Returns 0, or -1 with plan->reason. */
+static int tabulate_subject(struct plan *plan, const struct subject *subject,
+                            const struct atomic_file *files, struct ensemble *pair) {
+    const struct labelled_case *tight = find_case(plan, subject->name, "tight"),
+                               *other = find_case(plan, subject->name, "tight, perturbed");
+    const double duration = tight->run.scene->duration;
+    struct run_files run;
+    double horizon;
+    if (measure_horizon(tight->run.folder, other->run.folder, &horizon, plan->reason) ||
+        run_read(&run, tight->run.folder, plan->reason))
+        return -1;
+    fprintf(files[HORIZONS].stream, "%s\t%.17g\t%.17g\t%.17g\t%.17g\t%s\n", subject->name, horizon,
+            duration, subject->scene->duration, run_number(&run, "second_opinion.bound"),
+            outcome_name(run.outcome));
+    run_free(&run);
+    if (isnan(horizon)) {
+        printf("  %s: no horizon, a tight run failed\n", subject->name);
+        return 0;
+    }
+    printf(horizon < duration ? "  %s: trajectories part after %.3g s\n"
+                              : "  %s: trajectories stay together to the end, %.3g s\n",
+           subject->name, horizon);
+    if (write_growth(plan, subject, files[GROWTH].stream))
+        return -1;
+    return tabulate_ensembles(plan, subject, horizon < duration ? horizon : 0,
+                              files[ENSEMBLES].stream, pair);
+}
+
+static int horizon_tabulate(struct plan *plan, const char *folder) {
+    struct atomic_file files[TABLES];
+    struct ensemble *pair = calloc(2, sizeof *pair);
+    int opened = 0, code = pair ? 0 : -1;
+    if (!pair)
+        snprintf(plan->reason, REASON_SIZE, "out of memory");
+    while (!code && opened < TABLES) {
+        code = open_table(&files[opened], folder, tables[opened].name, tables[opened].what, NULL,
+                          tables[opened].columns, plan->reason);
+        opened += !code;
+    }
+    for (int i = 0; i < plan->subject_count && !code; i++)
+        code = tabulate_subject(plan, &plan->subjects[i], files, pair);
+    for (int i = 0; i < opened; i++) {
+        if (code)
+            atomic_discard(&files[i]);
+        else
+            code = atomic_commit(&files[i], plan->reason);
+    }
+    free(pair);
+    return code;
+}
+
+const struct experiment horizon_experiment = {
+    .name = "horizon",
+    .question = "how long can trajectories be compared where wisps touch, and what after that?",
+    .plan = horizon_plan,
+    .tabulate = horizon_tabulate,
+};
