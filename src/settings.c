@@ -132,12 +132,18 @@ int settings_resolve(const struct scene *scene, const struct run_request *reques
                      struct settings *settings, char *reason) {
     *settings = (struct settings){.timings = request->timings,
                                   .threads = request->threads > 0 ? request->threads : 1,
-                                  .profile = request->profile};
+                                  .profile = request->profile,
+                                  .diagnostics = request->diagnostics};
     const char *name = request->stepper ? request->stepper : "rk4";
     settings->method = stepper_find(name);
     if (!settings->method)
         return refuse_name(reason, "stepper", name, "steppers") ? REFUSED : 0;
     options_defaults(settings->method->options, settings->stepper.option);
+    if (settings->diagnostics && !scene->problem->extremes) {
+        snprintf(reason, REASON_SIZE, "--diagnostics is of wisps, and scene %s has none",
+                 scene->name);
+        return REFUSED;
+    }
     if (resolve_treatment(scene, request, settings, reason) ||
         resolve_linear(scene, request, settings, reason) ||
         resolve_steps(scene, request, settings, reason))
@@ -204,5 +210,7 @@ json_t *settings_to_json(const struct scene *scene, const struct settings *setti
             options_to_json(settings->stepper.linear->options, settings->stepper.linear_option));
     }
     json_object_set_new(json, "timings", json_integer(settings->timings));
+    if (settings->diagnostics)
+        json_object_set_new(json, "diagnostics", json_true());
     return json;
 }

@@ -13,9 +13,10 @@ struct run_request {
     double step, rtol, atol;    /* s; relative; m and m/s */
     const char *const *options; /* "key=value" */
     int option_count;
-    int timings; /* how often the run is repeated for its CPU time */
-    int threads; /* that share out a scene's parts; 0: one */
-    int profile; /* whether calls to the model are timed */
+    int timings;     /* how often the run is repeated for its CPU time */
+    int threads;     /* that share out a scene's parts; 0: one */
+    int profile;     /* whether calls to the model are timed */
+    int diagnostics; /* whether there is a diagnosis of each frame */
 };
 
 struct settings {
@@ -25,9 +26,10 @@ struct settings {
     double step;           /* s, of fixed-step methods */
     double frame_interval; /* s, where the scene has no frame rate; 0: every accepted step */
     int timings;
-    int threads;  /* results do not depend on it */
-    int profile;  /* nor on this */
-    int unknowns; /* of the whole model: coordinates, not counting velocities */
+    int threads;     /* results do not depend on it */
+    int profile;     /* nor on this */
+    int diagnostics; /* states do not depend on it; times do */
+    int unknowns;    /* of the whole model: coordinates, not counting velocities */
 };
 
 /* Completes a request for a scene. Returns 0, or with one line in `reason` (REASON_SIZE) REFUSED
