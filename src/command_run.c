@@ -24,6 +24,7 @@ static const struct cli_option options[] = {
     {"threads", "N", "threads that share a scene's wisps (results do not depend on it)", 0},
     {"out", "DIR", "folder for states.tsv and run.json (default results)", 0},
     {"profile", NULL, "time every call to the model; printed, and in run.json", 0},
+    {"diagnostics", NULL, "write diagnostics.tsv: energies, works, strain, contacts by frame", 0},
     CLI_LIMIT_OPTIONS,
     {0},
 };
@@ -36,6 +37,7 @@ static int read_request(const struct arguments *arguments, struct run_request *r
         .treatment = argument_text(arguments, "treatment"),
         .linear = argument_text(arguments, "linear"),
         .profile = argument_given(arguments, "profile"),
+        .diagnostics = argument_given(arguments, "diagnostics"),
     };
     request->options = argument_list(arguments, "option", &request->option_count);
     if (argument_positive(arguments, "step", 0, &request->step) ||
@@ -176,7 +178,8 @@ const struct command run_command = {
         "  wisplab run circle --stepper euler --treatment projection --step 0.8\n"
         "  wisplab run circle --stepper implicit-euler --option newton.iterations=20\n"
         "  wisplab run circle --stepper cvode --option method=adams --rtol 1e-8\n"
-        "  wisplab run circle --stepper reference\n",
+        "  wisplab run circle --stepper reference\n"
+        "  wisplab run swing --diagnostics\n",
     .options = options,
     .words_least = 1,
     .words_most = 1,

@@ -4,6 +4,7 @@
 #ifndef WISPLAB_MODEL_H
 #define WISPLAB_MODEL_H
 
+#include "diagnosis.h"
 #include "stepper.h"
 #include "system.h"
 
@@ -12,12 +13,14 @@ struct scene;
 /* The unit of advance: one system and its state. Parts do not see each other between stops. */
 struct part {
     struct system system;
-    double *q, *v; /* system.size doubles each, owned by the model */
+    double *q, *v;           /* system.size doubles each, owned by the model */
+    struct account *account; /* of the energy, owned by who asks for it; NULL: none is kept */
 };
 
 struct model {
     const struct problem *problem;
-    double t; /* of the state, s: kept by who advances it */
+    double t;                          /* of the state, s: kept by who advances it */
+    const struct diagnosis *diagnosis; /* of a frame while it is shown, likewise; or NULL */
     struct part *parts;
     int part_count;
     int row_count;              /* of a frame: one per wisp and node */
@@ -71,6 +74,10 @@ struct problem {
     /* FINISHED while a finite state is within what the model can mean, else DIVERGED and why.
      * NULL: every finite state is. */
     enum outcome (*check)(const struct model *model, char *reason, int reason_size);
+
+    /* Extremes of a frame's rows. Returns 0 or OUT_OF_MEMORY. NULL: there are no diagnoses; else
+     * the systems have energies and powers. */
+    int (*extremes)(const struct model *model, const double *rows, struct extremes *extremes);
 };
 
 /* All problems, NULL-terminated, and the one of that name or NULL. */

@@ -25,6 +25,8 @@ void write_provenance(FILE *stream, const char *what, const struct scene *scene)
 
 struct frame_writer {
     struct atomic_file file;
+    struct atomic_file diagnoses; /* open where the settings ask for them */
+    int diagnosing;
     int named; /* the column names are written, with the first frame */
     int error; /* errno of the first failure, or 0 */
 };
@@ -48,36 +50,66 @@ static int write_frame(void *ctx, const struct model *model, double t, const dou
             fprintf(stream, "\t%.17g", rows[i * columns + j]);
         fputc('\n', stream);
     }
-    if (fflush(stream)) /* now, so that a killed run keeps its frames and a full disk shows */
+    if (writer->diagnosing)
+        diagnosis_write_row(writer->diagnoses.stream, model->diagnosis);
+    /* now, so that a killed run keeps its frames and a full disk shows */
+    if (fflush(stream) || (writer->diagnosing && fflush(writer->diagnoses.stream)))
         writer->error = errno;
     return writer->error ? OUTPUT_FAILED : 0;
 }
 
-static int open_frames(struct frame_writer *writer, const struct scene *scene,
-                       const struct settings *settings, const char *folder, char *reason) {
+/* Opens a table of a run and writes where it comes from. */
+static int open_table_of_run(struct atomic_file *file, const char *folder, const char *name,
+                             const char *what, const struct scene *scene,
+                             const struct settings *settings, char *reason) {
     char path[PATH_SIZE];
-    writer->error = 0;
-    path_format(path, "%s/states.tsv", folder);
-    if (atomic_open(&writer->file, path, reason))
+    path_format(path, "%s/%s", folder, name);
+    if (atomic_open(file, path, reason))
         return -1;
     json_t *json = settings_to_json(scene, settings);
+    json_object_del(json, "diagnostics"); /* with them or without, states.tsv is the same */
     char *text = json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(6));
-    write_provenance(writer->file.stream, "states at the frames: s, m, m/s", scene);
-    fprintf(writer->file.stream, "# settings %s\nt", text);
+    write_provenance(file->stream, what, scene);
+    fprintf(file->stream, "# settings %s\n", text);
     free(text);
     json_decref(json);
-    writer->named = 0;
+    return 0;
+}
+
+static int open_frames(struct frame_writer *writer, const struct scene *scene,
+                       const struct settings *settings, const char *folder, char *reason) {
+    *writer = (struct frame_writer){.diagnosing = settings->diagnostics};
+    if (open_table_of_run(&writer->file, folder, "states.tsv", "states at the frames: s, m, m/s",
+                          scene, settings, reason))
+        return -1;
+    fputc('t', writer->file.stream);
+    if (!writer->diagnosing)
+        return 0;
+    if (open_table_of_run(&writer->diagnoses, folder, "diagnostics.tsv", "diagnoses of the frames",
+                          scene, settings, reason)) {
+        atomic_discard(&writer->file);
+        return -1;
+    }
+    diagnosis_write_head(writer->diagnoses.stream);
     return 0;
 }
 
 static int close_frames(struct frame_writer *writer, const struct run_result *result,
                         char *reason) {
+    int code = -1;
     if (result->outcome != OUTPUT_FAILED)
-        return atomic_commit(&writer->file, reason);
-    snprintf(reason, REASON_SIZE, "%.120s: cannot write: %.100s", writer->file.path,
-             writer->error ? strerror(writer->error) : result->reason);
-    atomic_discard(&writer->file);
-    return -1;
+        code = (writer->diagnosing && atomic_commit(&writer->diagnoses, reason)) ||
+                       atomic_commit(&writer->file, reason)
+                   ? -1
+                   : 0;
+    else
+        snprintf(reason, REASON_SIZE, "%.120s: cannot write: %.100s", writer->file.path,
+                 writer->error ? strerror(writer->error) : result->reason);
+    if (code && writer->diagnosing)
+        atomic_discard(&writer->diagnoses);
+    if (code)
+        atomic_discard(&writer->file);
+    return code;
 }
 
 /* A frame for each of two observers. */
@@ -93,15 +125,16 @@ static int both(void *ctx, const struct model *model, double t, const double *ro
 
 /* --- CPU time --- */
 
-/* CPU seconds of one run, from as many as fill two milliseconds. */
+/* CPU seconds of one run without diagnoses, from as many as fill two milliseconds. */
 static double time_once(const struct scene *scene, const struct settings *settings,
                         const struct watch *watch) {
+    struct settings plain = *settings;
     double total = 0;
     int runs = 0;
+    plain.diagnostics = 0;
     while (total < 2e-3 && !(watch && watch->stop && *watch->stop)) {
         struct run_result result;
-        simulate(scene, settings, NULL, &(struct watch){.stop = watch ? watch->stop : NULL},
-                 &result);
+        simulate(scene, &plain, NULL, &(struct watch){.stop = watch ? watch->stop : NULL}, &result);
         total += result.cpu_seconds;
         runs++;
         if (runs >= 10000)
@@ -160,14 +193,15 @@ static json_t *result_to_json(const struct scene *scene, const struct settings *
     run_hash(scene, settings, run_text);
     const int failed = result->outcome != FINISHED;
     return json_pack(
-        "{s:s, s:s, s:o, s:f, s:i, s:i, s:o, s:o, s:f, s:o, s:s, s:s, s:O, s:o, s:o, s:o}",
+        "{s:s, s:s, s:o, s:f, s:i, s:i, s:o, s:o, s:f, s:o, s:b, s:s, s:s, s:O, s:o, s:o, s:o}",
         "status", outcome_name(result->outcome), "reason", result->reason, "failure_time",
         failed ? json_real(result->time) : json_null(), "simulated_time", result->time, "frames",
         result->frames, "unknowns", settings->unknowns, "terms", terms_to_json(scene), "counters",
         counters_to_json(&result->counters), "cpu_seconds", result->cpu_seconds, "seconds",
-        seconds_to_json(settings, result), "run_hash", run_text, "scene_hash", scene_text, "scene",
-        scene->source, "settings", settings_to_json(scene, settings), "build", build_to_json(),
-        "machine", machine_to_json());
+        seconds_to_json(settings, result), "times_comparable",
+        !settings->diagnostics && !settings->profile, "run_hash", run_text, "scene_hash",
+        scene_text, "scene", scene->source, "settings", settings_to_json(scene, settings), "build",
+        build_to_json(), "machine", machine_to_json());
 }
 
 static int write_json(const json_t *json, const char *folder, char *reason) {
@@ -222,11 +256,11 @@ enum outcome record_run(const struct scene *scene, const struct settings *settin
     return failed ? OUTPUT_FAILED : result.outcome;
 }
 
-/* Gives the frames of a dead process their name, up to the last complete line. */
-static void keep_complete_frames(const char *folder, long pid) {
+/* Gives a table of a dead process its name, up to the last complete line. */
+static void keep_complete_lines(const char *folder, const char *name, long pid) {
     char partial[PATH_SIZE], path[PATH_SIZE];
-    path_format(partial, "%s/states.tsv.%ld.part", folder, pid);
-    path_format(path, "%s/states.tsv", folder);
+    path_format(partial, "%s/%s.%ld.part", folder, name, pid);
+    path_format(path, "%s/%s", folder, name);
     FILE *file = fopen(partial, "r+");
     if (!file)
         return;
@@ -246,7 +280,9 @@ int record_death(const struct scene *scene, const struct settings *settings, con
                  long pid, enum outcome outcome, const char *why, double reached, char *reason) {
     struct run_result result = {.outcome = outcome, .time = reached};
     snprintf(result.reason, REASON_SIZE, "%s", why);
-    keep_complete_frames(folder, pid);
+    keep_complete_lines(folder, "states.tsv", pid);
+    if (settings->diagnostics)
+        keep_complete_lines(folder, "diagnostics.tsv", pid);
     json_t *json = result_to_json(scene, settings, &result);
     const int code = write_json(json, folder, reason);
     json_decref(json);

@@ -1,13 +1,15 @@
-/* What a run leaves: states.tsv, written frame by frame, and run.json, which appears last. */
+/* What a run leaves: states.tsv and, where the settings ask for it, diagnostics.tsv, both written
+ * frame by frame, and run.json, which appears last. */
 #ifndef WISPLAB_RECORD_H
 #define WISPLAB_RECORD_H
 
 #include "simulation.h"
 
-/* Runs a case in this process and writes `folder`/states.tsv and `folder`/run.json, each complete
- * or not at all. With settings->timings, the run is then repeated without output for its CPU time;
- * with a second opinion, the other method runs too and the largest difference is recorded. Returns
- * how the run ended; the reason of a REFUSED or OUTPUT_FAILED is in `reason` (REASON_SIZE). */
+/* Runs a case in this process and writes its tables and `folder`/run.json, each complete or not at
+ * all. With settings->timings, the run is then repeated for its CPU time, without output or
+ * diagnoses; with a second opinion, the other method runs too and the largest difference is
+ * recorded. Returns how the run ended; the reason of a REFUSED or OUTPUT_FAILED is in `reason`
+ * (REASON_SIZE). */
 enum outcome record_run(const struct scene *scene, const struct settings *settings,
                         const char *folder, const struct watch *watch, char *reason);
 

@@ -111,9 +111,9 @@ struct running {
 };
 
 static void remove_result(const char *folder) {
-    static const char *const files[] = {"run.json", "states.tsv"};
+    static const char *const files[] = {"run.json", "states.tsv", "diagnostics.tsv"};
     char path[PATH_SIZE];
-    for (int i = 0; i < 2; i++)
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++)
         if (path_format(path, "%s/%s", folder, files[i]) == 0)
             unlink(path);
 }

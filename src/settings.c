@@ -141,12 +141,18 @@ int settings_resolve(const struct scene *scene, const struct run_request *reques
                                   .threads = request->threads > 0 ? request->threads : 1,
                                   .profile = request->profile,
                                   .perturbation = request->perturbation,
-                                  .draw = request->draw};
+                                  .draw = request->draw,
+                                  .diagnostics = request->diagnostics};
     const char *name = request->stepper ? request->stepper : "rk4";
     settings->method = stepper_find(name);
     if (!settings->method)
         return refuse_name(reason, "stepper", name, "steppers") ? REFUSED : 0;
     options_defaults(settings->method->options, settings->stepper.option);
+    if (settings->diagnostics && !scene->problem->extremes) {
+        snprintf(reason, REASON_SIZE, "--diagnostics is of wisps, and scene %s has none",
+                 scene->name);
+        return REFUSED;
+    }
     if (resolve_treatment(scene, request, settings, reason) ||
         resolve_linear(scene, request, settings, reason) ||
         resolve_steps(scene, request, settings, reason) || check_perturbation(settings, reason))
@@ -219,5 +225,7 @@ json_t *settings_to_json(const struct scene *scene, const struct settings *setti
         json_object_set_new(json, "draw", json_integer(settings->draw));
     }
     json_object_set_new(json, "timings", json_integer(settings->timings));
+    if (settings->diagnostics)
+        json_object_set_new(json, "diagnostics", json_true());
     return json;
 }

@@ -18,6 +18,7 @@ struct run_request {
     double perturbation; /* rms displacement of each node's start, m; 0: none */
     int draw;            /* which one of such displacements: the seed of the random numbers */
     int profile;         /* whether calls to the model are timed */
+    int diagnostics;     /* whether there is a diagnosis of each frame */
 };
 
 struct settings {
@@ -29,9 +30,10 @@ struct settings {
     double perturbation;   /* rms displacement of each node's start, m */
     int draw;              /* which one: seeds the random numbers */
     int timings;
-    int threads;  /* results do not depend on it */
-    int profile;  /* nor on this */
-    int unknowns; /* of the whole model: coordinates, not counting velocities */
+    int threads;     /* results do not depend on it */
+    int profile;     /* nor on this */
+    int diagnostics; /* states do not depend on it; times do */
+    int unknowns;    /* of the whole model: coordinates, not counting velocities */
 };
 
 /* Completes a request for a scene. Returns 0, or with one line in `reason` (REASON_SIZE) REFUSED

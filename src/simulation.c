@@ -17,6 +17,7 @@ struct progress_of_part {
     double reached; /* s */
     int code;       /* of the step that failed, or 0 */
     struct profile profile;
+    struct account account; /* where diagnoses are asked for */
 };
 
 struct simulation {
@@ -33,6 +34,12 @@ struct simulation {
     struct workers *workers;
     struct clock clock;
     double t;
+
+    /* where diagnoses are asked for */
+    struct diagnosis diagnosis;          /* of the last frame */
+    double first_energy;                 /* J */
+    double other_jumps;                  /* at ticks, of no kind that parts have accounts of, J */
+    double body_contacts, wisp_contacts; /* up to the last frame */
 };
 
 static void end_with(struct simulation *sim, enum outcome outcome, const char *reason) {
@@ -96,6 +103,8 @@ static void open_simulation(struct simulation *sim) {
         struct system *system = &sim->model->parts[i].system;
         if (sim->settings->profile)
             system->profile = &sim->progress[i].profile;
+        if (sim->settings->diagnostics)
+            sim->model->parts[i].account = &sim->progress[i].account;
         sim->steppers[i] = stepper_create(sim->settings->method, &sim->settings->stepper, system);
         if (!sim->steppers[i])
             end_with(sim, OUT_OF_MEMORY, "no memory for a stepper");
@@ -154,6 +163,8 @@ static int advance_fixed(struct simulation *sim, int i, double *t, double to) {
             return code;
         part->system.counters.steps += part->system.wisps;
         *t = k + 1 == steps ? to : from + (double)(k + 1) * h;
+        if (part->account)
+            account_step(part, *t);
     }
     return 0;
 }
@@ -166,6 +177,8 @@ static int advance_adaptive(struct simulation *sim, int i, double *t, double to,
         if (code)
             return code;
         part->system.counters.steps += part->system.wisps;
+        if (part->account)
+            account_step(part, *t);
     } while (*t < to && !once && !interrupted(sim, *t));
     return 0;
 }
@@ -182,6 +195,8 @@ static void advance_part(void *ctx, int i) {
     struct simulation *sim = interval->sim;
     struct progress_of_part *part = &sim->progress[i];
     part->reached = sim->t;
+    if (sim->settings->diagnostics)
+        account_begin(&sim->model->parts[i], sim->t);
     part->code = sim->settings->method->advance
                      ? advance_adaptive(sim, i, &part->reached, interval->to, interval->once)
                      : advance_fixed(sim, i, &part->reached, interval->to);
@@ -232,13 +247,21 @@ static void check_meaning(struct simulation *sim) {
         sim->result->outcome = problem->check(sim->model, sim->result->reason, REASON_SIZE);
 }
 
+/* What an event of a tick changes where no part has an account of it. */
+static double unbooked_energy(const struct simulation *sim) {
+    return model_energy(sim->model) - model_jumps(sim->model);
+}
+
 /* What happens at a stop; steppers with a history begin anew where it changed their part. */
 static void tick(struct simulation *sim, unsigned events) {
     const struct problem *problem = sim->scene->problem;
     if (!problem->tick)
         return;
     memset(sim->changed, 0, (size_t)sim->model->part_count * sizeof(int));
+    const double booked = sim->settings->diagnostics ? unbooked_energy(sim) : 0;
     const enum outcome outcome = problem->tick(sim->model, events, sim->changed);
+    if (sim->settings->diagnostics)
+        sim->other_jumps += unbooked_energy(sim) - booked;
     if (outcome != FINISHED)
         end_with(sim, outcome, "no memory for what happens at a tick");
     for (int i = 0; i < sim->model->part_count; i++)
@@ -246,11 +269,35 @@ static void tick(struct simulation *sim, unsigned events) {
             sim->settings->method->reset(sim->steppers[i]);
 }
 
+/* The frame's diagnosis: the model's, with what only the run knows: its start, the frame before,
+ * the ticks. */
+static void make_diagnosis(struct simulation *sim) {
+    struct diagnosis *d = &sim->diagnosis;
+    const double body_contacts = sim->body_contacts, wisp_contacts = sim->wisp_contacts;
+    if (diagnose(sim->model, sim->rows, d)) {
+        end_with(sim, OUT_OF_MEMORY, "no memory for a diagnosis");
+        return;
+    }
+    if (sim->result->frames == 1)
+        sim->first_energy = d->residual;
+    d->other = sim->other_jumps;
+    d->residual -= sim->first_energy + d->other;
+    sim->body_contacts = d->body_contacts;
+    sim->wisp_contacts = d->wisp_contacts;
+    d->body_contacts -= body_contacts;
+    d->wisp_contacts -= wisp_contacts;
+    sim->model->diagnosis = d;
+}
+
 static void show_frame(struct simulation *sim) {
     sim->result->frames++;
     if (!sim->observer)
         return;
     sim->scene->problem->sample(sim->model, sim->rows);
+    if (sim->settings->diagnostics)
+        make_diagnosis(sim);
+    if (!going(sim))
+        return;
     const int code = sim->observer->frame(sim->observer->ctx, sim->model, sim->t, sim->rows);
     if (code)
         end_with(sim, (enum outcome)code, "a frame could not be kept");

@@ -13,7 +13,7 @@ struct run_result {
     double time;              /* simulated time reached, s; of a failure: where it showed */
     int frames;
     struct counters counters;
-    double cpu_seconds; /* of the process, from the first step to the last */
+    double cpu_seconds; /* of the process, from the first step to the last, diagnoses included */
     double advance_seconds, tick_seconds, frame_seconds; /* wall time of the stages */
     struct profile profile;                              /* of settings->profile, else zeros */
 };

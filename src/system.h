@@ -15,6 +15,7 @@
 #define WISPLAB_SYSTEM_H
 
 #include "counters.h"
+#include "energy.h"
 #include "outcome.h"
 
 /* Which Jacobians: all terms, or an approximation that is symmetric and positive definite. */
@@ -60,8 +61,12 @@ struct system_ops {
     /* Writes M - alpha D - beta K into `values`, in the order of system->pattern. */
     void (*assemble)(void *ctx, double alpha, double beta, double *values);
 
-    /* Kinetic and potential energy, J. */
-    double (*energy)(void *ctx, double t, const double *q, const double *v);
+    /* Where the energy is, and what changes it. Both leave no trace: what linearise and factor
+     * have prepared, and every bit of a run, is as without them. The first call for a system takes
+     * memory, and may be refused it. */
+    int (*energies)(void *ctx, double t, const double *q, const double *v,
+                    struct energies *energies);
+    int (*powers)(void *ctx, double t, const double *q, const double *v, struct powers *powers);
 };
 
 /* The calls to a model, for profiles. */

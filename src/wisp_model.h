@@ -51,6 +51,9 @@ struct wisp_model {
 int wisp_ticks_create(struct wisp_model *m);
 void wisp_ticks_free(struct wisp_model *m);
 
+/* The problem's `extremes`. */
+int wisps_extremes(const struct model *model, const double *rows, struct extremes *extremes);
+
 /* The problem's `tick`. */
 enum outcome wisps_tick(struct model *model, unsigned events, int *changed);
 

@@ -95,14 +95,22 @@ static enum outcome interact(struct wisp_model *m, int *changed) {
     for (int i = 0; i < m->model.part_count; i++)
         for (int k = 0; k < m->batches[i].count; k++)
             open_strand(m, i, k);
-    if (interaction_tick(m->touch->interaction, m->touch->in_order, m->scene->wisp_count) < 0)
+    for (int i = 0; i < m->model.part_count; i++)
+        account_before(&m->model.parts[i], m->model.t);
+    const int contacts =
+        interaction_tick(m->touch->interaction, m->touch->in_order, m->scene->wisp_count);
+    if (contacts < 0)
         return OUT_OF_MEMORY;
+    /* they are of two wisps, and so of no part: the first one counts them */
+    m->model.parts[0].system.counters.wisp_contacts += contacts;
     for (int i = 0; i < m->model.part_count; i++)
         for (int k = 0; k < m->batches[i].count; k++)
             if (m->strands[m->batches[i].wisp[k]]->changed) {
                 close_strand(m, i, k);
                 changed[i] = 1;
             }
+    for (int i = 0; i < m->model.part_count; i++)
+        account_after(&m->model.parts[i], m->model.t, JUMP_WISP_CONTACT);
     return FINISHED;
 }
 
@@ -158,17 +166,20 @@ static void collide(struct wisp_model *m, int *changed) {
     struct bodies bodies;
     place_bodies(m->scene, m->model.t, &bodies);
     for (int i = 0; i < m->model.part_count; i++) {
-        const struct part *part = &m->model.parts[i];
+        struct part *part = &m->model.parts[i];
         void *ctx = part->system.ctx;
         unsigned near = 0;
         int clamp = envelope;
         m->kernel->prescribe(ctx, m->model.t);
         if (bodies.count > 0)
             near = m->kernel->near(ctx, part->q, bodies.hull, bodies.boxes, bodies.count, &clamp);
+        account_before(part, m->model.t);
         if (near)
             changed[i] |= push_out(m, i, &bodies, near);
+        account_after(part, m->model.t, JUMP_BODY_CONTACT);
         if (clamp || (near && envelope))
             changed[i] |= m->kernel->clamp(ctx, part->q, part->v);
+        account_after(part, m->model.t, JUMP_CLAMP);
     }
 }
 

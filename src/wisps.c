@@ -329,4 +329,5 @@ const struct problem wisp_problem = {
     .terms = wisps_terms,
     .tick = wisps_tick,
     .check = wisps_check,
+    .extremes = wisps_extremes,
 };

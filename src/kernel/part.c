@@ -19,10 +19,14 @@ static struct vec placed(const struct placement *at, int derivative, struct vec 
 }
 
 /* A direction is only turned. */
-static struct vec turned(const struct placement *at, struct vec rest) {
+static struct vec turned(const struct placement *at, int derivative, struct vec rest) {
     struct placement turn = *at;
     memset(turn.position, 0, sizeof turn.position);
-    return placed(&turn, 0, rest);
+    return placed(&turn, derivative, rest);
+}
+
+struct vec LANED(kernel_turning)(const struct kernel_part *part, struct vec rest) {
+    return turned(&part->head, 1, rest);
 }
 
 /* Node i of the rest shape, and sample j of its ring, as the head rests. */
@@ -42,8 +46,8 @@ static void place_head(struct kernel_part *part, double t) {
         part->p[i] = placed(&part->head, 0, rest_node(part, i));
         part->v[i] = placed(&part->head, 1, rest_node(part, i));
     }
-    part->tangent = turned(&part->head, part->rest_tangent);
-    part->normal = turned(&part->head, part->rest_normal);
+    part->tangent = turned(&part->head, 0, part->rest_tangent);
+    part->normal = turned(&part->head, 0, part->rest_normal);
 }
 
 void LANED(kernel_prescribe)(void *ctx, double t) {
@@ -148,8 +152,10 @@ void *LANED(kernel_create)(const struct wisp *const *wisps, const struct surroun
 
 void LANED(kernel_free)(void *ctx) {
     struct kernel_part *part = ctx;
-    if (part)
+    if (part) {
         LANED(kernel_matrix_free)(part->matrix);
+        free(part->spare);
+    }
     free(part);
 }
 
@@ -433,5 +439,6 @@ const struct system_ops LANED(kernel_ops) = {
     .factor = LANED(kernel_factor),
     .solve = LANED(kernel_solve),
     .assemble = LANED(kernel_assemble),
-    .energy = LANED(kernel_energy),
+    .energies = LANED(kernel_energies),
+    .powers = LANED(kernel_powers),
 };

@@ -48,13 +48,17 @@ struct kernel_part {
     struct vec *force;    /* springs on a node, N */
     struct vec *swing;    /* what carries u from one node to the next, see frames.h */
     struct frame *frames; /* of the last acceleration or linearisation */
+    void *spare;          /* the same for who measures; made by the first energies or powers */
 
     struct kernel_matrix *matrix; /* Jacobians and factors; made by the first linearisation */
 };
 
 /* The operations of a struct system, by the rest of the folder; `ctx` is a struct kernel_part. */
 int LANED(kernel_acceleration)(void *ctx, double t, const double *q, const double *v, double *a);
-double LANED(kernel_energy)(void *ctx, double t, const double *q, const double *v);
+int LANED(kernel_energies)(void *ctx, double t, const double *q, const double *v,
+                           struct energies *energies);
+int LANED(kernel_powers)(void *ctx, double t, const double *q, const double *v,
+                         struct powers *powers);
 int LANED(kernel_linearise)(void *ctx, enum jacobian kind, double t, const double *q,
                             const double *v);
 void LANED(kernel_product)(void *ctx, double m, double d, double k, const double *x, double *y);
@@ -63,6 +67,10 @@ void LANED(kernel_solve)(void *ctx, const double *b, double *x);
 void LANED(kernel_assemble)(void *ctx, double alpha, double beta, double *values);
 
 void LANED(kernel_prescribe)(void *ctx, double t);
+
+/* The rate of a direction that turns with the head, where the head was last; `rest`: as it rests.
+ */
+struct vec LANED(kernel_turning)(const struct kernel_part *part, struct vec rest);
 
 /* Tangents and frames of a state, into part->t and part->frames; the lanes in which every segment
  * has a direction. */
