@@ -34,11 +34,12 @@ static void name_member(char label[64], const char *stepper, int member) {
     snprintf(label, 64, "%s %d", stepper, member);
 }
 
-/* Members at the scene's own step or tolerance; those of the reference need not be its tightest. */
+/* Members at usual steps; those of the reference need not be its tightest. */
 static int plan_ensemble(struct plan *plan, const struct subject *subject,
                          const struct scene *scene, const struct stepper_method *method) {
     const int is_reference = method->checked_by != NULL;
     struct run_request request = {.stepper = method->name,
+                                  .step = usual_step(scene, method),
                                   .rtol = is_reference ? 1e-9 : 0,
                                   .atol = is_reference ? 1e-11 : 0,
                                   .diagnostics = 1};
@@ -255,8 +256,9 @@ static const struct {
      "means of ensembles of runs whose starts are displaced by 1e-4 m (rms), from the horizon on, "
      "or over all frames where there is none: their distance from the reference's, in the shape "
      "(rms over nodes and frames, m), energy (J), number of contacts; yardstick: the same between "
-     "two halves of the reference's ensemble. Two ensembles of one distribution are about 0.7 "
-     "yardsticks apart",
+     "two halves of the reference's ensemble. Two independent ensembles of one distribution are "
+     "about 0.7 yardsticks apart; all ensembles have the same starts, and are nearer to each "
+     "other where these still matter",
      "stepper\tscene\tmembers\tfailed\tfailure_time\tshape\tshape_yardstick\tenergy"
      "\tenergy_yardstick\tcontacts\tcontacts_yardstick\tcontacts_mean"},
 };
@@ -267,6 +269,10 @@ static double first_failure(const struct ensemble *ensemble) {
         if (ensemble->member[i].outcome != FINISHED)
             t = fmin(isnan(t) ? INFINITY : t, ensemble->member[i].failure_time);
     return t;
+}
+
+static double in_yardsticks(double d, double yardstick) {
+    return d == 0 ? 0 : d / yardstick;
 }
 
 static void write_ensemble(FILE *stream, const struct subject *subject, const char *stepper,
@@ -286,8 +292,8 @@ static void write_ensemble(FILE *stream, const struct subject *subject, const ch
         printf("%d of %d runs failed\n", ensemble->failed, ensemble->count);
     else
         printf("mean shape %.2g yardsticks away, energy %.2g, contacts %.2g\n",
-               d.shape / yardstick.shape, d.energy / yardstick.energy,
-               d.contacts / yardstick.contacts);
+               in_yardsticks(d.shape, yardstick.shape), in_yardsticks(d.energy, yardstick.energy),
+               in_yardsticks(d.contacts, yardstick.contacts));
 }
 
 static int tabulate_ensembles(struct plan *plan, const struct subject *subject, double from,

@@ -304,6 +304,19 @@ int is_stable(const struct butcher_table *table, const struct mode *mode, double
            cabs(butcher_stability(table, h * (-half_rate - root))) <= 1;
 }
 
+double usual_step(const struct scene *scene, const struct stepper_method *method) {
+    static const struct {
+        const char *stepper;
+        double rate; /* Hz where Runge-Kutta 4 has 4000 */
+    } usual[] = {{"euler", 9000}, {"midpoint", 6000}, {"implicit-euler", 300}};
+    if (method->capabilities & STEPPER_ADAPTIVE)
+        return 0;
+    for (size_t i = 0; i < sizeof usual / sizeof *usual; i++)
+        if (strcmp(usual[i].stepper, method->name) == 0)
+            return scene->run.step * 4000 / usual[i].rate;
+    return scene->run.step;
+}
+
 double ladder_step(const struct scene *scene, int per_octave, int k) {
     const double rate = scene->wisps[0].samples > 0 ? fmax(scene->collision_rate, scene->frame_rate)
                                                     : scene->frame_rate;
