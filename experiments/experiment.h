@@ -47,8 +47,9 @@ struct experiment {
     /* Fills the plan with plan_add. Returns 0, or -1 with plan->reason. */
     int (*plan)(struct plan *plan);
 
-    /* Adds runs that depend on what those before have shown; called once they are all there. NULL:
-     * there are none. */
+    /* Adds runs that depend on what those before have shown, once these are all there. Returns 0
+     * to be called again if it added any, 1 after the last stage, or -1 with plan->reason. NULL:
+     * there is only one stage. */
     int (*plan_more)(struct plan *plan);
 
     /* Writes the tables into `folder` from the run folders, and prints the answer in a few lines.

@@ -419,5 +419,5 @@ int race_plan_more(struct plan *plan) {
         for (int i = 0; i < notes->fields[f].entry_count; i++)
             if (plan_entry(plan, &notes->fields[f], &notes->fields[f].entries[i]))
                 return -1;
-    return 0;
+    return 1;
 }

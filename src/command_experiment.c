@@ -54,13 +54,14 @@ static int read_manner(const struct arguments *arguments, struct manner *manner)
 }
 
 /* Runs this shard's cases from `first` on. Returns 0 or an exit code. */
-static int do_runs(const struct plan *plan, int first, struct manner *manner, char *reason) {
+static int do_runs(const struct plan *plan, int first, const struct manner *manner, char *reason) {
     struct run_case *cases = calloc((size_t)plan->case_count + 1, sizeof *cases);
     int count = 0;
     if (!cases)
         return complain(2, "out of memory");
-    if (manner->limits.seconds == 0)
-        manner->limits.seconds = plan->run_seconds > 0 ? plan->run_seconds : 60;
+    struct run_limits limits = manner->limits;
+    if (limits.seconds == 0)
+        limits.seconds = plan->run_seconds > 0 ? plan->run_seconds : 60;
     for (int i = first; i < plan->case_count; i++) {
         const struct run_case *run = &plan->cases[i].run;
         char path[PATH_SIZE];
@@ -70,8 +71,7 @@ static int do_runs(const struct plan *plan, int first, struct manner *manner, ch
         if (manner->fresh && path_format(path, "%s/run.json", run->folder) == 0)
             unlink(path);
     }
-    const int ran =
-        runs_do_all(cases, count, &manner->limits, manner->jobs, manner->show_progress, reason);
+    const int ran = runs_do_all(cases, count, &limits, manner->jobs, manner->show_progress, reason);
     free(cases);
     if (ran < 0)
         return complain(outcome_exit_code((enum outcome) - ran), "%s", reason);
@@ -159,19 +159,25 @@ static int count_missing(const struct plan *plan) {
     return missing;
 }
 
-/* The runs that the rest of the plan depends on are every shard's. */
-static int do_all_runs(struct plan *plan, struct manner *manner) {
+/* Stage by stage. The runs that the rest of the plan depends on are every shard's; shards that
+ * share a folder do not do them twice. */
+static int do_all_runs(struct plan *plan, const struct manner *manner) {
+    const struct experiment *experiment = plan->experiment;
     struct manner whole = *manner;
-    if (plan->experiment->plan(plan))
+    int first = 0, last_stage = experiment->plan_more == NULL;
+    whole.shard = whole.shards = 1;
+    if (experiment->plan(plan))
         return complain(1, "%s", plan->reason);
-    if (plan->experiment->plan_more)
-        whole.shard = whole.shards = 1;
-    const int code = do_runs(plan, 0, &whole, plan->reason), first = plan->case_count;
-    if (code || !plan->experiment->plan_more)
-        return code;
-    if (plan->experiment->plan_more(plan))
-        return complain(2, "%s", plan->reason);
-    return do_runs(plan, first, manner, plan->reason);
+    for (;;) {
+        const int code = do_runs(plan, first, last_stage ? manner : &whole, plan->reason);
+        if (code || last_stage)
+            return code;
+        first = plan->case_count;
+        const int more = experiment->plan_more(plan);
+        if (more < 0)
+            return complain(2, "%s", plan->reason);
+        last_stage = more > 0 || plan->case_count == first;
+    }
 }
 
 static int carry_out(struct plan *plan, const struct arguments *arguments) {
