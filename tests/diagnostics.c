@@ -1,6 +1,9 @@
 /* Diagnoses: energies and powers against the twin and against each other, the books of whole runs,
  * and extremes of states that are known. */
+#include "diagnostics.h"
+
 #include "clock.h"
+#include "plot.h"
 #include "results.h"
 #include "runs.h"
 #include "support.h"
@@ -622,6 +625,36 @@ Test(diagnostics, the_program_writes_them_where_asked) {
     cr_assert_eq(finished.code, 1);
     cr_assert_eq(count_lines(finished.err), 1);
     cr_assert(strstr(finished.err, "scene circle has none"), "%s", finished.err);
+    folder_remove(folder);
+}
+
+/* The figure of a run, and of each table that an experiment keeps; names are made safe. */
+Test(diagnostics, runs_and_experiments_have_their_figures) {
+    static struct finished finished;
+    char folder[PATH_SIZE], path[PATH_SIZE], reason[REASON_SIZE];
+    struct run_case run = {.scene = NULL};
+    folder_make(folder);
+    path_format(run.folder, "%s/run", folder);
+    PROGRAM(&finished, NULL, "run", "viscosity", "--duration", "0.1", "--diagnostics", "--out",
+            run.folder);
+    cr_assert_eq(finished.code, 0, "%s", finished.err);
+    PROGRAM(&finished, NULL, "plot", run.folder);
+    cr_assert_eq(finished.code, 0, "%s", finished.err);
+    cr_assert_eq(count_files(run.folder, "diagnostics."), 3, "no table, .svg and .png");
+    path_format(path, "%s/kept", folder);
+    cr_assert_eq(make_folder(path, reason), 0);
+    cr_assert_eq(plot_diagnostics(path, reason), 0, "there is nothing to draw");
+    cr_assert_eq(keep_diagnostics(&run, path, "one", reason), 0, "%s", reason);
+    cr_assert_eq(keep_diagnostics(&run, path, "two/3 4", reason), 0, "%s", reason);
+    cr_assert_eq(plot_diagnostics(path, reason), 1, "%s", reason);
+    cr_assert_eq(count_files(path, "diagnostics-one."), 3);
+    cr_assert_eq(count_files(path, "diagnostics-two-3-4."), 3);
+    path_format(run.folder, "%s/nowhere", folder);
+    cr_assert_eq(keep_diagnostics(&run, path, "three", reason), -1);
+    cr_assert(strstr(reason, "nowhere/diagnostics.tsv"), "%s", reason);
+    PROGRAM(&finished, NULL, "plot", run.folder);
+    cr_assert_eq(finished.code, 1);
+    cr_assert_eq(count_lines(finished.err), 1);
     folder_remove(folder);
 }
 
