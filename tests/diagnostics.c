@@ -360,7 +360,7 @@ Test(diagnostics, jumps_at_ticks_are_booked) {
     } cases[] = {
         {"interactions", {"duration=0.95"}, JUMP_WISP_CONTACT},
         {"viscosity", {"duration=0.3", "contacts.viscosity=50"}, JUMP_WISP_CONTACT},
-        {"sphere", {"duration=1.7", "wisps.[0].grid=[2, 2]"}, JUMP_BODY_CONTACT},
+        {"sphere", {"duration=1.7", "wisps.[0].grid=[1, 1]"}, JUMP_BODY_CONTACT},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
         for (int treatment = 0; treatment < TREATMENTS; treatment++) {
@@ -496,7 +496,7 @@ Test(diagnostics, bits_depend_neither_on_threads_nor_states_on_diagnoses) {
     static struct books one, other;
     static const char *const steppers[] = {"rk4", "implicit-euler", "cvode"};
     for (int i = 0; i < 3; i++) {
-        struct scene *scene = LAB_LOAD("sphere", "duration=0.04", "wisps.[0].grid=[3, 2]",
+        struct scene *scene = LAB_LOAD("sphere", "duration=0.02", "wisps.[0].grid=[3, 2]",
                                        "body.[0].center=[-0.1, -0.24, 0.0]");
         struct run_request request = {.stepper = steppers[i], .treatment = "penalty"};
         struct lab_run plain, diagnosed;
@@ -656,6 +656,25 @@ Test(diagnostics, runs_and_experiments_have_their_figures) {
     cr_assert_eq(finished.code, 1);
     cr_assert_eq(count_lines(finished.err), 1);
     folder_remove(folder);
+}
+
+/* A process that died leaves its diagnoses up to the last complete line. */
+Test(diagnostics, a_dead_run_keeps_its_complete_lines) {
+    const struct run_request request = {.diagnostics = 1};
+    char folder[PATH_SIZE], path[PATH_SIZE], reason[REASON_SIZE];
+    struct scene *scene = lab_load("swing", NULL, 0);
+    struct settings settings;
+    cr_assert_eq(settings_resolve(scene, &request, &settings, reason), 0, "%s", reason);
+    folder_make(folder);
+    file_write(folder, "states.tsv.17.part", "t\n0\n0.1\n", NULL);
+    file_write(folder, "diagnostics.tsv.17.part", "t\n0\n0.", NULL);
+    cr_assert_eq(record_death(scene, &settings, folder, 17, CRASHED, "it died", 0.1, reason), 0);
+    path_format(path, "%s/diagnostics.tsv", folder);
+    char *kept = file_read(path);
+    cr_assert(kept && strcmp(kept, "t\n0\n") == 0, "kept: %s", kept ? kept : "nothing");
+    free(kept);
+    folder_remove(folder);
+    scene_free(scene);
 }
 
 /* A diagnosed run is another run to experiments. */
