@@ -15,6 +15,21 @@ static int has_tables(const char *folder) {
     return 1;
 }
 
+/* The figure of a run by its folder. */
+static int plot_run(const char *folder) {
+    char reason[REASON_SIZE];
+    const int found = plot_diagnostics(folder, reason);
+    if (found < 0)
+        return complain(2, "%s", reason);
+    if (found == 0)
+        return complain(1,
+                        "no experiment '%s' (`wisplab list experiments` names them), and no folder "
+                        "with diagnostics.tsv",
+                        folder);
+    printf("figures in %s\n", folder);
+    return 0;
+}
+
 static int plot(const struct arguments *arguments) {
     char folder[PATH_SIZE], reason[REASON_SIZE];
     const char *out = argument_text(arguments, "out"), *name = arguments->words[0];
@@ -22,7 +37,7 @@ static int plot(const struct arguments *arguments) {
     int drawn = 0;
 
     if (!all && !experiment_find(name))
-        return complain(1, "no experiment '%s'; `wisplab list experiments` names them", name);
+        return plot_run(name);
     for (int i = 0; experiments[i]; i++) {
         if (!all && strcmp(experiments[i]->name, name) != 0)
             continue;
@@ -47,9 +62,13 @@ static const struct cli_option options[] = {
 
 const struct command plot_command = {
     .name = "plot",
-    .usage = "NAME|all [--out DIR]",
-    .summary = "draw the figures of an experiment again, without integrating anything",
-    .details = "  wisplab plot circle\n  wisplab plot all --out results\n",
+    .usage = "NAME|all|FOLDER [--out DIR]",
+    .summary = "draw the figures of an experiment, or a run's diagnostics, from their tables",
+    .details = "FOLDER is that of a run with --diagnostics. Nothing is integrated.\n"
+               "\n"
+               "  wisplab plot circle\n"
+               "  wisplab plot all --out results\n"
+               "  wisplab run swing --diagnostics --out swing && wisplab plot swing\n",
     .options = options,
     .words_least = 1,
     .words_most = 1,

@@ -20,7 +20,8 @@
     X(envelope_damping, "damping of the samples' springs, in penalty across the half-lines too") \
     X(style, "the style field")                                                                  \
     X(head, "what the nodes that follow the head put in through the springs")                    \
-    X(treatment, "what the treatment of the half-lines adds, where it does not conserve energy")
+    X(treatment, "what the treatment of the half-lines adds where it does not conserve energy; " \
+                 "in penalty mostly what dampers across the half-lines take as these turn")
 
 struct energies {
 #define X(name, meaning) double name;

@@ -3,6 +3,7 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <glob.h>
 #include <spawn.h>
 #include <stdlib.h>
 #include <string.h>
@@ -108,7 +109,8 @@ static int empty_folder(const char *from, const char *to, char *reason) {
     return code;
 }
 
-int plot_experiment(const char *name, const char *folder, char *reason) {
+/* Every figure of plots/NAME.gp, all or none. */
+static int plot_script(const char *name, const char *folder, char *reason) {
     static const char *const formats[] = {"svg", "png"};
     char drawing[PATH_SIZE];
     if (path_format(drawing, "%s/.drawing-%ld", folder, (long)getpid()) ||
@@ -121,4 +123,17 @@ int plot_experiment(const char *name, const char *folder, char *reason) {
         }
     }
     return empty_folder(drawing, folder, reason);
+}
+
+int plot_diagnostics(const char *folder, char *reason) {
+    char pattern[PATH_SIZE];
+    glob_t found;
+    if (path_format(pattern, "%s/diagnostics*.tsv", folder) || glob(pattern, 0, NULL, &found))
+        return 0;
+    globfree(&found);
+    return plot_script("diagnostics", folder, reason) ? -1 : 1;
+}
+
+int plot_experiment(const char *name, const char *folder, char *reason) {
+    return plot_script(name, folder, reason) || plot_diagnostics(folder, reason) < 0 ? -1 : 0;
 }

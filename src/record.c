@@ -37,6 +37,12 @@ static void write_names(FILE *stream, const struct model *model) {
     fputc('\n', stream);
 }
 
+static void write_diagnosis(struct frame_writer *writer, const struct diagnosis *diagnosis) {
+    diagnosis_write_row(writer->diagnoses.stream, diagnosis);
+    if (fflush(writer->diagnoses.stream))
+        writer->error = errno;
+}
+
 static int write_frame(void *ctx, const struct model *model, double t, const double *rows) {
     struct frame_writer *writer = ctx;
     FILE *stream = writer->file.stream;
@@ -50,11 +56,10 @@ static int write_frame(void *ctx, const struct model *model, double t, const dou
             fprintf(stream, "\t%.17g", rows[i * columns + j]);
         fputc('\n', stream);
     }
-    if (writer->diagnosing)
-        diagnosis_write_row(writer->diagnoses.stream, model->diagnosis);
-    /* now, so that a killed run keeps its frames and a full disk shows */
-    if (fflush(stream) || (writer->diagnosing && fflush(writer->diagnoses.stream)))
+    if (fflush(stream)) /* now, so that a killed run keeps its frames and a full disk shows */
         writer->error = errno;
+    if (writer->diagnosing)
+        write_diagnosis(writer, model->diagnosis);
     return writer->error ? OUTPUT_FAILED : 0;
 }
 

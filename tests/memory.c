@@ -235,4 +235,34 @@ Test(memory, runs_finish_or_are_out_of_memory) {
     each_variant(check_run, NULL);
 }
 
+static int see_frame(void *ctx, const struct model *model, double t, const double *rows) {
+    (void)ctx, (void)t, (void)rows;
+    return model->diagnosis ? 0 : CRASHED;
+}
+
+static int do_diagnosed_run(const void *what) {
+    const struct scene *scene = what;
+    char reason[REASON_SIZE];
+    struct settings settings;
+    struct run_result result;
+    if (settings_resolve(scene, &(struct run_request){.diagnostics = 1}, &settings, reason))
+        _exit(78);
+    failing = 1;
+    simulate(scene, &settings, &(struct observer){see_frame, NULL}, NULL, &result);
+    failing = 0;
+    if (result.outcome != FINISHED && (result.outcome != OUT_OF_MEMORY || !result.reason[0]))
+        _exit(79);
+    return result.outcome == FINISHED ? MADE : NOT_MADE;
+}
+
+/* Diagnoses take memory at every frame, for two wisps here. */
+Test(memory, diagnosed_runs_finish_or_are_out_of_memory) {
+    static const char *const sets[] = {"duration=0.004", "frame_rate=1000"};
+    char reason[REASON_SIZE];
+    struct scene *scene = scene_load("viscosity", sets, 2, reason);
+    cr_assert(scene, "%s", reason);
+    try_all(scene->name, do_diagnosed_run, scene);
+    scene_free(scene);
+}
+
 #endif
