@@ -51,6 +51,10 @@ struct wisp_model {
 int wisp_ticks_create(struct wisp_model *m);
 void wisp_ticks_free(struct wisp_model *m);
 
+/* Puts the model into the state from which its scene starts, where that is not rest. 0, or -1 where
+ * memory cannot be had. */
+int wisps_start(struct wisp_model *m);
+
 /* The problem's `tick`. */
 enum outcome wisps_tick(struct model *model, unsigned events, int *changed);
 
