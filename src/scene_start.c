@@ -58,6 +58,7 @@ static void take_table(struct config_reader *reader, const config_setting_t *set
     errno = 0;
     struct model *model = scene->problem->create(scene, start.treatment, 1);
     if (!model) {
+        reader->out_of_memory = true;
         fail(reader, setting, reason);
         return;
     }

@@ -210,19 +210,14 @@ static struct strand *far_strand(const struct wisp *wisp, enum wisp_treatment tr
 /* One tick at time t, of a head at rest. */
 static const struct head_motion no_motion;
 
-static void contact_with(struct strand *s, const struct body *bodies, int count,
-                         const struct head_motion *motion, double t, struct body_report *report) {
+static void contact(struct strand *s, const struct body *bodies, int count, double t,
+                    struct body_report *report) {
     struct placement head;
     struct body_motion at[BODIES_MAX];
-    head_placement(motion, t, &head);
+    head_placement(&no_motion, t, &head);
     for (int i = 0; i < count; i++)
         at[i] = body_motion(&bodies[i], &head, t);
     body_contact(s, bodies, at, count, dt, report);
-}
-
-static void contact(struct strand *s, const struct body *bodies, int count, double t,
-                    struct body_report *report) {
-    contact_with(s, bodies, count, &no_motion, t, report);
 }
 
 /* What happens to a node at p with velocity v in one tick at time t. */
@@ -778,16 +773,19 @@ static void check_near(int lanes, enum wisp_treatment treatment, int samples, un
         V[LAB_LANES * LAB_SIZE], rows[LAB_NODES * (6 + 6 * SAMPLES_MAX)];
     enum { NODES = 6, BODIES = 3 };
     const int count = (int)lab_between(seed, 1, BODIES + 0.99);
-    const struct surroundings around = lab_surroundings(WIND_NONE, seed);
+    struct surroundings around = lab_surroundings(WIND_NONE, seed);
     struct wisp wisps[LAB_LANES];
     struct body bodies[BODIES];
+    struct body_motion motion[BODIES];
     struct lab_part part;
     const double spread = lab_between(seed, 0, 1) < 0.5 ? 0.15 : 1;
     double boxes[6 * BODIES],
         hull[6] = {INFINITY, INFINITY, INFINITY, -INFINITY, -INFINITY, -INFINITY};
     int clamp;
     struct placement head;
-    head_placement(&no_motion, 0.1, &head);
+    around.head.knots = 1; /* turned for ever */
+    random_vector(seed, 2, around.head.rotation[0]);
+    head_placement(&around.head, 0.1, &head);
     for (int k = 0; k < lanes; k++)
         wisps[k] = lab_wisp(NODES, samples, BENDING_SKIP, seed);
     lab_part_make(&part, lanes, wisps, lanes, &around, treatment);
@@ -799,14 +797,18 @@ static void check_near(int lanes, enum wisp_treatment treatment, int samples, un
         lab_scatter(&part, k, v, V);
     }
     for (int b = 0; b < count; b++) {
+        double centre[3];
         bodies[b] = (struct body){.offset = 1e-4};
         for (int k = 0; k < 3; k++) {
             bodies[b].radii[k] = lab_between(seed, 0.005, 0.1);
-            bodies[b].centre[k] = wisps[0].root[k] + lab_between(seed, -spread, spread);
+            centre[k] = wisps[0].root[k] + lab_between(seed, -spread, spread);
         }
+        for (int k = 0; k < 3; k++) /* so that it is there as the head is turned */
+            for (int j = 0; j < 3; j++)
+                bodies[b].centre[k] += head.turn[0][j][k] * centre[j];
         random_vector(seed, 1, bodies[b].velocity);
-        const struct body_motion motion = body_motion(&bodies[b], &head, 0.1);
-        body_box(&bodies[b], &motion, boxes + 6 * b);
+        motion[b] = body_motion(&bodies[b], &head, 0.1);
+        body_box(&bodies[b], &motion[b], boxes + 6 * b);
         for (int k = 0; k < 3; k++) {
             hull[k] = fmin(hull[k], boxes[6 * b + k]);
             hull[3 + k] = fmax(hull[3 + k], boxes[6 * b + 3 + k]);
@@ -820,8 +822,9 @@ static void check_near(int lanes, enum wisp_treatment treatment, int samples, un
         struct body_report report = {0, 0, 0};
         const int stride = 6 + samples * (treatment == WISP_PENALTY ? 6 : 2);
         (lanes == 1 ? kernel_sample_1 : kernel_sample_4)(ctx, k, Q, V, rows, stride);
+        strand_turn(s, &head);
         strand_load(s, rows, stride);
-        contact(s, bodies, count, 0.1, &report);
+        body_contact(s, bodies, motion, count, dt, &report);
         const int found = s->changed || report.inside;
         cr_assert(!found || (near >> k & 1), "lane %d of %d: a contact is missed", k, lanes);
         *touched += found;
