@@ -32,10 +32,23 @@ static double largest(const double a[3]) {
 
 /* --- where a body is --- */
 
-struct body_motion body_motion(const struct body *body, double t) {
-    struct body_motion motion = {.spin = {0, 0, 0}};
-    combine(body->centre, t, body->velocity, motion.centre);
-    memcpy(motion.velocity, body->velocity, sizeof motion.velocity);
+/* Rest coordinates turn with the head: p = P + Q x gives v = P' + Q' x + Q x', and Q' Q^T is the
+ * cross product with the spin. */
+struct body_motion body_motion(const struct body *body, const struct placement *head, double t) {
+    struct body_motion motion;
+    double centre[3], own[3], turning[3][3];
+    combine(body->centre, t, body->velocity, centre);
+    placed_point(head, 0, centre, motion.centre);
+    placed_point(head, 1, centre, motion.velocity);
+    placed_direction(head, body->velocity, own);
+    combine(motion.velocity, 1, own, motion.velocity);
+    memcpy(motion.axes, head->turn[0], sizeof motion.axes);
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            turning[i][j] = dot(head->turn[1][i], head->turn[0][j]);
+    motion.spin[0] = turning[2][1];
+    motion.spin[1] = turning[0][2];
+    motion.spin[2] = turning[1][0];
     return motion;
 }
 
@@ -51,13 +64,29 @@ static void surface_velocity(const struct body_motion *motion, const double x[3]
     v[2] = motion->velocity[2] + (w[0] * x[1] - w[1] * x[0]);
 }
 
-/* A little more than the ellipsoid, so that a point that counts as inside by rounding is in it. */
-void body_box(const struct body *body, double t, double box[6]) {
-    const struct body_motion motion = body_motion(body, t);
+/* A vector of the world along the body's axes, and back. */
+static void to_axes(const struct body_motion *motion, const double x[3], double y[3]) {
+    for (int k = 0; k < 3; k++)
+        y[k] = motion->axes[0][k] * x[0] + motion->axes[1][k] * x[1] + motion->axes[2][k] * x[2];
+}
+
+static void from_axes(const struct body_motion *motion, const double y[3], double x[3]) {
+    for (int k = 0; k < 3; k++)
+        x[k] = dot(motion->axes[k], y);
+}
+
+/* The ellipsoid reaches |(R_1 a_1, R_2 a_2, R_3 a_3)| along an axis of the world whose components
+ * along its own are a. A little more, so that a point that counts as inside by rounding is in it.
+ */
+void body_box(const struct body *body, const struct body_motion *motion, double box[6]) {
+    const double *radii = body->radii;
     for (int k = 0; k < 3; k++) {
-        const double half = body->radii[k] * (1 + 1e-9) + 1e-15 * fabs(motion.centre[k]);
-        box[k] = motion.centre[k] - half;
-        box[3 + k] = motion.centre[k] + half;
+        const double *a = motion->axes[k], *centre = motion->centre;
+        const double reach = hypot(hypot(radii[0] * a[0], radii[1] * a[1]), radii[2] * a[2]);
+        const double half =
+            reach * (1 + 1e-9) + 1e-14 * (largest(centre) + largest(radii)); /* of p - c, turned */
+        box[k] = centre[k] - half;
+        box[3 + k] = centre[k] + half;
     }
 }
 
@@ -136,13 +165,22 @@ double ellipsoid_entry(const double radii[3], const double x[3], const double d[
 
 /* --- nodes --- */
 
-/* A tick's bodies, where they are. */
+/* A tick's bodies, and where they are. */
 struct tick {
     const struct body *bodies;
+    const struct body_motion *motion;
     int count;
     double dt;
-    struct body_motion motion[BODIES_MAX];
 };
+
+/* Whether a body holds a point; x: from its centre along its axes. */
+static int holds(const struct body *body, const struct body_motion *motion, const double p[3],
+                 double x[3]) {
+    double from[3];
+    subtract(p, motion->centre, from);
+    to_axes(motion, from, x);
+    return ellipsoid_contains(body->radii, x);
+}
 
 /* From x by the normal; but out of a body at rest the way the node came in, if it came in since
  * the last tick. A moving body must not drag nodes along a spring (section 5.4 of the thesis). */
@@ -171,34 +209,44 @@ static void bounce(const struct body *body, const double u[3], const double n[3]
 }
 
 /* With a small offset rounding could leave a node a hair inside, and friction would act twice. */
-static void leave(const struct body *body, const double centre[3], const double p[3],
+static void leave(const struct body *body, const struct body_motion *motion, const double p[3],
                   const double n[3], double dp[3]) {
-    double step = DBL_EPSILON * (largest(centre) + largest(p) + largest(dp));
+    double step = DBL_EPSILON * (largest(motion->centre) + largest(p) + largest(dp));
     for (int i = 0; i < 64; i++, step *= 2) {
         double there[3], x[3];
         combine(p, 1, dp, there);
-        subtract(there, centre, x);
-        if (!ellipsoid_contains(body->radii, x))
+        if (!holds(body, motion, there, x))
             return;
         combine(dp, step, n, dp);
     }
 }
 
-/* Returns whether the node was inside. */
+/* The velocity of a point at p with velocity v as the surface has it, in the world. */
+static void relative_velocity(const struct body_motion *motion, const double p[3],
+                              const double v[3], double u[3]) {
+    double from[3], surface[3];
+    subtract(p, motion->centre, from);
+    surface_velocity(motion, from, surface);
+    subtract(v, surface, u);
+}
+
+/* Returns whether the node was inside. All but the ends is along the body's axes. */
 static int push_node(struct strand *strand, int node, const struct body *body,
                      const struct body_motion *motion, double dt) {
-    double x[3], surface[3], u[3], out[3], n[3], dp[3], dv[3];
-    subtract(strand->p[node], motion->centre, x);
-    if (!ellipsoid_contains(body->radii, x))
+    double x[3], relative[3], u[3], out[3], n[3], by[3], change[3], normal[3], dp[3], dv[3];
+    if (!holds(body, motion, strand->p[node], x))
         return 0;
-    surface_velocity(motion, x, surface);
-    subtract(strand->v[node], surface, u);
+    relative_velocity(motion, strand->p[node], strand->v[node], relative);
+    to_axes(motion, relative, u);
     exit_point(body, motion, x, u, dt, out);
     ellipsoid_normal(body->radii, out, n);
-    bounce(body, u, n, dt, dv);
+    bounce(body, u, n, dt, change);
     combine(out, body->offset, n, out);
-    subtract(out, x, dp);
-    leave(body, motion->centre, strand->p[node], n, dp);
+    subtract(out, x, by);
+    from_axes(motion, by, dp);
+    from_axes(motion, change, dv);
+    from_axes(motion, n, normal);
+    leave(body, motion, strand->p[node], normal, dp);
     strand_move_node(strand, node, dp, dv);
     return 1;
 }
@@ -227,8 +275,7 @@ static int push_nodes(struct strand *strand, const struct tick *tick) {
 static int is_inside(const struct strand *strand, int node, const struct tick *tick) {
     for (int i = 0; i < tick->count; i++) {
         double x[3];
-        subtract(strand->p[node], tick->motion[i].centre, x);
-        if (ellipsoid_contains(tick->bodies[i].radii, x))
+        if (holds(&tick->bodies[i], &tick->motion[i], strand->p[node], x))
             return 1;
     }
     return 0;
@@ -242,18 +289,19 @@ static int pull_sample(struct strand *strand, int node, int sample, const struct
                        const struct body_motion *motion) {
     const int at = node * strand->wisp->samples + sample;
     const double r = strand->r[at];
-    double a[3], from[3], x[3], surface[3], u[3];
-    strand_half_line(strand, node, sample, a);
-    subtract(strand->p[node], motion->centre, from);
+    double line[3], a[3], from[3], x[3], end[3], u[3];
+    strand_half_line(strand, node, sample, line);
+    holds(body, motion, strand->p[node], from);
+    to_axes(motion, line, a);
     combine(from, r, a, x);
     if (r <= 0 || !ellipsoid_contains(body->radii, x))
         return 0;
-    surface_velocity(motion, x, surface);
-    subtract(surface, strand->v[node], u);
+    combine(strand->p[node], r, line, end);
+    relative_velocity(motion, end, strand->v[node], u);
     /* a crossing beyond r, or none, is rounding where the line grazes */
     const double r1 = fmin(ellipsoid_entry(body->radii, from, a), r);
     strand_set_sample(strand, node, sample, fmax(r1, least_distance * strand->wisp->radius),
-                      fmin(strand->rate[at], dot(u, a)));
+                      fmin(strand->rate[at], -dot(u, line)));
     return 1;
 }
 
@@ -267,18 +315,10 @@ static int pull_samples(struct strand *strand, int node, const struct tick *tick
 
 /* --- a tick --- */
 
-static void start(struct tick *tick, const struct body *bodies, int count, double t, double dt) {
-    tick->bodies = bodies;
-    tick->count = count;
-    tick->dt = dt;
-    for (int i = 0; i < count; i++)
-        tick->motion[i] = body_motion(&bodies[i], t);
-}
-
-void body_contact(struct strand *strand, const struct body *bodies, int count, double t, double dt,
+void body_contact(struct strand *strand, const struct body *bodies,
+                  const struct body_motion *motion, int count, double dt,
                   struct body_report *report) {
-    struct tick tick;
-    start(&tick, bodies, count, t, dt);
+    const struct tick tick = {bodies, motion, count, dt};
     const int pushed = push_nodes(strand, &tick);
     if (pushed)
         strand_refresh(strand);

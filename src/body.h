@@ -9,9 +9,9 @@ enum { BODIES_MAX = 64, BODY_NAME_SIZE = 64 };
 
 struct body {
     char name[BODY_NAME_SIZE];
-    double centre[3];   /* at t = 0, m */
+    double centre[3];   /* at t = 0 as the head rests, m */
     double radii[3];    /* along the head's axes, m */
-    double velocity[3]; /* constant, m/s */
+    double velocity[3]; /* with respect to the head and along its axes, constant, m/s */
     double friction;    /* at which what is along the surface slows down, 1/s */
     double elasticity;  /* of what is across it: 0 nothing comes back, 1 all */
     double offset;      /* above the surface at which a node is put down, m */
@@ -22,13 +22,14 @@ struct body {
 struct body_motion {
     double centre[3], velocity[3]; /* m, m/s */
     double spin[3];                /* rad/s */
+    double axes[3][3];             /* column k: the direction of radius k */
 };
 
-/* The one place that knows how bodies move; a moving head would come in here. */
-struct body_motion body_motion(const struct body *body, double t);
+/* At time t, the head being at `head` then: bodies move with it. */
+struct body_motion body_motion(const struct body *body, const struct placement *head, double t);
 
-/* The box around a body at t, least x y z and most x y z, for kernel_near. */
-void body_box(const struct body *body, double t, double box[6]);
+/* The box around a body, least x y z and most x y z, for kernel_near. */
+void body_box(const struct body *body, const struct body_motion *motion, double box[6]);
 
 /* --- the ellipsoid, seen from its centre along its axes --- */
 
@@ -52,9 +53,10 @@ struct body_report {
     long long inside;         /* nodes still in a body after all passes */
 };
 
-/* The response of one strand to at most BODIES_MAX bodies at a tick at time t, the last being dt
- * ago. */
-void body_contact(struct strand *strand, const struct body *bodies, int count, double t, double dt,
+/* The response of one strand at a tick to `count` bodies, which are where `motion` says, the last
+ * tick being dt ago. */
+void body_contact(struct strand *strand, const struct body *bodies,
+                  const struct body_motion *motion, int count, double dt,
                   struct body_report *report);
 
 #endif

@@ -1,6 +1,6 @@
 /* wisplab eval: the accelerations at one state, to be compared with another program's. */
 #include "cli.h"
-#include "results.h"
+#include "state.h"
 
 #include <errno.h>
 #include <math.h>
@@ -15,59 +15,6 @@ static const struct cli_option options[] = {
     {0},
 };
 
-/* The column of each of the model's columns in the table. Returns 0, or -1 with a reason. */
-static int match_columns(const struct model *model, const struct table *table, const char *file,
-                         int *columns, char *reason) {
-    for (int i = 0; i < model->column_count; i++) {
-        columns[i] = table_column(table, model->columns[i]);
-        if (columns[i] < 0) {
-            snprintf(reason, REASON_SIZE, "%.120s: no column '%s', which this treatment needs",
-                     file, model->columns[i]);
-            return -1;
-        }
-    }
-    if (table_column(table, "t") == 0 && table->column_count == model->column_count + 1)
-        return 0;
-    snprintf(reason, REASON_SIZE, "%.120s: has %d columns; this scene and treatment have t and %d",
-             file, table->column_count, model->column_count);
-    return -1;
-}
-
-/* The last frame of a table, in the order of the model's rows. Returns 0, or -1 with a reason. */
-static int last_frame(const struct model *model, const struct table *table, const char *file,
-                      double *rows, double *t, char *reason) {
-    int columns[TABLE_COLUMNS_MAX];
-    const int first = table->row_count - model->row_count, count = model->column_count;
-    if (match_columns(model, table, file, columns, reason))
-        return -1;
-    double *expected = malloc((size_t)(model->row_count * count) * sizeof *expected);
-    if (!expected || first < 0) {
-        free(expected);
-        snprintf(reason, REASON_SIZE, "%.120s: has %d rows; a frame of this scene has %d", file,
-                 table->row_count, model->row_count);
-        return -1;
-    }
-    model->problem->sample(model, expected); /* for the numbers of wisps and nodes */
-    *t = table_value(table, table->row_count - 1, 0);
-    int code = 0;
-    for (int i = 0; i < model->row_count && !code; i++) {
-        for (int j = 0; j < count; j++)
-            rows[i * count + j] = table_value(table, first + i, columns[j]);
-        int sound = isfinite(*t) && table_value(table, first + i, 0) == *t;
-        for (int j = 0; j < count; j++)
-            sound &= isfinite(rows[i * count + j]) &&
-                     (j >= 2 || rows[i * count + j] == expected[i * count + j]);
-        if (!sound) {
-            snprintf(reason, REASON_SIZE,
-                     "%.120s: row %d is not wisp %g, node %g of the last frame in finite numbers",
-                     file, first + i + 1, expected[i * count], expected[i * count + 1]);
-            code = -1;
-        }
-    }
-    free(expected);
-    return code;
-}
-
 static int load_state(struct model *model, const char *file, double *t, char *reason) {
     struct table table;
     if (table_read(&table, file, reason))
@@ -77,7 +24,7 @@ static int load_state(struct model *model, const char *file, double *t, char *re
     if (!rows)
         snprintf(reason, REASON_SIZE, "out of memory");
     else
-        code = last_frame(model, &table, file, rows, t, reason);
+        code = state_of_table(model, &table, file, rows, t, reason);
     if (!code)
         model->problem->restore(model, rows);
     free(rows);

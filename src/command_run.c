@@ -1,10 +1,11 @@
 /* wisplab run: one scene, one stepper, into one folder. */
 #include "cli.h"
-#include "results.h"
+#include "state.h"
 
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { SETS_MAX = CLI_REPEATS_MAX + 1 };
 
@@ -23,6 +24,7 @@ static const struct cli_option options[] = {
     {"draw", "N", "which random displacement (default 1)", 0},
     {"threads", "N", "threads that share a scene's wisps (results do not depend on it)", 0},
     {"out", "DIR", "folder for states.tsv and run.json (default results)", 0},
+    {"save", "FILE", "write the last frame there, for a scene's start or eval --state", 0},
     {"profile", NULL, "time every call to the model; printed, and in run.json", 0},
     {"diagnostics", NULL, "write diagnostics.tsv: energies, works, strain, contacts by frame", 0},
     CLI_LIMIT_OPTIONS,
@@ -136,12 +138,19 @@ static int report(const struct run_case *run, enum outcome outcome, const char *
     return outcome_exit_code(outcome);
 }
 
+/* Of a run that reached its end. */
+static int save(const struct run_case *run, const char *file) {
+    char states[PATH_SIZE], reason[REASON_SIZE];
+    path_format(states, "%s/states.tsv", run->folder);
+    return state_save(states, file, reason) ? complain(2, "%s", reason) : 0;
+}
+
 static int run_scene(const struct arguments *arguments) {
     char reason[REASON_SIZE];
     struct run_request request;
     struct run_limits limits;
     struct run_case run;
-    const char *out = argument_text(arguments, "out");
+    const char *out = argument_text(arguments, "out"), *file = argument_text(arguments, "save");
     int code = 1;
 
     if (read_request(arguments, &request) || argument_limits(arguments, 0, 0, &limits))
@@ -155,11 +164,15 @@ static int run_scene(const struct arguments *arguments) {
         code = complain(outcome_exit_code((enum outcome)refused), "%s", reason);
     } else if ((out && !*out) || path_format(run.folder, "%s", out ? out : "results")) {
         code = complain(1, "--out: the path of a folder is too long, or empty");
+    } else if (file && (!*file || strlen(file) >= PATH_SIZE)) {
+        code = complain(1, "--save: the path of a file is too long, or empty");
     } else {
         announce(&run);
         const enum outcome outcome =
             runs_do_one(&run, &limits, !argument_given(arguments, "no-progress"), reason);
         code = report(&run, outcome, reason);
+        if (file && outcome == FINISHED)
+            code = save(&run, file);
         if (run.settings.profile)
             print_profile(run.folder);
     }

@@ -105,11 +105,22 @@ static void apply_set(struct config_reader *reader, const char *set) {
     config_destroy(&value);
 }
 
+/* What a scene includes stands beside it, wherever the program was started. */
+static void include_from_folder(config_t *config, const char *path) {
+    char folder[PATH_SIZE];
+    const char *slash = strrchr(path, '/');
+    if (slash) {
+        path_format(folder, "%.*s", (int)(slash - path), path);
+        config_set_include_dir(config, folder);
+    }
+}
+
 void config_open(struct config_reader *reader, const char *path, const char *const *sets,
                  int set_count, char *reason) {
     *reader = (struct config_reader){.reason = reason};
     path_format(reader->file, "%s", path);
     config_init(&reader->config);
+    include_from_folder(&reader->config, path);
     if (!file_exists(path)) {
         config_fail(reader, NULL,
                     "no such scene file; `wisplab list scenes` names the shipped ones");

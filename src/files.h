@@ -4,7 +4,7 @@
 
 #include <stdio.h>
 
-enum { PATH_SIZE = 1024, REASON_SIZE = 240 };
+enum { PATH_SIZE = 1024, REASON_SIZE = 400 };
 
 /* Joins parts into `path` (PATH_SIZE); returns 0, or -1 where it does not fit. */
 int path_format(char *path, const char *format, ...) __attribute__((format(printf, 2, 3)));

@@ -22,6 +22,10 @@ static void print_hash(uint64_t hash, char text[HASH_SIZE]) {
     snprintf(text, HASH_SIZE, "%016llx", (unsigned long long)hash);
 }
 
+void hash_bytes(const void *bytes, size_t count, char hash[HASH_SIZE]) {
+    print_hash(fnv_bytes(fnv_start, bytes, count), hash);
+}
+
 void hash_json(const json_t *json, char hash[HASH_SIZE]) {
     char *text = json_dumps(json, JSON_COMPACT | JSON_SORT_KEYS | JSON_REAL_PRECISION(17));
     print_hash(text ? fnv_bytes(fnv_start, text, strlen(text)) : 0, hash);

@@ -6,6 +6,9 @@
 
 enum { HASH_SIZE = 17 }; /* 16 hexadecimal digits and a zero */
 
+/* FNV-1a of bytes in memory. */
+void hash_bytes(const void *bytes, size_t count, char hash[HASH_SIZE]);
+
 /* FNV-1a of a JSON value in canonical form: keys sorted, reals with 17 digits. */
 void hash_json(const json_t *json, char hash[HASH_SIZE]);
 

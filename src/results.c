@@ -18,7 +18,9 @@ static int read_names(struct table *table, char *line, const char *path, int num
     for (char *at = line, *word; (word = strsep(&at, "\t")) != NULL;) {
         if (table->column_count == TABLE_COLUMNS_MAX)
             return table_fail(path, number, "too many columns", reason);
-        table->name[table->column_count++] = strdup(word);
+        table->name[table->column_count] = strdup(word);
+        if (!table->name[table->column_count++])
+            return table_fail(path, number, "out of memory", reason);
     }
     return 0;
 }
@@ -68,6 +70,8 @@ int table_read(struct table *table, const char *path, char *reason) {
             code = table->column_count ? read_row(table, line, &capacity, path, number, reason)
                                        : read_names(table, line, path, number, reason);
     }
+    if (!code && !feof(file))
+        code = table_fail(path, 0, "cannot be read", reason);
     if (!code && !table->column_count)
         code = table_fail(path, number, "no column names", reason);
     free(line);

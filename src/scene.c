@@ -2,6 +2,7 @@
 
 #include "config.h"
 #include "model.h"
+#include "scene_start.h"
 #include "scene_wisps.h"
 
 #include <ctype.h>
@@ -68,6 +69,7 @@ static void read_scene(struct config_reader *reader, struct scene *scene) {
     else
         scene_read_wisps(reader, top, scene);
     scene->source = config_to_json(top);
+    scene_note_start(scene);
 }
 
 struct scene *scene_load(const char *name, const char *const *sets, int set_count, char *reason) {
@@ -98,6 +100,7 @@ void scene_free(struct scene *scene) {
         json_decref(scene->source);
         free(scene->wisps);
         free(scene->bodies);
+        free(scene->start.rows);
     }
     free(scene);
 }

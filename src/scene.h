@@ -15,6 +15,13 @@ struct run_defaults {
     double rtol, atol; /* atol in m and m/s */
 };
 
+/* A state to start from: rows of frames, as a model of that treatment writes them. */
+struct start {
+    int treatment;
+    int columns, count; /* numbers in a row, and in all */
+    double *rows;       /* owned; NULL: wisps start at rest */
+};
+
 struct scene {
     char name[64];
     const struct problem *problem;
@@ -31,6 +38,8 @@ struct scene {
     int body_count;
     double collision_rate;                   /* Hz */
     struct interaction_settings interaction; /* of wisps; both responses off: none */
+
+    struct start start;
 
     json_t *source; /* all settings as they were given, numbers as reals: what is hashed */
 };

@@ -1,14 +1,14 @@
 #include "scene_wisps.h"
 
 #include "scene_contacts.h"
+#include "scene_roots.h"
+#include "scene_start.h"
 
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Groups that only other versions read, which would otherwise be passed over in silence. */
 static void refuse_absent_features(struct config_reader *reader, config_setting_t *top) {
-    static const char *const absent[] = {"subdivision", "start", "render", NULL};
+    static const char *const absent[] = {"subdivision", "render", NULL};
     for (int i = 0; absent[i]; i++) {
         config_setting_t *group = config_setting_get_member(top, absent[i]);
         if (group)
@@ -143,106 +143,11 @@ static void read_wind(struct config_reader *reader, config_setting_t *top, struc
     }
 }
 
-/* Scales to length 1; a zero vector is refused. */
-static void normalise(struct config_reader *reader, config_setting_t *group, const char *name,
-                      double x[3]) {
-    const double most = fmax(fabs(x[0]), fmax(fabs(x[1]), fabs(x[2])));
-    double length = 0;
-    if (most == 0) {
-        config_fail(reader, config_setting_get_member(group, name), "%s: has no length", name);
-        return;
-    }
-    for (int k = 0; k < 3; k++) /* first by the largest, so that no square overflows or vanishes */
-        length += (x[k] / most) * (x[k] / most);
-    for (int k = 0; k < 3; k++)
-        x[k] = x[k] / most / sqrt(length);
-}
-
-/* Where the wisps of an entry are: one, or a grid along two directions. */
-struct grid {
-    int count[2];
-    double spacing; /* m */
-    double across[2][3];
-};
-
-static void read_grid(struct config_reader *reader, config_setting_t *entry, struct grid *grid) {
-    double count[2] = {1, 1};
-    *grid = (struct grid){.count = {1, 1}};
-    if (config_numbers(reader, entry, "grid", 2, 2, count) == 0) {
-        static const char *const only_grids[] = {"spacing", "across", NULL};
-        for (int i = 0; only_grids[i]; i++)
-            if (config_setting_get_member(entry, only_grids[i]))
-                config_fail(reader, entry, "%s: belongs to a grid; give grid = [columns, rows]",
-                            only_grids[i]);
-        return;
-    }
-    grid->spacing = config_required(reader, entry, "spacing", POSITIVE);
-    for (int d = 0; d < 2; d++) {
-        if (count[d] < 1 || count[d] > 1000 || count[d] != floor(count[d])) {
-            config_fail(reader, config_setting_get_member(entry, "grid"),
-                        "grid: %g is not a whole number from 1 to 1000", count[d]);
-            return;
-        }
-        grid->count[d] = (int)count[d];
-    }
-    config_vectors(reader, entry, "across", 2, grid->across);
-    for (int d = 0; d < 2 && !reader->failed; d++)
-        normalise(reader, entry, "across", grid->across[d]);
-}
-
-/* Adds an entry's wisps: along the grid's first direction fastest. */
-static void add_wisps(struct config_reader *reader, struct scene *scene, const struct wisp *first,
-                      const struct grid *grid) {
-    const int count = grid->count[0] * grid->count[1];
-    struct wisp *wisps = realloc(scene->wisps, (size_t)(scene->wisp_count + count) * sizeof *wisps);
-    if (!wisps) {
-        reader->out_of_memory = true;
-        config_fail(reader, NULL, "no memory for %d wisps", scene->wisp_count + count);
-        return;
-    }
-    scene->wisps = wisps;
-    for (int i = 0; i < count; i++) {
-        struct wisp *wisp = &wisps[scene->wisp_count++];
-        *wisp = *first;
-        for (int k = 0; k < 3; k++)
-            wisp->root[k] += grid->spacing * (i % grid->count[0] * grid->across[0][k] +
-                                              i / grid->count[0] * grid->across[1][k]);
-    }
-}
-
-static void read_entry(struct config_reader *reader, config_setting_t *entry,
-                       const struct wisp *material, struct scene *scene) {
-    static const char *const known[] = {"root", "direction", "length", "nodes",
-                                        "grid", "spacing",   "across", NULL};
-    struct wisp wisp = *material;
-    struct grid grid;
-    if (!config_setting_is_group(entry)) {
-        config_fail(reader, entry, "wisps: each entry must be a group in braces");
-        return;
-    }
-    if (config_setting_get_member(entry, "scalp"))
-        config_fail(reader, entry, "scalp: this version places wisps one by one or in grids");
-    config_known(reader, entry, known);
-    config_vector(reader, entry, "root", wisp.root);
-    config_vector(reader, entry, "direction", wisp.direction);
-    wisp.length = config_required(reader, entry, "length", POSITIVE);
-    const double nodes = config_required(reader, entry, "nodes", WHOLE);
-    if (nodes < 3 || nodes > 10000)
-        config_fail(reader, config_setting_get_member(entry, "nodes"),
-                    "nodes: %g is not a whole number from 3 to 10000", nodes);
-    read_grid(reader, entry, &grid);
-    if (reader->failed)
-        return;
-    wisp.nodes = (int)nodes;
-    normalise(reader, entry, "direction", wisp.direction);
-    if (!reader->failed)
-        add_wisps(reader, scene, &wisp, &grid);
-}
-
 void scene_read_wisps(struct config_reader *reader, config_setting_t *top, struct scene *scene) {
-    static const char *const known[] = {
-        "name",     "problem", "duration", "frame_rate", "seed", "run",  "gravity",  "material",
-        "envelope", "wisps",   "wind",     "style",      "head", "body", "contacts", NULL};
+    static const char *const known[] = {"name",  "problem", "duration", "frame_rate", "seed",
+                                        "run",   "gravity", "material", "envelope",   "wisps",
+                                        "wind",  "style",   "head",     "body",       "contacts",
+                                        "start", NULL};
     struct wisp material = {0};
     refuse_absent_features(reader, top);
     config_known(reader, top, known);
@@ -253,14 +158,8 @@ void scene_read_wisps(struct config_reader *reader, config_setting_t *top, struc
     read_style(reader, top, &scene->around.style);
     read_head(reader, top, &scene->around.head);
     scene_read_contacts(reader, top, material.samples, scene);
-
-    config_setting_t *wisps = config_setting_get_member(top, "wisps");
-    if (!wisps || !config_setting_is_list(wisps) || config_setting_length(wisps) == 0) {
-        config_fail(reader, wisps, "wisps: must be a list of groups, ( { root = ...; }, ... )");
-        return;
-    }
-    for (int i = 0; i < config_setting_length(wisps) && !reader->failed; i++)
-        read_entry(reader, config_setting_get_elem(wisps, (unsigned)i), &material, scene);
+    scene_read_roots(reader, top, &material, scene);
+    scene_read_start(reader, top, scene);
 }
 
 void scene_remove_envelope(struct scene *scene) {

@@ -54,6 +54,10 @@ void wisp_ticks_free(struct wisp_model *m);
 /* The problem's `extremes`. */
 int wisps_extremes(const struct model *model, const double *rows, struct extremes *extremes);
 
+/* Puts the model into the state from which its scene starts, where that is not rest. 0, or -1 where
+ * memory cannot be had. */
+int wisps_start(struct wisp_model *m);
+
 /* The problem's `tick`. */
 enum outcome wisps_tick(struct model *model, unsigned events, int *changed);
 

@@ -120,18 +120,21 @@ static enum outcome interact(struct wisp_model *m, int *changed) {
 struct bodies {
     const struct body *body;
     int count;
-    double t, interval;                    /* s */
+    double interval; /* since the last tick, s */
+    struct body_motion motion[BODIES_MAX];
     double boxes[6 * BODIES_MAX], hull[6]; /* around each, around all */
 };
 
 static void place_bodies(const struct scene *scene, double t, struct bodies *bodies) {
+    struct placement head;
+    head_placement(&scene->around.head, t, &head);
     bodies->body = scene->bodies;
     bodies->count = scene->body_count;
-    bodies->t = t;
     bodies->interval = 1 / scene->collision_rate;
     for (int i = 0; i < bodies->count; i++) {
         double *box = bodies->boxes + 6 * i, *hull = bodies->hull;
-        body_box(&bodies->body[i], t, box);
+        bodies->motion[i] = body_motion(&bodies->body[i], &head, t);
+        body_box(&bodies->body[i], &bodies->motion[i], box);
         for (int k = 0; k < 3; k++) {
             hull[k] = i == 0 || box[k] < hull[k] ? box[k] : hull[k];
             hull[3 + k] = i == 0 || box[3 + k] > hull[3 + k] ? box[3 + k] : hull[3 + k];
@@ -149,7 +152,8 @@ static int push_out(const struct wisp_model *m, int i, const struct bodies *bodi
         if (!(near >> k & 1))
             continue;
         struct strand *strand = open_strand(m, i, k);
-        body_contact(strand, bodies->body, bodies->count, bodies->t, bodies->interval, &report);
+        body_contact(strand, bodies->body, bodies->motion, bodies->count, bodies->interval,
+                     &report);
         if (strand->changed)
             close_strand(m, i, k);
         changed |= strand->changed;

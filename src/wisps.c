@@ -307,7 +307,7 @@ static struct model *wisps_create(const struct scene *scene, int treatment, int 
         m->model.part_count = gather_batches(m);
     for (int i = 0; i < m->model.part_count && !code; i++)
         code = create_part(m, i);
-    code = code || name_all_columns(m) || count_rows(m) || wisp_ticks_create(m);
+    code = code || name_all_columns(m) || count_rows(m) || wisp_ticks_create(m) || wisps_start(m);
     if (code) {
         wisps_free(&m->model);
         return NULL;

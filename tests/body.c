@@ -207,6 +207,19 @@ static struct strand *far_strand(const struct wisp *wisp, enum wisp_treatment tr
     return s;
 }
 
+/* One tick at time t, of a head at rest. */
+static const struct head_motion no_motion;
+
+static void contact(struct strand *s, const struct body *bodies, int count, double t,
+                    struct body_report *report) {
+    struct placement head;
+    struct body_motion at[BODIES_MAX];
+    head_placement(&no_motion, t, &head);
+    for (int i = 0; i < count; i++)
+        at[i] = body_motion(&bodies[i], &head, t);
+    body_contact(s, bodies, at, count, dt, report);
+}
+
 /* What happens to a node at p with velocity v in one tick at time t. */
 static struct body_report hit(const struct body *bodies, int count, double t, double p[3],
                               double v[3]) {
@@ -216,7 +229,7 @@ static struct body_report hit(const struct body *bodies, int count, double t, do
     struct body_report report = {0, 0, 0};
     memcpy(s->p[3], p, sizeof s->p[3]);
     memcpy(s->v[3], v, sizeof s->v[3]);
-    body_contact(s, bodies, count, t, dt, &report);
+    contact(s, bodies, count, t, &report);
     cr_assert_eq(s->changed, report.nodes > 0);
     memcpy(p, s->p[3], sizeof s->p[3]);
     memcpy(v, s->v[3], sizeof s->v[3]);
@@ -382,7 +395,7 @@ Test(body, samples_end_on_the_surface) {
         memcpy(before, s->e + 12, sizeof before);
         memcpy(velocity, s->ev + 12, sizeof velocity);
         const double r0 = s->r[13], rate0 = s->rate[13];
-        body_contact(s, &b, 1, 0, dt, &report);
+        contact(s, &b, 1, 0, &report);
         cr_assert(report.samples == 1 && report.nodes == 0 && report.inside == 0 && s->changed);
         cr_assert(fabs(s->r[13] - 0.008) <= 1e-14, "r = %.17g", s->r[13]);
         cr_assert(fabs(s->rate[13] - fmin(rate0, -0.5)) <= 1e-14, "rate %.17g", s->rate[13]);
@@ -411,7 +424,7 @@ Test(body, samples_keep_their_least_distance) {
         for (int k = 0; k < 3; k++)
             b.centre[k] = s->p[3][k] + (0.05 + 1e-6) * a[k];
         s->rate[14] = slow ? -7 : 7;
-        body_contact(s, &b, 1, 0, dt, &report);
+        contact(s, &b, 1, 0, &report);
         cr_assert_eq(report.samples, 1);
         cr_assert(s->r[14] == 1e-3 * 0.02 && s->rate[14] == (slow ? -7 : 0), "r = %g, rate %g",
                   s->r[14], s->rate[14]);
@@ -432,7 +445,7 @@ Test(body, samples_that_are_left_alone) {
         b[0].centre[k] = s->p[3][k] - 0.058 * a[k];
     s->r[12] = -0.02;
     s->r[14] = 1e-5; /* the opposite one would be in the way */
-    body_contact(s, b, 1, 0, dt, &report);
+    contact(s, b, 1, 0, &report);
     cr_assert(report.samples == 0 && s->r[12] == -0.02 && !s->changed);
     b[0] = ball(1);
     memcpy(b[0].centre, s->p[3], sizeof b[0].centre);
@@ -440,7 +453,7 @@ Test(body, samples_that_are_left_alone) {
     b[0].centre[1] -= 0.6;
     b[1].centre[1] += 0.6;
     s->r[12] = 0.02;
-    body_contact(s, b, 2, 0, dt, &report);
+    contact(s, b, 2, 0, &report);
     cr_assert(report.inside >= 1, "%lld inside", report.inside);
     cr_assert(s->r[12] == 0.02 && s->r[13] == 0.02 && s->r[14] == 1e-5, "a sample was moved");
     strand_free(s);
@@ -607,7 +620,7 @@ Test(body, agrees_with_the_page_written_down_twice) {
         struct strand *twin = random_strand(&wisp, treatment, &again);
         random_bodies(s, count, &seed, bodies);
         struct body_report report = {0, 0, 0};
-        body_contact(s, bodies, count, t, dt, &report);
+        contact(s, bodies, count, t, &report);
         const int left = twin_contact(twin, bodies, count, t);
         const double difference = largest_difference(s, twin);
         cr_assert(report.inside == left, "%lld left inside, not %d", report.inside, left);
@@ -644,7 +657,7 @@ Test(body, scaled_and_moved_it_is_the_same) {
         random_bodies(s[0], 3, &seed, bodies);
         struct body_report report = {0, 0, 0};
         const double by[3] = {0.3, -0.2, 0.1};
-        body_contact(s[0], bodies, 3, 0, dt, &report);
+        contact(s[0], bodies, 3, 0, &report);
         memcpy(other, bodies, sizeof other); /* moved */
         for (int b = 0; b < 3; b++)
             for (int k = 0; k < 3; k++)
@@ -653,7 +666,7 @@ Test(body, scaled_and_moved_it_is_the_same) {
             for (int k = 0; k < 3; k++)
                 s[1]->p[n][k] += by[k];
         strand_refresh(s[1]);
-        body_contact(s[1], other, 3, 0, dt, &report);
+        contact(s[1], other, 3, 0, &report);
         large.radius *= 4; /* scaled */
         s[2]->wisp = &large;
         memcpy(other, bodies, sizeof other);
@@ -675,7 +688,7 @@ Test(body, scaled_and_moved_it_is_the_same) {
             s[2]->rate[at] *= 4;
         }
         strand_refresh(s[2]);
-        body_contact(s[2], other, 3, 0, dt, &report);
+        contact(s[2], other, 3, 0, &report);
         for (int n = 0; n < 7; n++)
             for (int k = 0; k < 3; k++) {
                 cr_assert(fabs(s[1]->p[n][k] - by[k] - s[0]->p[n][k]) <= 1e-11 &&
@@ -760,14 +773,19 @@ static void check_near(int lanes, enum wisp_treatment treatment, int samples, un
         V[LAB_LANES * LAB_SIZE], rows[LAB_NODES * (6 + 6 * SAMPLES_MAX)];
     enum { NODES = 6, BODIES = 3 };
     const int count = (int)lab_between(seed, 1, BODIES + 0.99);
-    const struct surroundings around = lab_surroundings(WIND_NONE, seed);
+    struct surroundings around = lab_surroundings(WIND_NONE, seed);
     struct wisp wisps[LAB_LANES];
     struct body bodies[BODIES];
+    struct body_motion motion[BODIES];
     struct lab_part part;
     const double spread = lab_between(seed, 0, 1) < 0.5 ? 0.15 : 1;
     double boxes[6 * BODIES],
         hull[6] = {INFINITY, INFINITY, INFINITY, -INFINITY, -INFINITY, -INFINITY};
     int clamp;
+    struct placement head;
+    around.head.knots = 1; /* turned for ever */
+    random_vector(seed, 2, around.head.rotation[0]);
+    head_placement(&around.head, 0.1, &head);
     for (int k = 0; k < lanes; k++)
         wisps[k] = lab_wisp(NODES, samples, BENDING_SKIP, seed);
     lab_part_make(&part, lanes, wisps, lanes, &around, treatment);
@@ -779,13 +797,18 @@ static void check_near(int lanes, enum wisp_treatment treatment, int samples, un
         lab_scatter(&part, k, v, V);
     }
     for (int b = 0; b < count; b++) {
+        double centre[3];
         bodies[b] = (struct body){.offset = 1e-4};
         for (int k = 0; k < 3; k++) {
             bodies[b].radii[k] = lab_between(seed, 0.005, 0.1);
-            bodies[b].centre[k] = wisps[0].root[k] + lab_between(seed, -spread, spread);
+            centre[k] = wisps[0].root[k] + lab_between(seed, -spread, spread);
         }
+        for (int k = 0; k < 3; k++) /* so that it is there as the head is turned */
+            for (int j = 0; j < 3; j++)
+                bodies[b].centre[k] += head.turn[0][j][k] * centre[j];
         random_vector(seed, 1, bodies[b].velocity);
-        body_box(&bodies[b], 0.1, boxes + 6 * b);
+        motion[b] = body_motion(&bodies[b], &head, 0.1);
+        body_box(&bodies[b], &motion[b], boxes + 6 * b);
         for (int k = 0; k < 3; k++) {
             hull[k] = fmin(hull[k], boxes[6 * b + k]);
             hull[3 + k] = fmax(hull[3 + k], boxes[6 * b + 3 + k]);
@@ -799,8 +822,9 @@ static void check_near(int lanes, enum wisp_treatment treatment, int samples, un
         struct body_report report = {0, 0, 0};
         const int stride = 6 + samples * (treatment == WISP_PENALTY ? 6 : 2);
         (lanes == 1 ? kernel_sample_1 : kernel_sample_4)(ctx, k, Q, V, rows, stride);
+        strand_turn(s, &head);
         strand_load(s, rows, stride);
-        body_contact(s, bodies, count, 0.1, dt, &report);
+        body_contact(s, bodies, motion, count, dt, &report);
         const int found = s->changed || report.inside;
         cr_assert(!found || (near >> k & 1), "lane %d of %d: a contact is missed", k, lanes);
         *touched += found;

@@ -304,8 +304,9 @@ static const struct wrong {
     {"subdivision", "subdivision = { };", 7, {"subdivision"}},
     {"style", "style = { };", 7, {"times", "missing"}},
     {"head", "head = { };", 7, {"times", "missing"}},
-    {"start", "start = \"file.tsv\";", 7, {"start"}},
-    {"wisps", "wisps = (\n{ scalp = \"head\"; count = 100; } );", 7, {"scalp"}},
+    {"start", "start = \"nothing.tsv\";", 7, {"start", "/nothing.tsv", "cannot be read"}},
+    {"start", "start = \"\";", 7, {"start", "path"}},
+    {"start", "start = 3;", 7, {"start", "text"}},
 };
 enum { WRONGS = sizeof wrongs / sizeof *wrongs };
 

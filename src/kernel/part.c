@@ -309,6 +309,10 @@ static int clamp_distances(const struct kernel_part *part, double *q, double *v)
     return changed;
 }
 
+/* A particle that was put at the least distance, here or by a body, is there but for rounding: it
+ * is not clamped again, which would take a rate from it that it may have. */
+static const double particles_least = 1e-3 * (1 - 1e-9); /* of R */
+
 static int clamp_particles(struct kernel_part *part, double *q, double *v) {
     int changed = 0;
     LANED(kernel_frames)(part, q);
@@ -320,7 +324,7 @@ static int clamp_particles(struct kernel_part *part, double *q, double *v) {
             const struct vec e = vec_load(qi, 3 + 3 * j), ev = vec_load(vi, 3 + 3 * j);
             const lane least = 1e-3 * part->radius, r = dot(sub(e, vec_load(qi, 0)), line);
             const lane rate = dot(sub(ev, vec_load(vi, 0)), line);
-            const mask inside = r < least;
+            const mask inside = r < particles_least * part->radius;
             if (mask_none(inside))
                 continue;
             vec_store(qi, 3 + 3 * j, vec_select(inside, add_scaled(e, least - r, line), e));
@@ -365,7 +369,7 @@ SPECIALISED void look_at_distances(const struct kernel_part *part, const double 
 
 static void look_at_particles(struct kernel_part *part, const double *q, lane margin,
                               struct look *look) {
-    const lane least = 1e-3 * part->radius;
+    const lane least = particles_least * part->radius;
     LANED(kernel_frames)(part, q);
     for (int i = 2; i < part->nodes; i++) {
         const int at = (i - 2) * part->node_unknowns;

@@ -1,0 +1,120 @@
+#include "state.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The column of each of the model's columns in the table. Returns 0, or -1 with a reason. */
+static int match_columns(const struct model *model, const struct table *table, const char *file,
+                         int *columns, char *reason) {
+    for (int i = 0; i < model->column_count; i++) {
+        columns[i] = table_column(table, model->columns[i]);
+        if (columns[i] < 0) {
+            snprintf(reason, REASON_SIZE, "%.120s: no column '%s', which this treatment needs",
+                     file, model->columns[i]);
+            return -1;
+        }
+    }
+    if (table_column(table, "t") == 0 && table->column_count == model->column_count + 1)
+        return 0;
+    snprintf(reason, REASON_SIZE, "%.120s: has %d columns; this scene and treatment have t and %d",
+             file, table->column_count, model->column_count);
+    return -1;
+}
+
+/* Row i of the last frame, to be that of the wisp and node which `expected` begins with. */
+static int take_row(const struct model *model, const struct table *table, const int *columns, int i,
+                    const double *expected, double *row) {
+    const int at = table->row_count - model->row_count + i;
+    const double t = table_value(table, table->row_count - 1, 0);
+    int sound = isfinite(t) && table_value(table, at, 0) == t;
+    for (int j = 0; j < model->column_count; j++) {
+        row[j] = table_value(table, at, columns[j]);
+        sound &= isfinite(row[j]) && (j >= 2 || row[j] == expected[j]);
+    }
+    return sound;
+}
+
+int state_of_table(const struct model *model, const struct table *table, const char *file,
+                   double *rows, double *t, char *reason) {
+    int columns[TABLE_COLUMNS_MAX], i = 0;
+    const int first = table->row_count - model->row_count, count = model->column_count;
+    if (match_columns(model, table, file, columns, reason))
+        return -1;
+    if (first < 0) {
+        snprintf(reason, REASON_SIZE, "%.120s: has %d rows; a frame of this scene has %d", file,
+                 table->row_count, model->row_count);
+        return -1;
+    }
+    double *expected = malloc((size_t)(model->row_count * count) * sizeof *expected);
+    if (!expected) {
+        snprintf(reason, REASON_SIZE, "out of memory");
+        return -1;
+    }
+    model->problem->sample(model, expected); /* for the numbers of wisps and nodes */
+    while (i < model->row_count &&
+           take_row(model, table, columns, i, expected + i * count, rows + i * count))
+        i++;
+    if (i < model->row_count)
+        snprintf(reason, REASON_SIZE,
+                 "%.120s: row %d is not wisp %g, node %g of the last frame in finite numbers", file,
+                 first + i + 1, expected[i * count], expected[i * count + 1]);
+    *t = table_value(table, table->row_count - 1, 0);
+    free(expected);
+    return i < model->row_count ? -1 : 0;
+}
+
+/* Copies a text file from where it stands, up to `end` or, where that is negative, to its end. */
+static void copy(FILE *from, long end, FILE *to) {
+    for (int c; (end < 0 || ftell(from) < end) && (c = fgetc(from)) != EOF;)
+        fputc(c, to);
+}
+
+/* Where the first row stands, and the first of the rows that have the last one's time. Returns 0,
+ * or -1 where the table cannot be read to its end. */
+static int find_last_frame(FILE *table, long *rows, long *frame) {
+    char *line = NULL, time[64] = "";
+    size_t size = 0;
+    int named = 0;
+    *rows = *frame = 0;
+    for (long at = 0; getline(&line, &size, table) > 0; at = ftell(table)) {
+        const size_t length = strcspn(line, "\t\n");
+        if (line[0] == '#')
+            continue;
+        if (!named) {
+            named = 1;
+            *rows = *frame = ftell(table);
+        } else if (length >= sizeof time || strlen(time) != length ||
+                   strncmp(time, line, length) != 0) {
+            snprintf(time, sizeof time, "%.*s", (int)length, line);
+            *frame = at;
+        }
+    }
+    free(line);
+    return feof(table) ? 0 : -1;
+}
+
+int state_save(const char *states, const char *file, char *reason) {
+    struct atomic_file saved;
+    long rows, frame;
+    FILE *table = fopen(states, "r");
+    if (!table) {
+        snprintf(reason, REASON_SIZE, "%.150s: %s", states, strerror(errno));
+        return -1;
+    }
+    int code = find_last_frame(table, &rows, &frame);
+    if (code)
+        snprintf(reason, REASON_SIZE, "%.150s: cannot be read", states);
+    else
+        code = atomic_open(&saved, file, reason);
+    if (!code) {
+        rewind(table);
+        copy(table, rows, saved.stream);
+        fseek(table, frame, SEEK_SET);
+        copy(table, -1, saved.stream);
+        code = atomic_commit(&saved, reason);
+    }
+    fclose(table);
+    return code;
+}
