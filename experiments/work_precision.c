@@ -169,7 +169,7 @@ static int work_precision_plan(struct plan *plan) {
 struct point {
     const struct contestant *contestant;
     double setting;
-    const char *status; /* an outcome's name, "refused" or "left out" */
+    const char *status; /* an outcome's name, "parted", "refused" or "left out" */
     struct cost cost;
     struct deviation deviation; /* NaN where the run did not finish */
     int limited;                /* closer to the reference than ten times its bound */
@@ -190,13 +190,13 @@ struct field {
 };
 
 static int is_finished(const struct point *p) {
-    return p->cost.outcome == FINISHED && isfinite(p->deviation.rms);
+    return p->cost.outcome == FINISHED && isfinite(p->deviation.rms) && isnan(p->deviation.parted);
 }
 
 static struct point *new_point(struct field *field, const struct contestant *contestant, int k,
                                const char *status) {
     struct point *p = &field->points[field->count++];
-    const struct deviation none = {NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
+    const struct deviation none = {NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
     const struct cost unknown = {REFUSED, NAN, NAN, NAN, {NAN, NAN, NAN}};
     *p = (struct point){.contestant = contestant,
                         .setting = setting(field->subject->scene, contestant, k),
@@ -221,6 +221,12 @@ static int read_point(struct plan *plan, struct field *field, const struct label
         code = measure_deviation(scene, &run.states, &field->reference.states,
                                  scene->run.atol / scene->run.rtol, &p->deviation, plan->reason);
         p->limited = p->deviation.rms < 10 * field->bound;
+        if (!isnan(p->deviation.parted)) {
+            p->status = "parted"; /* on the chart as a failure: its error is of fewer frames */
+            snprintf(p->note, sizeof p->note,
+                     "wisps split at other ticks than the reference's; compared before %.6g s",
+                     p->deviation.parted);
+        }
     }
     run_free(&run);
     return code;
@@ -326,7 +332,8 @@ static const struct {
          "radius = rms of the samples' distance from their node, m; mescd at the end; CPU "
          "time, s, of repeated runs; setting: step, s, or rtol; limited: within ten times "
          "the reference's bound, and so on no front; front: Pareto, by CPU time and by force "
-         "evaluations; nan: there is no number, see status and note",
+         "evaluations; nan: there is no number, see status and note; parted: wisps split at other "
+         "ticks than the reference's, from where on nothing is compared",
          "method\ttreatment\tstepper\tsetting\tstatus\tfailure_time\terror\tlargest\trelative"
          "\tend\tvelocity\tradius\tmescd\tcpu_median\tcpu_least\tcpu_greatest"
          "\tforce_evaluations\tsteps\tlimited\tfront_cpu\tfront_evaluations\tnote"},

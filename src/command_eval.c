@@ -49,7 +49,17 @@ static int last_frame(const struct model *model, const struct table *table, cons
     }
     model->problem->sample(model, expected); /* for the numbers of wisps and nodes */
     *t = table_value(table, table->row_count - 1, 0);
+    const double wisps = table_value(table, table->row_count - 1, columns[0]) + 1;
+    const double scene_wisps = expected[(model->row_count - 1) * count] + 1;
     int code = 0;
+    if (wisps > scene_wisps) {
+        snprintf(
+            reason, REASON_SIZE,
+            "%.120s: its last frame has %g wisps, and the scene %g: after a subdivision a state "
+            "is none of the scene's",
+            file, wisps, scene_wisps);
+        code = -1;
+    }
     for (int i = 0; i < model->row_count && !code; i++) {
         for (int j = 0; j < count; j++)
             rows[i * count + j] = table_value(table, first + i, columns[j]);

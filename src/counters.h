@@ -19,7 +19,8 @@
     X(projections, "states put back onto their constraint")                                 \
     X(restarts, "times a stepper began anew after an event")                                \
     X(body_contacts, "times a node or sample was inside a body and was put outside")        \
-    X(nodes_left_inside, "times a node was still inside a body after a tick's passes")
+    X(nodes_left_inside, "times a node was still inside a body after a tick's passes")      \
+    X(splits, "wisps that were divided in two")
 
 struct counters {
 #define X(field, definition) long long field;

@@ -26,8 +26,9 @@ struct simulation {
     struct run_result *result;
     struct model *model;
     struct stepper **steppers; /* one for each part */
-    double *rows;              /* a frame */
-    int *changed;              /* by part: a tick changed its state */
+    int stepper_count;
+    double *rows; /* a frame */
+    int *changed; /* by part: a tick changed its state */
     struct progress_of_part *progress;
     struct workers *workers;
     struct clock clock;
@@ -53,6 +54,19 @@ static void start_clock(struct simulation *sim) {
     sim->clock.kink_count = sim->model->kink_count;
 }
 
+/* A stepper for each part that has none: the parts at the start, and those a tick has added. */
+static void create_steppers(struct simulation *sim) {
+    for (; sim->stepper_count < sim->model->part_count && going(sim); sim->stepper_count++) {
+        const int i = sim->stepper_count;
+        struct system *system = &sim->model->parts[i].system;
+        if (sim->settings->profile)
+            system->profile = &sim->progress[i].profile;
+        sim->steppers[i] = stepper_create(sim->settings->method, &sim->settings->stepper, system);
+        if (!sim->steppers[i])
+            end_with(sim, OUT_OF_MEMORY, "no memory for a stepper");
+    }
+}
+
 /* Scene -> model -> parts, each with its stepper; and the clock that will stop them. */
 static void open_simulation(struct simulation *sim) {
     const struct problem *problem = sim->scene->problem;
@@ -63,21 +77,16 @@ static void open_simulation(struct simulation *sim) {
         return;
     }
     start_clock(sim);
-    sim->steppers = calloc((size_t)sim->model->part_count, sizeof(struct stepper *));
-    sim->rows = calloc((size_t)(sim->model->row_count * sim->model->column_count), sizeof(double));
-    sim->changed = calloc((size_t)sim->model->part_count, sizeof(int));
-    sim->progress = calloc((size_t)sim->model->part_count, sizeof *sim->progress);
+    const size_t parts = (size_t)sim->model->part_count + (size_t)sim->model->parts_to_come;
+    const size_t rows = (size_t)sim->model->row_count + (size_t)sim->model->rows_to_come;
+    sim->steppers = calloc(parts, sizeof(struct stepper *));
+    sim->rows = calloc(rows, (size_t)sim->model->column_count * sizeof(double));
+    sim->changed = calloc(parts, sizeof(int));
+    sim->progress = calloc(parts, sizeof *sim->progress);
     sim->workers = workers_create(sim->settings->threads);
     if (!sim->steppers || !sim->rows || !sim->changed || !sim->progress || !sim->workers)
         end_with(sim, OUT_OF_MEMORY, "no memory for the steppers");
-    for (int i = 0; i < sim->model->part_count && going(sim); i++) {
-        struct system *system = &sim->model->parts[i].system;
-        if (sim->settings->profile)
-            system->profile = &sim->progress[i].profile;
-        sim->steppers[i] = stepper_create(sim->settings->method, &sim->settings->stepper, system);
-        if (!sim->steppers[i])
-            end_with(sim, OUT_OF_MEMORY, "no memory for a stepper");
-    }
+    create_steppers(sim);
 }
 
 static void add_counters(struct counters *sum, const struct counters *part) {
@@ -95,6 +104,7 @@ static void add_profile(struct profile *sum, const struct profile *part) {
 static void close_simulation(struct simulation *sim) {
     if (sim->model) {
         for (int i = 0; i < sim->model->part_count; i++) {
+            sim->result->wisps += sim->model->parts[i].system.wisps;
             add_counters(&sim->result->counters, &sim->model->parts[i].system.counters);
             if (sim->progress)
                 add_profile(&sim->result->profile, &sim->progress[i].profile);
@@ -208,7 +218,8 @@ static void check_meaning(struct simulation *sim) {
         sim->result->outcome = problem->check(sim->model, sim->result->reason, REASON_SIZE);
 }
 
-/* What happens at a stop; steppers with a history begin anew where it changed their part. */
+/* What happens at a stop; steppers with a history begin anew where it changed their part, and new
+ * parts get theirs. */
 static void tick(struct simulation *sim, unsigned events) {
     const struct problem *problem = sim->scene->problem;
     if (!problem->tick)
@@ -217,9 +228,10 @@ static void tick(struct simulation *sim, unsigned events) {
     const enum outcome outcome = problem->tick(sim->model, events, sim->changed);
     if (outcome != FINISHED)
         end_with(sim, outcome, "no memory for what happens at a tick");
-    for (int i = 0; i < sim->model->part_count; i++)
+    for (int i = 0; i < sim->stepper_count; i++)
         if (sim->changed[i] && sim->settings->method->reset)
             sim->settings->method->reset(sim->steppers[i]);
+    create_steppers(sim);
 }
 
 static void show_frame(struct simulation *sim) {
