@@ -92,10 +92,11 @@ void subdivision_turn(struct strand *strand, const struct flattening *at,
     if (speed < 1e-9 || width < 1e-9) {
         vector_add(dv, side * 1e-3, longest);
     } else {
-        const double along = at->ratio, aside = side * (1 - at->ratio);
-        const double scale = speed / hypot(along, aside); /* the two are perpendicular */
-        vector_add(dv, scale * along - speed, unit);
-        vector_add(dv, scale * aside / width, across);
+        double way[3] = {0};
+        vector_add(way, at->ratio, unit);
+        vector_add(way, side * (1 - at->ratio) / width, across);
+        vector_add(dv, speed / vector_length(way), way);
+        vector_add(dv, -1, v);
     }
     strand_move_node(strand, at->node, still, dv);
 }
