@@ -707,7 +707,7 @@ Test(subdivision, a_rule_that_never_holds_changes_nothing) {
 /* Number of wisps of b whose rows, but for their number, are one of a's, each used once. */
 static int wisps_found(const struct film *a, const struct film *b, int f) {
     const int stride = a->columns;
-    char used[ROWS] = {0};
+    char used[100 * 8] = {0};
     int found = 0;
     for (int i = 0; i < b->rows[f]; i++) {
         const double *x = b->row[f] + i * stride;
