@@ -104,6 +104,7 @@ void scene_read_subdivision(struct config_reader *reader, config_setting_t *top,
     config_known(reader, group, known);
     scene->subdivision.ratio = config_number(reader, group, "ratio", POSITIVE, 0.5);
     scene->subdivision.separation = config_number(reader, group, "separation", POSITIVE, 0.01);
+    const config_setting_t *limit_given = config_setting_get_member(group, "limit");
     const double limit = config_number(reader, group, "limit", WHOLE, 400);
     if (samples == 0)
         config_fail(reader, group,
@@ -117,7 +118,7 @@ void scene_read_subdivision(struct config_reader *reader, config_setting_t *top,
         config_fail(reader, config_setting_get_member(group, "ratio"),
                     "ratio: %g is not between 0 and 1", scene->subdivision.ratio);
     if (limit < scene->wisp_count || limit > most_wisps)
-        config_fail(reader, config_setting_get_member(group, "limit"),
+        config_fail(reader, limit_given ? limit_given : group,
                     "limit: %g is not a whole number from %d, the wisps of the scene, to %g", limit,
                     scene->wisp_count, most_wisps);
     else
