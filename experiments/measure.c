@@ -88,6 +88,33 @@ static int same_samples(const struct table *a, const struct table *b) {
            strcmp(a->name[SAMPLES], b->name[SAMPLES]) == 0;
 }
 
+static const double *row_of(const struct table *states, int i) {
+    return states->value + (size_t)i * (size_t)states->column_count;
+}
+
+/* The row behind the frame that begins at row `first`, or behind the wisp that does. */
+static int behind(const struct table *states, int first, int column) {
+    int i = first + 1;
+    while (i < states->row_count &&
+           table_value(states, i, column) == table_value(states, first, column))
+        i++;
+    return i;
+}
+
+/* Whether `count` rows from a and b on are the same nodes. That the numbers of wisps agree does not
+ * say so: they come in the order of their subdivisions. But roots tell them apart, and the nodes of
+ * the head are the same in all runs, to rounding. */
+static int same_wisps(const struct table *run, int a, const struct table *reference, int b,
+                      int count) {
+    for (int i = 0; i < count; i++) {
+        const double *x = row_of(run, a + i), *y = row_of(reference, b + i);
+        if (x[WISP] != y[WISP] || x[NODE] != y[NODE] ||
+            (x[NODE] < 2 && distance(x + POSITION, y + POSITION) > 1e-9))
+            return 0;
+    }
+    return 1;
+}
+
 /* Sums of squares, to become means. */
 struct sums {
     double all, free, relative, end_all, end, velocity, radius, worst_component;
@@ -140,29 +167,54 @@ static void finish(const struct sums *sums, struct deviation *d) {
     d->velocity = sqrt(sums->velocity / sums->free_rows);
     d->radius = sums->samples > 0 ? sqrt(sums->radius / sums->samples) : 0;
     d->mescd = -log10(sums->worst_component);
+    if (!isnan(d->parted))
+        d->end_largest = d->mescd = NAN; /* the others are 0 / 0 */
+}
+
+/* One frame, `count` rows of each; a wisp's first two nodes tell its length. */
+static void add_frame(struct sums *sums, struct deviation *d, const struct table *run, int first,
+                      const struct table *reference, int reference_first, int count, int at_end,
+                      double floor) {
+    const int samples = same_samples(run, reference);
+    double length = 0;
+    for (int i = 0; i < count; i++) {
+        const double *a = row_of(run, first + i), *b = row_of(reference, reference_first + i);
+        if (b[NODE] == 0) {
+            const int nodes = behind(reference, reference_first + i, WISP) - reference_first - i;
+            length = distance(b + POSITION, row_of(reference, reference_first + i + 1) + POSITION) *
+                     (nodes - 1);
+        }
+        add_row(sums, d, a, b, length, at_end);
+        if (samples)
+            add_samples(sums, run, a, reference, b);
+        if (at_end)
+            add_components(sums, a, b, POSITION, samples ? run->column_count : SAMPLES, floor);
+    }
 }
 
 int measure_deviation(const struct scene *scene, const struct table *run,
                       const struct table *reference, double floor, struct deviation *deviation,
                       char *reason) {
     struct sums sums = {0};
-    *deviation = (struct deviation){0};
-    const int rows = run->row_count, samples = same_samples(run, reference);
-    const double end = rows > 0 ? table_value(run, rows - 1, 0) : 0;
-    for (int i = 0; i < rows; i++) {
-        const double *a = run->value + (size_t)i * (size_t)run->column_count;
-        const double *b = reference->value + (size_t)i * (size_t)reference->column_count;
-        if (reference->row_count < rows || a[WISP] != b[WISP] || a[NODE] != b[NODE] ||
-            fabs(a[0] - b[0]) > 1e-12 * fmax(1, b[0])) {
-            snprintf(reason, REASON_SIZE, "scene %s: two runs have not the same frames",
-                     scene->name);
-            return -1;
+    int a = 0, b = 0; /* first rows of the frames at hand */
+    *deviation = (struct deviation){.parted = NAN};
+    while (b < reference->row_count && a < run->row_count && isnan(deviation->parted)) {
+        const int a_end = behind(run, a, 0), b_end = behind(reference, b, 0);
+        const double t = table_value(reference, b, 0);
+        if (fabs(table_value(run, a, 0) - t) > 1e-12 * fmax(1, t))
+            break;
+        if (a_end - a == b_end - b && same_wisps(run, a, reference, b, b_end - b)) {
+            add_frame(&sums, deviation, run, a, reference, b, b_end - b, a_end == run->row_count,
+                      floor);
+            a = a_end;
+            b = b_end;
+        } else {
+            deviation->parted = t;
         }
-        add_row(&sums, deviation, a, b, scene->wisps[(int)b[WISP]].length, a[0] == end);
-        if (samples)
-            add_samples(&sums, run, a, reference, b);
-        if (a[0] == end)
-            add_components(&sums, a, b, POSITION, samples ? run->column_count : SAMPLES, floor);
+    }
+    if (isnan(deviation->parted) && a < run->row_count) {
+        snprintf(reason, REASON_SIZE, "scene %s: two runs have not the same frames", scene->name);
+        return -1;
     }
     finish(&sums, deviation);
     return 0;

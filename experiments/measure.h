@@ -50,10 +50,13 @@ struct deviation {
     double velocity;         /* rms, m/s */
     double radius;           /* rms of the samples' distances from their node, m; 0: none */
     double mescd;            /* -log10 of the largest error at the end over atol/rtol + |value| */
+    double parted; /* of the first frame at which the runs have not the same wisps, for these
+                      split at other ticks, s; NaN: there is none */
 };
 
 /* Compares run and reference, tables of states of `scene`; samples, where both have the same ones.
- * The reference may go on for longer. `floor` is atol/rtol of the mescd. Returns 0, or -1 with a
+ * The reference may go on for longer. `floor` is atol/rtol of the mescd. Where they part, frames
+ * before that are compared, and what belongs to the last frame is NaN. Returns 0, or -1 with a
  * reason where their frames differ. */
 int measure_deviation(const struct scene *scene, const struct table *run,
                       const struct table *reference, double floor, struct deviation *deviation,

@@ -33,7 +33,7 @@ struct entry {
 struct point {
     const struct entry *entry;
     double setting;
-    const char *status;                 /* an outcome's name, "refused" or "left out" */
+    const char *status;                 /* an outcome's name, "parted", "refused", "left out" */
     int runs, failed;                   /* of jittered tolerances; 1 of a fixed step */
     struct cost cost;                   /* of the run with the median error; CPU time over all */
     struct deviation deviation;         /* likewise; NaN where a run did not finish */

@@ -21,7 +21,7 @@ double race_error_at_most(const struct field *field, const struct point *p) {
 static struct point *new_point(struct field *field, const struct entry *entry, int k,
                                const char *status, const char *note) {
     struct point *p = &field->points[field->point_count++];
-    const struct deviation none = {NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
+    const struct deviation none = {NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
     const struct cost unknown = {REFUSED, NAN, NAN, NAN, {NAN, NAN, NAN}};
     *p = (struct point){.entry = entry,
                         .setting = race_setting(field, entry, k),
@@ -54,7 +54,7 @@ static int read_run(struct plan *plan, const struct field *field, const struct l
     const char *reason = json_string_value(json_object_get(run.json, "reason"));
     result->outcome = run.outcome;
     result->cost = run_cost(&run);
-    result->deviation.rms = NAN;
+    result->deviation.rms = result->deviation.parted = NAN;
     snprintf(result->reason, REASON_SIZE, "%s", reason ? reason : "");
     if (run.outcome == FINISHED && field->has_reference)
         code =
@@ -106,6 +106,17 @@ static void record_failure(struct point *p, const struct outcome_of_run *runs, i
                  runs[first].reason);
 }
 
+/* Wisps that split at other ticks than the reference's are on the chart as a failure: their error
+ * is of fewer frames. */
+static int record_parting(struct point *p, const struct outcome_of_run *run) {
+    p->cost = run->cost;
+    p->status = "parted";
+    snprintf(p->note, sizeof p->note,
+             "wisps split at other ticks than the reference's; compared before %.6g s",
+             run->deviation.parted);
+    return 1;
+}
+
 static int read_point(struct plan *plan, struct field *field, const struct entry *entry, int k) {
     struct outcome_of_run runs[JITTERS];
     struct point *p = new_point(field, entry, k, outcome_name(FINISHED), "");
@@ -116,8 +127,14 @@ static int read_point(struct plan *plan, struct field *field, const struct entry
             return -1;
         p->failed += runs[j].outcome != FINISHED;
     }
+    int parted = 0;
+    for (int j = 0; j < entry->jitters && !p->failed && !parted; j++)
+        if (!isnan(runs[j].deviation.parted))
+            parted = record_parting(p, &runs[j]);
     if (p->failed)
         record_failure(p, runs, entry->jitters);
+    else if (parted)
+        p->failed = entry->jitters;
     else
         summarise(p, runs, entry->jitters);
     p->limited = p->deviation.rms < 10 * field->bound;

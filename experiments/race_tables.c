@@ -24,7 +24,8 @@ static const struct {
          "machine; equivalents: CPU time over that of a force evaluation of rk4's pilot; setting: "
          "step, s, or rtol; limited: within ten times the reference's bound, and so on no front; "
          "front: Pareto, by CPU time and by force evaluations; nan: there is no number, see status "
-         "and note",
+         "and note; parted: wisps split at other ticks than the reference's, from where on nothing "
+         "is compared",
          "method\ttreatment\tstepper\tsetting\tstatus\tfailure_time\terror\tlargest\trelative"
          "\tend\tvelocity\tradius\tmescd\tcpu_median\tcpu_least\tcpu_greatest"
          "\tforce_evaluations\tsteps\tlimited\tfront_cpu\tfront_evaluations\terror_least"

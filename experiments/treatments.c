@@ -107,6 +107,14 @@ static int treatments_plan(struct plan *plan) {
                      plan->subjects[i].scene->name);
             return -1;
         }
+        if (plan->subjects[i].scene->subdivision.limit > plan->subjects[i].scene->wisp_count) {
+            snprintf(
+                plan->reason, REASON_SIZE,
+                "scene %s: its wisps split, at ticks that depend on the treatment, and are not "
+                "the same then; set subdivision.limit to %d in it",
+                plan->subjects[i].scene->name, plan->subjects[i].scene->wisp_count);
+            return -1;
+        }
         for (int v = 0; v < VARIANTS; v++)
             if (is_in(plan, v) && plan_variant(plan, &plan->subjects[i], v))
                 return -1;

@@ -182,6 +182,14 @@ static int holds(const struct body *body, const struct body_motion *motion, cons
     return ellipsoid_contains(body->radii, x);
 }
 
+double body_depth(const struct body *body, const struct body_motion *motion, const double p[3]) {
+    double x[3], normal[3];
+    if (!holds(body, motion, p, x))
+        return -1;
+    ellipsoid_normal(body->radii, x, normal);
+    return ellipsoid_exit(body->radii, x, normal);
+}
+
 /* From x by the normal; but out of a body at rest the way the node came in, if it came in since
  * the last tick. A moving body must not drag nodes along a spring (section 5.4 of the thesis). */
 static void exit_point(const struct body *body, const struct body_motion *motion, const double x[3],

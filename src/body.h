@@ -45,6 +45,10 @@ double ellipsoid_exit(const double radii[3], const double x[3], const double d[3
 /* Likewise from a point outside to the first crossing; INFINITY where there is none ahead. */
 double ellipsoid_entry(const double radii[3], const double x[3], const double d[3]);
 
+/* How deep a point of the world is in a body, along the normal of the shell through it, m; negative
+ * where it is not in it. */
+double body_depth(const struct body *body, const struct body_motion *motion, const double p[3]);
+
 /* --- contact --- */
 
 /* What a tick did; numbers are added to. */

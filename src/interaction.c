@@ -263,8 +263,9 @@ static void sort(struct contact *contact, int count) {
 }
 
 /* Appends the contacts of one section, by point. */
-static int find_in_section(struct interaction *it, int section) {
+static int find_in_section(struct interaction *it, struct strand *const *strands, int section) {
     struct volume *volume = &it->volume[section];
+    const struct strand *twin = strands[volume->strand]->twin;
     struct section_place place;
     int near = 0;
     volume->first_contact = it->contact_count;
@@ -275,6 +276,7 @@ static int find_in_section(struct interaction *it, int section) {
     for (int i = 0; i < near; i++) {
         const int point = it->found[i];
         if ((point >= volume->own[0] && point < volume->own[1]) ||
+            (twin && strands[it->point[point].place.strand] == twin) ||
             !section_contains(&volume->section, it->x[point], &place))
             continue;
         struct contact *contact = &it->contact[it->contact_count++];
@@ -294,7 +296,7 @@ int interaction_find(struct interaction *it, struct strand *const *strands, int 
     if (grid_fill(it->grid, cell_side(it, strands), (const double(*)[3])it->x, it->point_count))
         return -1;
     for (int section = 0; section < it->volume_count; section++)
-        if (find_in_section(it, section))
+        if (find_in_section(it, strands, section))
             return -1;
     return it->contact_count;
 }

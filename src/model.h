@@ -23,7 +23,9 @@ struct model {
     const struct diagnosis *diagnosis; /* of a frame while it is shown, likewise; or NULL */
     struct part *parts;
     int part_count;
+    int parts_to_come;          /* that ticks may add to those at the start, at most */
     int row_count;              /* of a frame: one per wisp and node */
+    int rows_to_come;           /* likewise */
     const char *const *columns; /* of a frame's rows, after `t`; NULL-terminated */
     int column_count;
     const char *const *rate_columns; /* of the accelerations, likewise */
@@ -67,8 +69,9 @@ struct problem {
     int (*terms)(const struct scene *scene, const char **names, int most);
 
     /* What happens at a stop besides the smooth motion; sets changed[i] where part i's state is no
-     * longer what its stepper left. Returns FINISHED, or why the run cannot go on. NULL: nothing.
-     */
+     * longer what its stepper left. New parts come after the others, which stay where they are;
+     * `changed` has room for all to come. Returns FINISHED, or why the run cannot go on. NULL:
+     * nothing. */
     enum outcome (*tick)(struct model *model, unsigned events, int *changed);
 
     /* FINISHED while a finite state is within what the model can mean, else DIVERGED and why.

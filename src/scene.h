@@ -5,6 +5,7 @@
 #include "body.h"
 #include "files.h"
 #include "interaction.h"
+#include "subdivision.h"
 #include "wisp.h"
 
 #include <jansson.h>
@@ -38,6 +39,7 @@ struct scene {
     int body_count;
     double collision_rate;                   /* Hz */
     struct interaction_settings interaction; /* of wisps; both responses off: none */
+    struct subdivision subdivision;          /* of wisps, at interaction.rate; limit 0: none */
 
     struct start start;
 

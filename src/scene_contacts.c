@@ -91,3 +91,36 @@ void scene_read_contacts(struct config_reader *reader, config_setting_t *top, in
                     "envelope = { }; or set interpenetration and collision to false");
     read_bodies(reader, top, scene);
 }
+
+/* More would not be refused by the model, but the room for it is taken at the start. */
+static const double most_wisps = 100000;
+
+void scene_read_subdivision(struct config_reader *reader, config_setting_t *top, int samples,
+                            struct scene *scene) {
+    static const char *const known[] = {"ratio", "separation", "limit", NULL};
+    config_setting_t *group = config_group(reader, top, "subdivision");
+    if (!group)
+        return;
+    config_known(reader, group, known);
+    scene->subdivision.ratio = config_number(reader, group, "ratio", POSITIVE, 0.5);
+    scene->subdivision.separation = config_number(reader, group, "separation", POSITIVE, 0.01);
+    const config_setting_t *limit_given = config_setting_get_member(group, "limit");
+    const double limit = config_number(reader, group, "limit", WHOLE, 400);
+    if (samples == 0)
+        config_fail(reader, group,
+                    "subdivision: wisps split by the shape of their envelopes, and these have "
+                    "none; add envelope = { };");
+    if (samples % 2 != 0)
+        config_fail(reader, group,
+                    "subdivision: %d samples have no diameters; envelope.samples must be even",
+                    samples);
+    if (scene->subdivision.ratio > 1)
+        config_fail(reader, config_setting_get_member(group, "ratio"),
+                    "ratio: %g is not between 0 and 1", scene->subdivision.ratio);
+    if (limit < scene->wisp_count || limit > most_wisps)
+        config_fail(reader, limit_given ? limit_given : group,
+                    "limit: %g is not a whole number from %d, the wisps of the scene, to %g", limit,
+                    scene->wisp_count, most_wisps);
+    else
+        scene->subdivision.limit = (int)limit;
+}

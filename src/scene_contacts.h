@@ -10,4 +10,8 @@
 void scene_read_contacts(struct config_reader *reader, config_setting_t *top, int samples,
                          struct scene *scene);
 
+/* Fills scene->subdivision, all 0 without the group; the scene's wisps are there. */
+void scene_read_subdivision(struct config_reader *reader, config_setting_t *top, int samples,
+                            struct scene *scene);
+
 #endif

@@ -8,7 +8,7 @@
 
 /* Groups that only other versions read, which would otherwise be passed over in silence. */
 static void refuse_absent_features(struct config_reader *reader, config_setting_t *top) {
-    static const char *const absent[] = {"subdivision", "render", NULL};
+    static const char *const absent[] = {"render", NULL};
     for (int i = 0; absent[i]; i++) {
         config_setting_t *group = config_setting_get_member(top, absent[i]);
         if (group)
@@ -144,10 +144,10 @@ static void read_wind(struct config_reader *reader, config_setting_t *top, struc
 }
 
 void scene_read_wisps(struct config_reader *reader, config_setting_t *top, struct scene *scene) {
-    static const char *const known[] = {"name",  "problem", "duration", "frame_rate", "seed",
-                                        "run",   "gravity", "material", "envelope",   "wisps",
-                                        "wind",  "style",   "head",     "body",       "contacts",
-                                        "start", NULL};
+    static const char *const known[] = {
+        "name",    "problem",  "duration", "frame_rate",  "seed",  "run",
+        "gravity", "material", "envelope", "wisps",       "wind",  "style",
+        "head",    "body",     "contacts", "subdivision", "start", NULL};
     struct wisp material = {0};
     refuse_absent_features(reader, top);
     config_known(reader, top, known);
@@ -159,11 +159,14 @@ void scene_read_wisps(struct config_reader *reader, config_setting_t *top, struc
     read_head(reader, top, &scene->around.head);
     scene_read_contacts(reader, top, material.samples, scene);
     scene_read_roots(reader, top, &material, scene);
+    scene_read_subdivision(reader, top, material.samples, scene);
     scene_read_start(reader, top, scene);
 }
 
 void scene_remove_envelope(struct scene *scene) {
     json_object_del(scene->source, "envelope");
+    json_object_del(scene->source, "subdivision");
+    scene->subdivision.limit = 0;
     for (int i = 0; i < scene->wisp_count; i++) {
         struct wisp *wisp = &scene->wisps[i];
         wisp->samples = 0;

@@ -7,22 +7,23 @@
 int keep_frame(void *ctx, const struct model *model, double t, const double *rows) {
     (void)t;
     struct kept_frames *kept = ctx;
-    kept->frame_size = (size_t)(model->row_count * model->column_count);
-    if (kept->used + kept->frame_size > kept->capacity) {
-        const size_t capacity = 2 * (kept->used + kept->frame_size);
-        double *grown = realloc(kept->rows, capacity * sizeof *grown);
+    const size_t size = (size_t)(model->row_count * model->column_count);
+    if (kept->used + 1 + size > kept->capacity) {
+        const size_t capacity = 2 * (kept->used + 1 + size);
+        double *grown = realloc(kept->numbers, capacity * sizeof *grown);
         if (!grown)
             return OUT_OF_MEMORY;
-        kept->rows = grown;
+        kept->numbers = grown;
         kept->capacity = capacity;
     }
-    memcpy(kept->rows + kept->used, rows, kept->frame_size * sizeof *rows);
-    kept->used += kept->frame_size;
+    kept->numbers[kept->used] = model->row_count;
+    memcpy(kept->numbers + kept->used + 1, rows, size * sizeof *rows);
+    kept->used += 1 + size;
     return 0;
 }
 
 void kept_frames_free(struct kept_frames *kept) {
-    free(kept->rows);
+    free(kept->numbers);
     *kept = (struct kept_frames){0};
 }
 
@@ -31,21 +32,25 @@ struct comparison {
     const struct kept_frames *kept;
     size_t compared;   /* numbers */
     double difference; /* m */
+    double parted;     /* of the first frame with another number of wisps, s; NaN: none so far */
 };
 
 /* Both runs have the frames of the same clock: their number is the same. */
 static int compare_frame(void *ctx, const struct model *model, double t, const double *rows) {
-    (void)t;
     struct comparison *c = ctx;
     const int columns = model->column_count;
-    const double *first = c->kept->rows + c->compared;
-    if (c->compared + c->kept->frame_size > c->kept->used)
+    if (c->compared == c->kept->used)
         return MODEL_FAILED;
+    const double *first = c->kept->numbers + c->compared + 1;
+    if (first[-1] != model->row_count)
+        c->parted = t;
+    if (!isnan(c->parted)) /* which wisp would be which? */
+        return 0;
     for (int i = 0; i < model->row_count; i++) {
         const double *a = first + i * columns + 2, *b = rows + i * columns + 2; /* x y z */
         c->difference = fmax(c->difference, hypot(hypot(a[0] - b[0], a[1] - b[1]), a[2] - b[2]));
     }
-    c->compared += c->kept->frame_size;
+    c->compared += 1 + (size_t)(model->row_count * columns);
     return 0;
 }
 
@@ -53,7 +58,7 @@ json_t *second_opinion(const struct scene *scene, const struct settings *setting
                        const struct kept_frames *kept, const struct watch *watch) {
     struct settings second;
     struct run_result result;
-    struct comparison comparison = {.kept = kept};
+    struct comparison comparison = {.kept = kept, .parted = NAN};
     char reason[REASON_SIZE];
     const char *method = settings->method->checked_by->method;
 
@@ -64,6 +69,14 @@ json_t *second_opinion(const struct scene *scene, const struct settings *setting
     if (result.outcome != FINISHED)
         return json_pack("{s:s, s:n, s:s}", "stepper", method, "bound", "reason",
                          outcome_name(result.outcome));
+    if (!isnan(comparison.parted)) {
+        snprintf(
+            reason, sizeof reason,
+            "wisps split at other ticks: at %.6g s their numbers differ; up to then the largest "
+            "difference is %.3g m",
+            comparison.parted, comparison.difference);
+        return json_pack("{s:s, s:n, s:s}", "stepper", method, "bound", "reason", reason);
+    }
     return json_pack("{s:o, s:f}", "settings", settings_to_json(scene, &second), "bound",
                      comparison.difference);
 }

@@ -4,10 +4,11 @@
 
 #include "simulation.h"
 
-/* The frames of the first run, kept while it goes on. */
+/* The frames of the first run, kept while it goes on: of each the number of its rows, then these.
+ */
 struct kept_frames {
-    double *rows;
-    size_t frame_size, used, capacity; /* numbers in a frame, kept, and room for */
+    double *numbers;
+    size_t used, capacity;
 };
 
 /* A struct observer's frame function; ctx is a struct kept_frames, all zero before the first. */
@@ -15,7 +16,8 @@ int keep_frame(void *ctx, const struct model *model, double t, const double *row
 void kept_frames_free(struct kept_frames *kept);
 
 /* Runs the method that checks settings->method over the frames kept. New reference: its settings
- * and the bound, the largest distance of a node at a frame, m; or null and the reason. */
+ * and the bound, the largest distance of a node at a frame, m; or null and the reason, which can
+ * be that from some frame on they have not the same number of wisps. */
 json_t *second_opinion(const struct scene *scene, const struct settings *settings,
                        const struct kept_frames *kept, const struct watch *watch);
 

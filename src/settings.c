@@ -119,7 +119,8 @@ static int refuse_combination(const struct scene *scene, struct settings *settin
         if (code)
             snprintf(reason, REASON_SIZE, "%s", system->reason);
     }
-    if (!code && scene->frame_rate == 0 && settings->frame_interval == 0 && model->part_count > 1) {
+    if (!code && scene->frame_rate == 0 && settings->frame_interval == 0 &&
+        model->part_count + model->parts_to_come > 1) {
         snprintf(reason, REASON_SIZE,
                  "scene %s needs a frame_rate: its parts choose their own steps", scene->name);
         code = REFUSED;

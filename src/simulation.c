@@ -28,8 +28,9 @@ struct simulation {
     struct run_result *result;
     struct model *model;
     struct stepper **steppers; /* one for each part */
-    double *rows;              /* a frame */
-    int *changed;              /* by part: a tick changed its state */
+    int stepper_count;
+    double *rows; /* a frame */
+    int *changed; /* by part: a tick changed its state */
     struct progress_of_part *progress;
     struct workers *workers;
     struct clock clock;
@@ -82,6 +83,21 @@ static void perturb_start(struct simulation *sim) {
     gsl_rng_free(random);
 }
 
+/* A stepper for each part that has none: the parts at the start, and those a tick has added. */
+static void create_steppers(struct simulation *sim) {
+    for (; sim->stepper_count < sim->model->part_count && going(sim); sim->stepper_count++) {
+        const int i = sim->stepper_count;
+        struct system *system = &sim->model->parts[i].system;
+        if (sim->settings->profile)
+            system->profile = &sim->progress[i].profile;
+        if (sim->settings->diagnostics)
+            sim->model->parts[i].account = &sim->progress[i].account;
+        sim->steppers[i] = stepper_create(sim->settings->method, &sim->settings->stepper, system);
+        if (!sim->steppers[i])
+            end_with(sim, OUT_OF_MEMORY, "no memory for a stepper");
+    }
+}
+
 /* Scene -> model -> parts, each with its stepper; and the clock that will stop them. */
 static void open_simulation(struct simulation *sim) {
     const struct problem *problem = sim->scene->problem;
@@ -92,23 +108,16 @@ static void open_simulation(struct simulation *sim) {
         return;
     }
     start_clock(sim);
-    sim->steppers = calloc((size_t)sim->model->part_count, sizeof(struct stepper *));
-    sim->rows = calloc((size_t)(sim->model->row_count * sim->model->column_count), sizeof(double));
-    sim->changed = calloc((size_t)sim->model->part_count, sizeof(int));
-    sim->progress = calloc((size_t)sim->model->part_count, sizeof *sim->progress);
+    const size_t parts = (size_t)sim->model->part_count + (size_t)sim->model->parts_to_come;
+    const size_t rows = (size_t)sim->model->row_count + (size_t)sim->model->rows_to_come;
+    sim->steppers = calloc(parts, sizeof(struct stepper *));
+    sim->rows = calloc(rows, (size_t)sim->model->column_count * sizeof(double));
+    sim->changed = calloc(parts, sizeof(int));
+    sim->progress = calloc(parts, sizeof *sim->progress);
     sim->workers = workers_create(sim->settings->threads);
     if (!sim->steppers || !sim->rows || !sim->changed || !sim->progress || !sim->workers)
         end_with(sim, OUT_OF_MEMORY, "no memory for the steppers");
-    for (int i = 0; i < sim->model->part_count && going(sim); i++) {
-        struct system *system = &sim->model->parts[i].system;
-        if (sim->settings->profile)
-            system->profile = &sim->progress[i].profile;
-        if (sim->settings->diagnostics)
-            sim->model->parts[i].account = &sim->progress[i].account;
-        sim->steppers[i] = stepper_create(sim->settings->method, &sim->settings->stepper, system);
-        if (!sim->steppers[i])
-            end_with(sim, OUT_OF_MEMORY, "no memory for a stepper");
-    }
+    create_steppers(sim);
     if (going(sim) && sim->settings->perturbation > 0)
         perturb_start(sim);
 }
@@ -128,6 +137,7 @@ static void add_profile(struct profile *sum, const struct profile *part) {
 static void close_simulation(struct simulation *sim) {
     if (sim->model) {
         for (int i = 0; i < sim->model->part_count; i++) {
+            sim->result->wisps += sim->model->parts[i].system.wisps;
             add_counters(&sim->result->counters, &sim->model->parts[i].system.counters);
             if (sim->progress)
                 add_profile(&sim->result->profile, &sim->progress[i].profile);
@@ -252,7 +262,8 @@ static double unbooked_energy(const struct simulation *sim) {
     return model_energy(sim->model) - model_jumps(sim->model);
 }
 
-/* What happens at a stop; steppers with a history begin anew where it changed their part. */
+/* What happens at a stop; steppers with a history begin anew where it changed their part, and new
+ * parts get theirs. */
 static void tick(struct simulation *sim, unsigned events) {
     const struct problem *problem = sim->scene->problem;
     if (!problem->tick)
@@ -264,9 +275,10 @@ static void tick(struct simulation *sim, unsigned events) {
         sim->other_jumps += unbooked_energy(sim) - booked;
     if (outcome != FINISHED)
         end_with(sim, outcome, "no memory for what happens at a tick");
-    for (int i = 0; i < sim->model->part_count; i++)
+    for (int i = 0; i < sim->stepper_count; i++)
         if (sim->changed[i] && sim->settings->method->reset)
             sim->settings->method->reset(sim->steppers[i]);
+    create_steppers(sim);
 }
 
 /* The frame's diagnosis: the model's, with what only the run knows: its start, the frame before,

@@ -12,13 +12,15 @@ struct run_result {
     char reason[REASON_SIZE]; /* one line; empty where finished */
     double time;              /* simulated time reached, s; of a failure: where it showed */
     int frames;
+    int wisps; /* at the end; a particle counts as one */
     struct counters counters;
     double cpu_seconds; /* of the process, from the first step to the last, diagnoses included */
     double advance_seconds, tick_seconds, frame_seconds; /* wall time of the stages */
     struct profile profile;                              /* of settings->profile, else zeros */
 };
 
-/* Receives each frame: the model's rows, row_count times column_count numbers. Returns 0, or the
+/* Receives each frame: the model's rows, row_count (which may grow from frame to frame) times
+ * column_count numbers. Returns 0, or the
  * outcome with which the run must end. */
 struct observer {
     int (*frame)(void *ctx, const struct model *model, double t, const double *rows);

@@ -36,6 +36,23 @@ static int take_row(const struct model *model, const struct table *table, const 
     return sound;
 }
 
+/* Why row i is not what was expected there. */
+static void refuse_row(const struct model *model, const struct table *table, const int *columns,
+                       int i, const double *expected, const char *file, char *reason) {
+    const int first = table->row_count - model->row_count, count = model->column_count;
+    const double wisps = table_value(table, table->row_count - 1, columns[0]) + 1;
+    const double own_wisps = expected[(model->row_count - 1) * count] + 1;
+    if (wisps > own_wisps)
+        snprintf(reason, REASON_SIZE,
+                 "%.120s: its last frame has %g wisps, and the scene %g: after a subdivision a "
+                 "state is none of the scene's",
+                 file, wisps, own_wisps);
+    else
+        snprintf(reason, REASON_SIZE,
+                 "%.120s: row %d is not wisp %g, node %g of the last frame in finite numbers", file,
+                 first + i + 1, expected[i * count], expected[i * count + 1]);
+}
+
 int state_of_table(const struct model *model, const struct table *table, const char *file,
                    double *rows, double *t, char *reason) {
     int columns[TABLE_COLUMNS_MAX], i = 0;
@@ -57,9 +74,7 @@ int state_of_table(const struct model *model, const struct table *table, const c
            take_row(model, table, columns, i, expected + i * count, rows + i * count))
         i++;
     if (i < model->row_count)
-        snprintf(reason, REASON_SIZE,
-                 "%.120s: row %d is not wisp %g, node %g of the last frame in finite numbers", file,
-                 first + i + 1, expected[i * count], expected[i * count + 1]);
+        refuse_row(model, table, columns, i, expected, file, reason);
     *t = table_value(table, table->row_count - 1, 0);
     free(expected);
     return i < model->row_count ? -1 : 0;

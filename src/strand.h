@@ -23,6 +23,9 @@ struct strand {
 
     double (*turn)[2]; /* by sample: cosine and sine of its angle from axis_u */
 
+    struct strand *twin; /* born of the same subdivision and not separated from it since: they do
+                            not touch; or NULL */
+
     int changed; /* set by whoever changes p, v, r, rate, e or ev */
 };
 

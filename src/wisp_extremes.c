@@ -5,24 +5,12 @@
 
 #include <math.h>
 
-/* How deep a point is in a body at t, m; negative where it is not. */
-static double depth(const struct body *body, double t, const double point[3]) {
-    const struct body_motion motion = body_motion(body, t);
-    double x[3], normal[3];
-    for (int k = 0; k < 3; k++)
-        x[k] = point[k] - motion.centre[k];
-    if (!ellipsoid_contains(body->radii, x))
-        return -1;
-    ellipsoid_normal(body->radii, x, normal);
-    return ellipsoid_exit(body->radii, x, normal);
-}
-
-static void look_at_node(const struct scene *scene, double t, const struct strand *strand, int i,
-                         struct extremes *extremes) {
+static void look_at_node(const struct scene *scene, const struct body_motion *motion,
+                         const struct strand *strand, int i, struct extremes *extremes) {
     const struct wisp *wisp = strand->wisp;
     int inside = 0;
     for (int b = 0; b < scene->body_count; b++) {
-        const double deep = depth(&scene->bodies[b], t, strand->p[i]);
+        const double deep = body_depth(&scene->bodies[b], &motion[b], strand->p[i]);
         inside |= deep >= 0;
         extremes->penetration = fmax(extremes->penetration, deep);
     }
@@ -37,8 +25,9 @@ static void look_at_node(const struct scene *scene, double t, const struct stran
 }
 
 static int look_at_wisp(const struct wisp_model *m, int w, const double *rows,
-                        const struct placement *head, struct extremes *extremes) {
-    const struct wisp *wisp = &m->scene->wisps[w];
+                        const struct placement *head, const struct body_motion *motion,
+                        struct extremes *extremes) {
+    const struct wisp *wisp = &m->wisps[w];
     const int stride = m->model.column_count;
     struct strand *strand = strand_create(wisp, m->treatment);
     if (!strand)
@@ -46,20 +35,23 @@ static int look_at_wisp(const struct wisp_model *m, int w, const double *rows,
     strand_turn(strand, head);
     strand_load(strand, rows + m->first_row[w] * stride + 2, stride);
     for (int i = 2; i < wisp->nodes; i++)
-        look_at_node(m->scene, m->model.t, strand, i, extremes);
+        look_at_node(m->scene, motion, strand, i, extremes);
     strand_free(strand);
     return 0;
 }
 
 int wisps_extremes(const struct model *model, const double *rows, struct extremes *extremes) {
     const struct wisp_model *m = (const struct wisp_model *)model;
+    struct body_motion motion[BODIES_MAX];
     struct placement head;
     int code = 0;
     /* fmin and fmax prefer a number to NaN */
     *extremes = (struct extremes){.least_radius = NAN, .largest_radius = NAN};
     head_placement(&m->scene->around.head, model->t, &head);
-    for (int w = 0; w < m->scene->wisp_count && !code; w++)
-        code = look_at_wisp(m, w, rows, &head, extremes);
+    for (int b = 0; b < m->scene->body_count; b++)
+        motion[b] = body_motion(&m->scene->bodies[b], &head, model->t);
+    for (int w = 0; w < m->wisp_count && !code; w++)
+        code = look_at_wisp(m, w, rows, &head, motion, extremes);
     for (int i = 0; i < model->part_count; i++) {
         m->kernel->prescribe(model->parts[i].system.ctx, model->t);
         for (int k = 0; k < m->batches[i].count; k++)

@@ -1,5 +1,5 @@
 /* Inside the problem of wisps: what its files share. wisps.c makes parts and frames, and
- * wisp_ticks.c is what happens to them at a tick. */
+ * wisp_ticks.c is what happens to them at a tick, but for subdivision, which is wisp_splits.c. */
 #ifndef WISPLAB_WISP_MODEL_H
 #define WISPLAB_WISP_MODEL_H
 
@@ -14,6 +14,7 @@ struct kernel {
     void *(*create)(const struct wisp *const *, const struct surroundings *, enum wisp_treatment,
                     struct system *);
     void (*free)(void *);
+    void (*fill)(void *, int, const struct wisp *, double);
     void (*rest)(void *, double *, double *);
     void (*prescribe)(void *, double);
     void (*sample)(void *, int, const double *, const double *, double *, int);
@@ -25,7 +26,7 @@ struct kernel {
     const struct system_ops *ops;
 };
 
-/* Which wisps of the scene a part holds, by lane; padding lanes repeat the first. */
+/* Which wisps of the model a part holds, by lane; padding lanes repeat the first. */
 struct batch {
     int wisp[LANES_MAX];
     int count;
@@ -35,19 +36,36 @@ struct batch {
 struct wisp_model {
     struct model model;
     const struct scene *scene;
+    struct wisp *wisps; /* the scene's, then those that subdivisions made */
+    int wisp_count, wisp_room;
     const struct kernel *kernel;
     enum wisp_treatment treatment;
     struct batch *batches;   /* one for each part */
     int *first_row;          /* by wisp: its first row of a frame */
-    struct strand **strands; /* by wisp, where the scene has contacts; NULL-terminated */
+    struct strand **strands; /* by wisp, where something happens to wisps; NULL-terminated */
     double *strand_rows;     /* of the wisp with most nodes, without the columns wisp and node */
-    struct touch *touch;     /* NULL where wisps do not interact */
+    struct interaction *interaction; /* NULL where wisps do not touch */
+    struct strand **in_order;        /* those of all wisps as they touch; NULL likewise */
     char **columns, **rate_columns;
     char name[64];
     double kinks[1 + 2 * KNOTS_MAX];
 };
 
-/* What contacts need: strands and what they touch with. 0, or -1 where memory cannot be had. */
+/* wisps.c */
+
+/* Gives a wisp a lane that is free in a part of wisps with as many nodes, or else in a part that is
+ * not there yet. Returns the part. */
+int wisp_take_lane(struct wisp_model *m, int wisp);
+
+/* Makes a part of the wisps in its lanes, as they start. 0, or -1 where memory cannot be had. */
+int wisp_part_create(struct wisp_model *m, int part);
+
+/* Gives a wisp its rows of a frame, after all others'. */
+void wisp_take_rows(struct wisp_model *m, int wisp);
+
+/* wisp_ticks.c */
+
+/* What ticks need: strands and what they touch with. 0, or -1 where memory cannot be had. */
 int wisp_ticks_create(struct wisp_model *m);
 void wisp_ticks_free(struct wisp_model *m);
 
@@ -57,6 +75,17 @@ int wisps_extremes(const struct model *model, const double *rows, struct extreme
 /* Puts the model into the state from which its scene starts, where that is not rest. 0, or -1 where
  * memory cannot be had. */
 int wisps_start(struct wisp_model *m);
+/* Lays a wisp of a part open, and takes it back into its lane and the padding that repeats it. */
+struct strand *wisp_open(const struct wisp_model *m, int part, int lane);
+void wisp_close(const struct wisp_model *m, int part, int lane);
+
+/* wisp_splits.c */
+
+/* Whether wisps of the scene may split. */
+int wisps_split(const struct scene *scene);
+
+/* Subdivision at a tick, all strands being open: FINISHED, or OUT_OF_MEMORY. */
+enum outcome wisp_splits_tick(struct wisp_model *m, int *changed);
 
 /* The problem's `tick`. */
 enum outcome wisps_tick(struct model *model, unsigned events, int *changed);

@@ -11,33 +11,32 @@ static int interacts(const struct scene *scene) {
     return scene->interaction.interpenetration || scene->interaction.collision;
 }
 
-/* Contacts see wisps one by one. */
+/* What happens to wisps happens to them one by one. */
 static int create_strands(struct wisp_model *m) {
     const struct scene *scene = m->scene;
     int most = 0;
-    if (scene->body_count == 0 && !interacts(scene))
+    if (scene->body_count == 0 && !interacts(scene) && !wisps_split(scene))
         return 0;
-    m->strands = calloc((size_t)scene->wisp_count + 1, sizeof(struct strand *));
-    for (int i = 0; m->strands && i < scene->wisp_count; i++) {
-        most = scene->wisps[i].nodes > most ? scene->wisps[i].nodes : most;
-        m->strands[i] = strand_create(&scene->wisps[i], m->treatment);
+    m->strands = calloc((size_t)m->wisp_room + 1, sizeof(struct strand *));
+    for (int i = 0; m->strands && i < m->wisp_count; i++) {
+        most = m->wisps[i].nodes > most ? m->wisps[i].nodes : most;
+        m->strands[i] = strand_create(&m->wisps[i], m->treatment);
         if (!m->strands[i])
             return -1;
     }
+    m->model.parts_to_come = m->wisp_room - m->wisp_count;
+    m->model.rows_to_come = m->model.parts_to_come * most;
     m->strand_rows = calloc((size_t)(most * m->model.column_count), sizeof(double));
     return m->strands && m->strand_rows ? 0 : -1;
 }
 
 /* --- wisps with each other --- */
 
-/* What wisps need to touch. Their order is one of what they are, not of where they stand in the
- * file: nothing that happens between them, down to the order of sums, depends on the file. */
-struct touch {
-    struct interaction *interaction;
-    struct strand *in_order[]; /* the model's */
-};
-
-/* By root, direction, length and nodes; the rest is the same in all wisps of a scene. Wisps of
+/* The order in which wisps touch is one of what they are, not of where they stand in the file:
+ * nothing that happens between them, down to the order of sums, depends on the file. Children of a
+ * subdivision stand one behind the other in their parent's place, the + child first.
+ *
+ * By root, direction, length and nodes; the rest is the same in all wisps of a scene. Wisps of
  * which all that is equal move alike, and may change places. */
 static int compare_strands(const void *one, const void *other) {
     const struct wisp *a = (*(struct strand *const *)one)->wisp,
@@ -53,22 +52,17 @@ static int compare_strands(const void *one, const void *other) {
 }
 
 static int create_touch(struct wisp_model *m) {
-    const size_t wisps = (size_t)m->scene->wisp_count;
-    struct touch *touch = calloc(1, sizeof *touch + wisps * sizeof *touch->in_order);
-    m->touch = touch;
-    if (!touch)
+    const size_t wisps = (size_t)m->wisp_count;
+    m->interaction = interaction_create(&m->scene->interaction);
+    m->in_order = calloc((size_t)m->wisp_room, sizeof(struct strand *));
+    if (!m->interaction || !m->in_order)
         return -1;
-    touch->interaction = interaction_create(&m->scene->interaction);
-    if (!touch->interaction)
-        return -1;
-    memcpy(touch->in_order, m->strands, wisps * sizeof *touch->in_order);
-    qsort(touch->in_order, wisps, sizeof(struct strand *), compare_strands);
-    m->model.interaction_rate = m->scene->interaction.rate;
+    memcpy(m->in_order, m->strands, wisps * sizeof(struct strand *));
+    qsort(m->in_order, wisps, sizeof(struct strand *), compare_strands);
     return 0;
 }
 
-/* Lays a wisp of a part open, and takes it back into its lane and the padding that repeats it. */
-static struct strand *open_strand(const struct wisp_model *m, int i, int lane) {
+struct strand *wisp_open(const struct wisp_model *m, int i, int lane) {
     const struct part *part = &m->model.parts[i];
     struct strand *strand = m->strands[m->batches[i].wisp[lane]];
     const int stride = m->model.column_count - 2;
@@ -81,7 +75,7 @@ static struct strand *open_strand(const struct wisp_model *m, int i, int lane) {
     return strand;
 }
 
-static void close_strand(const struct wisp_model *m, int i, int lane) {
+void wisp_close(const struct wisp_model *m, int i, int lane) {
     const struct part *part = &m->model.parts[i];
     const struct batch *batch = &m->batches[i];
     const int stride = m->model.column_count - 2;
@@ -93,12 +87,8 @@ static void close_strand(const struct wisp_model *m, int i, int lane) {
 
 static enum outcome interact(struct wisp_model *m, int *changed) {
     for (int i = 0; i < m->model.part_count; i++)
-        for (int k = 0; k < m->batches[i].count; k++)
-            open_strand(m, i, k);
-    for (int i = 0; i < m->model.part_count; i++)
         account_before(&m->model.parts[i], m->model.t);
-    const int contacts =
-        interaction_tick(m->touch->interaction, m->touch->in_order, m->scene->wisp_count);
+    const int contacts = interaction_tick(m->interaction, m->in_order, m->wisp_count);
     if (contacts < 0)
         return OUT_OF_MEMORY;
     /* they are of two wisps, and so of no part: the first one counts them */
@@ -106,12 +96,27 @@ static enum outcome interact(struct wisp_model *m, int *changed) {
     for (int i = 0; i < m->model.part_count; i++)
         for (int k = 0; k < m->batches[i].count; k++)
             if (m->strands[m->batches[i].wisp[k]]->changed) {
-                close_strand(m, i, k);
+                wisp_close(m, i, k);
                 changed[i] = 1;
             }
     for (int i = 0; i < m->model.part_count; i++)
         account_after(&m->model.parts[i], m->model.t, JUMP_WISP_CONTACT);
     return FINISHED;
+}
+
+/* Wisps that subdivision has made touch their twins only once they are separated from them. */
+static enum outcome meet(struct wisp_model *m, int *changed) {
+    enum outcome outcome = FINISHED;
+    for (int i = 0; i < m->model.part_count; i++)
+        for (int k = 0; k < m->batches[i].count; k++)
+            wisp_open(m, i, k);
+    for (int i = m->scene->wisp_count; i < m->wisp_count; i++) /* of a pair one is always here */
+        subdivision_separate(&m->scene->subdivision, m->strands[i]);
+    if (m->interaction)
+        outcome = interact(m, changed);
+    if (wisps_split(m->scene) && outcome == FINISHED)
+        outcome = wisp_splits_tick(m, changed);
+    return outcome;
 }
 
 /* --- the clock --- */
@@ -151,11 +156,11 @@ static int push_out(const struct wisp_model *m, int i, const struct bodies *bodi
     for (int k = 0; k < m->batches[i].count; k++) {
         if (!(near >> k & 1))
             continue;
-        struct strand *strand = open_strand(m, i, k);
+        struct strand *strand = wisp_open(m, i, k);
         body_contact(strand, bodies->body, bodies->motion, bodies->count, bodies->interval,
                      &report);
         if (strand->changed)
-            close_strand(m, i, k);
+            wisp_close(m, i, k);
         changed |= strand->changed;
     }
     counters->body_contacts += report.nodes + report.samples;
@@ -187,12 +192,13 @@ static void collide(struct wisp_model *m, int *changed) {
     }
 }
 
-/* At one time wisps touch first, then bodies push them out and samples are kept off their nodes. */
+/* At one time wisps touch first and split, then bodies push them out and samples are kept off their
+ * nodes. */
 enum outcome wisps_tick(struct model *model, unsigned events, int *changed) {
     struct wisp_model *m = (struct wisp_model *)model;
     enum outcome outcome = FINISHED;
-    if (events & STOP_INTERACTION && m->touch)
-        outcome = interact(m, changed);
+    if (events & STOP_INTERACTION && m->model.interaction_rate > 0)
+        outcome = meet(m, changed);
     if (events & STOP_COLLISION && outcome == FINISHED)
         collide(m, changed);
     return outcome;
@@ -203,13 +209,14 @@ enum outcome wisps_tick(struct model *model, unsigned events, int *changed) {
 int wisp_ticks_create(struct wisp_model *m) {
     if (m->scene->wisps[0].samples > 0 || m->scene->body_count > 0)
         m->model.collision_rate = m->scene->collision_rate;
+    if (interacts(m->scene) || wisps_split(m->scene))
+        m->model.interaction_rate = m->scene->interaction.rate;
     return create_strands(m) || (interacts(m->scene) && create_touch(m)) ? -1 : 0;
 }
 
 void wisp_ticks_free(struct wisp_model *m) {
-    if (m->touch)
-        interaction_free(m->touch->interaction);
-    free(m->touch);
+    interaction_free(m->interaction);
+    free(m->in_order);
     for (int i = 0; m->strands && m->strands[i]; i++)
         strand_free(m->strands[i]);
     free(m->strands);

@@ -8,12 +8,12 @@
 #include <string.h>
 
 static const struct kernel kernels[] = {
-    {1, kernel_create_1, kernel_free_1, kernel_rest_1, kernel_prescribe_1, kernel_sample_1,
-     kernel_sample_accelerations_1, kernel_restore_1, kernel_clamp_1, kernel_near_1,
-     kernel_strain_1, &kernel_ops_1},
-    {4, kernel_create_4, kernel_free_4, kernel_rest_4, kernel_prescribe_4, kernel_sample_4,
-     kernel_sample_accelerations_4, kernel_restore_4, kernel_clamp_4, kernel_near_4,
-     kernel_strain_4, &kernel_ops_4},
+    {1, kernel_create_1, kernel_free_1, kernel_fill_1, kernel_rest_1, kernel_prescribe_1,
+     kernel_sample_1, kernel_sample_accelerations_1, kernel_restore_1, kernel_clamp_1,
+     kernel_near_1, kernel_strain_1, &kernel_ops_1},
+    {4, kernel_create_4, kernel_free_4, kernel_fill_4, kernel_rest_4, kernel_prescribe_4,
+     kernel_sample_4, kernel_sample_accelerations_4, kernel_restore_4, kernel_clamp_4,
+     kernel_near_4, kernel_strain_4, &kernel_ops_4},
 };
 
 static const struct treatment treatments[] = {
@@ -25,21 +25,18 @@ static const struct treatment treatments[] = {
 
 /* --- parts --- */
 
-/* Fills batches with wisps of equal node counts, in the order of the scene. */
-static int gather_batches(struct wisp_model *m) {
-    const struct scene *scene = m->scene;
-    int parts = 0;
-    for (int i = 0; i < scene->wisp_count; i++) {
-        int b = parts - 1;
-        while (b >= 0 && (m->batches[b].count == m->kernel->lanes ||
-                          scene->wisps[m->batches[b].wisp[0]].nodes != scene->wisps[i].nodes))
-            b--;
-        struct batch *batch = &m->batches[b >= 0 ? b : parts++];
-        batch->wisp[batch->count++] = i;
-        for (int k = batch->count; k < LANES_MAX; k++)
-            batch->wisp[k] = batch->wisp[0];
-    }
-    return parts;
+int wisp_take_lane(struct wisp_model *m, int wisp) {
+    int i = m->model.part_count - 1;
+    while (i >= 0 && (m->batches[i].count == m->kernel->lanes ||
+                      m->wisps[m->batches[i].wisp[0]].nodes != m->wisps[wisp].nodes))
+        i--;
+    if (i < 0)
+        i = m->model.part_count++;
+    struct batch *batch = &m->batches[i];
+    batch->wisp[batch->count++] = wisp;
+    for (int k = batch->count; k < LANES_MAX; k++)
+        batch->wisp[k] = batch->wisp[0];
+    return i;
 }
 
 /* What the matrices are, see kernel/matrix.h. */
@@ -54,12 +51,12 @@ static void declare_matrix(struct system *system, const struct wisp *wisp,
                               "eliminated (--linear direct) it is, as it is in penalty";
 }
 
-static int create_part(struct wisp_model *m, int i) {
+int wisp_part_create(struct wisp_model *m, int i) {
     struct part *part = &m->model.parts[i];
     struct batch *batch = &m->batches[i];
     const struct wisp *wisps[LANES_MAX];
     for (int k = 0; k < LANES_MAX; k++)
-        wisps[k] = &m->scene->wisps[batch->wisp[k]];
+        wisps[k] = &m->wisps[batch->wisp[k]];
 
     const int lanes = m->kernel->lanes;
     const int size = (wisps[0]->nodes - 2) * wisp_node_unknowns(wisps[0], m->treatment) * lanes;
@@ -133,13 +130,9 @@ static int name_all_columns(struct wisp_model *m) {
     return m->columns && m->rate_columns ? 0 : -1;
 }
 
-static int count_rows(struct wisp_model *m) {
-    m->first_row = calloc((size_t)m->scene->wisp_count, sizeof(int));
-    for (int i = 0; m->first_row && i < m->scene->wisp_count; i++) {
-        m->first_row[i] = m->model.row_count;
-        m->model.row_count += m->scene->wisps[i].nodes;
-    }
-    return m->first_row ? 0 : -1;
+void wisp_take_rows(struct wisp_model *m, int wisp) {
+    m->first_row[wisp] = m->model.row_count;
+    m->model.row_count += m->wisps[wisp].nodes;
 }
 
 static void wisps_sample(const struct model *model, double *rows) {
@@ -151,7 +144,7 @@ static void wisps_sample(const struct model *model, double *rows) {
         for (int k = 0; k < m->batches[i].count; k++) {
             const int wisp = m->batches[i].wisp[k];
             double *first = rows + m->first_row[wisp] * stride;
-            for (int node = 0; node < m->scene->wisps[wisp].nodes; node++) {
+            for (int node = 0; node < m->wisps[wisp].nodes; node++) {
                 first[node * stride] = wisp;
                 first[node * stride + 1] = node;
             }
@@ -181,7 +174,7 @@ static void wisps_sample_accelerations(const struct model *model, double *const 
         for (int k = 0; k < m->batches[i].count; k++) {
             const int wisp = m->batches[i].wisp[k];
             double *first = rows + m->first_row[wisp] * stride;
-            for (int node = 0; node < m->scene->wisps[wisp].nodes; node++) {
+            for (int node = 0; node < m->wisps[wisp].nodes; node++) {
                 first[node * stride] = wisp;
                 first[node * stride + 1] = node;
             }
@@ -262,6 +255,7 @@ static void wisps_free(struct model *model) {
     free(m->first_row);
     free(m->batches);
     free(model->parts);
+    free(m->wisps);
     free(m);
 }
 
@@ -290,9 +284,28 @@ static void gather_kinks(struct wisp_model *m) {
     }
 }
 
+/* Room for the scene's wisps and all that may come of them, and the parts and rows of the first. */
+static int take_wisps(struct wisp_model *m) {
+    const struct scene *scene = m->scene;
+    m->wisp_count = scene->wisp_count;
+    m->wisp_room = wisps_split(scene) ? scene->subdivision.limit : scene->wisp_count;
+    const size_t room = (size_t)m->wisp_room;
+    m->wisps = calloc(room, sizeof *m->wisps);
+    m->first_row = calloc(room, sizeof *m->first_row);
+    m->batches = calloc(room, sizeof *m->batches);
+    m->model.parts = calloc(room, sizeof *m->model.parts);
+    if (!m->wisps || !m->first_row || !m->batches || !m->model.parts)
+        return -1;
+    memcpy(m->wisps, scene->wisps, (size_t)m->wisp_count * sizeof *m->wisps);
+    for (int i = 0; i < m->wisp_count; i++) {
+        wisp_take_lane(m, i);
+        wisp_take_rows(m, i);
+    }
+    return 0;
+}
+
 static struct model *wisps_create(const struct scene *scene, int treatment, int lanes) {
     struct wisp_model *m = calloc(1, sizeof *m);
-    const size_t wisps = (size_t)scene->wisp_count;
     if (!m)
         return NULL;
     m->scene = scene;
@@ -300,14 +313,10 @@ static struct model *wisps_create(const struct scene *scene, int treatment, int 
     m->treatment = (enum wisp_treatment)treatment;
     snprintf(m->name, sizeof m->name, "the wisps (%s)", treatments[treatment].name);
     m->model.problem = &wisp_problem;
-    m->batches = calloc(wisps, sizeof *m->batches);
-    m->model.parts = calloc(wisps, sizeof *m->model.parts);
-    int code = m->batches && m->model.parts ? 0 : -1;
-    if (!code)
-        m->model.part_count = gather_batches(m);
+    int code = take_wisps(m);
     for (int i = 0; i < m->model.part_count && !code; i++)
-        code = create_part(m, i);
-    code = code || name_all_columns(m) || count_rows(m) || wisp_ticks_create(m) || wisps_start(m);
+        code = wisp_part_create(m, i);
+    code = code || name_all_columns(m) || wisp_ticks_create(m) || wisps_start(m);
     if (code) {
         wisps_free(&m->model);
         return NULL;

@@ -205,6 +205,75 @@ Test(memory, ticks_of_wisps_make_room_once) {
     scene_free(scene);
 }
 
+/* A wisp that is pressed flat: its child gets a lane of its parent's part, or a part. */
+struct splitting {
+    const struct scene *scene;
+    int lanes;
+};
+
+static int split_once(const void *what) {
+    const struct splitting *splitting = what;
+    const struct problem *problem = splitting->scene->problem;
+    static double rows[2 * 11 * 16];
+    int changed[2] = {0}, made = 0;
+    failing = 1;
+    struct model *model = problem->create(splitting->scene, 0, splitting->lanes);
+    if (model) {
+        problem->sample(model, rows);
+        rows[4 * model->column_count + 10] = rows[4 * model->column_count + 14] = 1e-3; /* r1, r3 */
+        problem->restore(model, rows);
+        made = problem->tick(model, STOP_INTERACTION, changed) == FINISHED;
+        if (made && model->row_count != 2 * 11)
+            _exit(80);
+        problem->free(model);
+    }
+    failing = 0;
+    return made ? MADE : NOT_MADE;
+}
+
+static struct scene *splitting_scene(void) {
+    char reason[REASON_SIZE];
+    const char *const sets[] = {"subdivision={ ratio = 0.99; }", "duration=0.17", "run.step=2e-4"};
+    struct scene *scene = scene_load("swing-envelope", sets, 3, reason);
+    cr_assert(scene, "%s", reason);
+    return scene;
+}
+
+Test(memory, wisps_split_or_not) {
+    struct scene *scene = splitting_scene();
+    for (int lanes = 1; lanes <= 4; lanes += 3)
+        try_all(scene->name, split_once, &(struct splitting){scene, lanes});
+    scene_free(scene);
+}
+
+/* A run in which a wisp splits, and its child gets a stepper. */
+static int run_and_split(const void *what) {
+    const struct run_request *request = what;
+    char reason[REASON_SIZE];
+    struct settings settings;
+    struct run_result result;
+    struct scene *scene = splitting_scene();
+    if (settings_resolve(scene, request, &settings, reason))
+        _exit(78);
+    failing = 1;
+    simulate(scene, &settings, NULL, NULL, &result);
+    failing = 0;
+    scene_free(scene);
+    if (result.outcome == FINISHED && result.counters.splits != 1)
+        _exit(80);
+    if (result.outcome != FINISHED && (result.outcome != OUT_OF_MEMORY || !result.reason[0]))
+        _exit(79);
+    return result.outcome == FINISHED ? MADE : NOT_MADE;
+}
+
+Test(memory, runs_with_wisps_that_split_finish_or_are_out_of_memory) {
+    static const struct run_request requests[] = {
+        {.stepper = "rk4", .treatment = "penalty"},
+        {.stepper = "implicit-euler", .treatment = "penalty", .linear = "klu"}};
+    for (int i = 0; i < 2; i++)
+        try_all(requests[i].stepper, run_and_split, &requests[i]);
+}
+
 /* A whole run: finished, or "out of memory" with a reason. */
 static int do_run(const void *what) {
     const struct variant *variant = what;

@@ -190,6 +190,7 @@ struct scene *lab_load(const char *name, const char *const *sets, int set_count)
 static int keep(void *ctx, const struct model *model, double t, const double *rows) {
     struct lab_run *run = ctx;
     const size_t size = (size_t)(model->row_count * model->column_count), n = (size_t)run->frames;
+    cr_assert(n == 0 || run->rows == model->row_count, "wisps split: this run cannot be kept");
     run->rows = model->row_count;
     run->columns = model->column_count;
     run->t = realloc(run->t, (n + 1) * sizeof *run->t);

@@ -15,6 +15,9 @@
                                 struct system *system);                                            \
     void kernel_free_##lanes(void *part);                                                          \
                                                                                                    \
+    /* Gives a lane another wisp's numbers at time t; the wisp agrees with those of the part. */   \
+    void kernel_fill_##lanes(void *part, int which, const struct wisp *wisp, double t);            \
+                                                                                                   \
     /* The start of a scene: rest shape, at rest, samples at r = R. */                             \
     void kernel_rest_##lanes(void *part, double *q, double *v);                                    \
                                                                                                    \

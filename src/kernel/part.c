@@ -150,6 +150,11 @@ void *LANED(kernel_create)(const struct wisp *const *wisps, const struct surroun
     return part;
 }
 
+void LANED(kernel_fill)(void *ctx, int which, const struct wisp *wisp, double t) {
+    fill_lane(ctx, which, wisp);
+    place_head(ctx, t);
+}
+
 void LANED(kernel_free)(void *ctx) {
     struct kernel_part *part = ctx;
     if (part) {

@@ -1,0 +1,941 @@
+/* Wisps that split: the rule against its text, what a split leaves alone, and that nothing depends
+ * on packing, threads or the file. */
+#include "subdivision.h"
+
+#include "clock.h"
+#include "measure.h"
+#include "second_opinion.h"
+#include "support.h"
+#include "vector.h"
+#include "wisp_support.h"
+
+#include <criterion/criterion.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* --- models in the midst of a run --- */
+
+enum { WISPS_MAX = 16, ROWS = 12 * WISPS_MAX, COLUMNS = 8 + 6 * 8 };
+
+static const struct subdivision usual = {.ratio = 0.5, .separation = 0.01, .limit = WISPS_MAX};
+
+static const struct head_motion nodding = {.knots = 3,
+                                           .time = {0, 0.1, 0.3},
+                                           .position = {{0}, {0.02, 0.01, 0}, {0.05, 0, 0.03}},
+                                           .rotation = {{0}, {0.4, -0.3, 1}, {0.5, 1.5, 0.2}}};
+
+static const struct head_motion resting = {.knots = 0}; /* as the twin's head does */
+
+struct flock {
+    struct scene *scene;
+    struct model *model;
+    enum wisp_treatment treatment;
+    struct strand *before[WISPS_MAX]; /* of the scene's wisps */
+    int changed[WISPS_MAX];
+    double rows[ROWS * COLUMNS]; /* of the model, by take_rows */
+};
+
+static void take_rows(struct flock *f) {
+    cr_assert(f->model->row_count <= ROWS && f->model->column_count <= COLUMNS);
+    f->model->problem->sample(f->model, f->rows);
+}
+
+/* First row of a wisp. */
+static double *rows_of(struct flock *f, int wisp) {
+    double *row = f->rows;
+    while (row[0] != wisp)
+        row += f->model->column_count;
+    return row;
+}
+
+static void put_strand(struct flock *f, int wisp, const struct strand *strand) {
+    strand_store(strand, rows_of(f, wisp) + 2, f->model->column_count);
+}
+
+/* The model's wisp as a strand; strand_free it. `like` has its numbers. */
+static struct strand *strand_of(struct flock *f, int wisp, const struct wisp *like) {
+    struct strand *strand = strand_create(like, f->treatment);
+    struct placement head;
+    cr_assert(strand, "no memory");
+    head_placement(&f->scene->around.head, f->model->t, &head);
+    strand_turn(strand, &head);
+    strand_load(strand, rows_of(f, wisp) + 2, f->model->column_count);
+    return strand;
+}
+
+/* Anywhere near its rest shape, samples about R. */
+static void shake(struct strand *s, unsigned *seed) {
+    for (int i = 2; i < s->wisp->nodes; i++)
+        for (int k = 0; k < 3; k++) {
+            s->p[i][k] += 0.2 * wisp_spacing(s->wisp) * lab_between(seed, -1, 1);
+            s->v[i][k] = lab_between(seed, -1, 1);
+        }
+    strand_refresh(s);
+    for (int i = 2; i < s->wisp->nodes; i++)
+        for (int j = 0; j < s->wisp->samples; j++)
+            strand_set_sample(s, i, j, s->wisp->radius * lab_between(seed, 0.9, 1.1),
+                              lab_between(seed, -0.1, 0.1));
+}
+
+/* Presses samples j and j + M/2 of a node to a share of R. */
+static void press(struct strand *s, int node, int sample, double share) {
+    const int samples = s->wisp->samples, other = (sample + samples / 2) % samples;
+    strand_set_sample(s, node, sample, share * s->wisp->radius, 0);
+    strand_set_sample(s, node, other, share * s->wisp->radius, 0);
+}
+
+static void flock_free(struct flock *f) {
+    for (int i = 0; i < f->scene->wisp_count; i++)
+        strand_free(f->before[i]);
+    f->scene->problem->free(f->model);
+    scene_free(f->scene);
+}
+
+/* `count` wisps of `nodes` or, every third one, a node less, near each other under a head that
+ * moves, shaken by `seed`. flock_put what is done to `before`, flock_free it. */
+static void flock_make(struct flock *f, int count, int nodes, int samples, int lanes, int treatment,
+                       const struct head_motion *head, const struct subdivision *rule,
+                       unsigned seed) {
+    struct surroundings around = lab_surroundings(WIND_STEADY, &seed);
+    struct wisp wisps[WISPS_MAX];
+    around.head = *head;
+    for (int i = 0; i < count; i++) {
+        wisps[i] = lab_wisp(nodes - (i % 3 == 2), samples, BENDING_SKIP, &seed);
+        for (int k = 0; k < 3; k++)
+            wisps[i].root[k] *= 0.1;
+    }
+    *f = (struct flock){.treatment = (enum wisp_treatment)treatment};
+    f->scene = lab_scene(wisps, count, &around);
+    f->scene->subdivision = *rule;
+    f->scene->interaction = (struct interaction_settings){.rate = 90};
+    f->model = f->scene->problem->create(f->scene, treatment, lanes);
+    cr_assert(f->model, "no memory");
+    f->model->t = 0.17;
+    take_rows(f);
+    for (int i = 0; i < count; i++) {
+        f->before[i] = strand_of(f, i, &f->scene->wisps[i]);
+        shake(f->before[i], &seed);
+    }
+}
+
+static void flock_put(struct flock *f) {
+    for (int i = 0; i < f->scene->wisp_count; i++)
+        put_strand(f, i, f->before[i]);
+    f->model->problem->restore(f->model, f->rows);
+}
+
+/* A tick of wisps; returns how many wisps there are. */
+static int flock_tick(struct flock *f) {
+    int wisps = 0;
+    memset(f->changed, 0, sizeof f->changed);
+    cr_assert_eq(f->model->problem->tick(f->model, STOP_INTERACTION, f->changed), FINISHED);
+    for (int i = 0; i < f->model->part_count; i++)
+        wisps += f->model->parts[i].system.wisps;
+    take_rows(f);
+    return wisps;
+}
+
+/* --- which wisp splits, and where --- */
+
+/* Least over largest diameter of a node, by looking at all pairs. */
+static double ratio_at(const struct strand *s, int node) {
+    const int m = s->wisp->samples;
+    double ratio = 1;
+    for (int i = 0; i < m; i++)
+        for (int j = 0; j < m; j++) {
+            double d[2] = {0, 0};
+            for (int side = 0; side < 2; side++)
+                for (int end = 0; end < 2; end++) {
+                    const int at = node * m + ((side ? j : i) + end * m / 2) % m;
+                    d[side] += fmax(s->r[at], 1e-3 * s->wisp->radius);
+                }
+            ratio = fmin(ratio, d[0] / d[1]);
+        }
+    return ratio;
+}
+
+Test(subdivision, a_wisp_splits_below_the_ratio_at_its_flattest_node) {
+    unsigned seed = 1;
+    for (int trial = 0; trial < 200; trial++) {
+        const int treatment = trial % TREATMENTS, samples = 4 + 2 * (trial % 3);
+        struct flock f;
+        struct flattening at;
+        flock_make(&f, 1, 8, samples, 1, treatment, &nodding, &usual, (unsigned)trial);
+        struct strand *s = f.before[0];
+        press(s, 2 + trial % 6, trial % samples, lab_between(&seed, -0.3, 0.8)); /* behind it too */
+        int flattest = 2;
+        for (int i = 3; i < 8; i++)
+            if (ratio_at(s, i) < ratio_at(s, flattest))
+                flattest = i;
+        const double ratio = ratio_at(s, flattest);
+        struct subdivision rule = usual;
+        rule.ratio = nextafter(ratio, 0);
+        cr_assert(!subdivision_due(&rule, s, &at), "%g splits", ratio);
+        rule.ratio = ratio;
+        cr_assert(!subdivision_due(&rule, s, &at), "%g is not below itself", ratio);
+        rule.ratio = nextafter(ratio, 1);
+        cr_assert(subdivision_due(&rule, s, &at), "%g does not split", ratio);
+        cr_assert(at.node == flattest && at.ratio == ratio, "node %d, %g", at.node, at.ratio);
+        flock_free(&f);
+    }
+}
+
+/* The first node of equally flat ones, and the first of equally long diameters. */
+Test(subdivision, ties_go_to_the_first) {
+    struct flock f;
+    struct flattening at;
+    flock_make(&f, 1, 8, 8, 1, WISP_GENERALISED, &nodding, &usual, 3);
+    for (int i = 2; i < 8; i++)
+        for (int j = 0; j < 8; j++)
+            strand_set_sample(f.before[0], i, j, f.before[0]->wisp->radius, 0);
+    for (int i = 4; i < 7; i++)
+        press(f.before[0], i, 0, 0.25);
+    cr_assert(subdivision_due(&usual, f.before[0], &at));
+    cr_assert(at.node == 4 && at.longest == 1, "node %d, sample %d", at.node, at.longest);
+    press(f.before[0], 6, 0, 0.125);
+    press(f.before[0], 6, 3, 1.5);
+    press(f.before[0], 6, 2, 1.5);
+    cr_assert(subdivision_due(&usual, f.before[0], &at));
+    cr_assert(at.node == 6 && at.longest == 2, "node %d, sample %d", at.node, at.longest);
+    flock_free(&f);
+}
+
+/* --- the children's state --- */
+
+/* Velocity of the head's point at x: by differences of where it is. */
+static void velocity_of_head(const struct head_motion *head, double t, const double x[3],
+                             double v[3]) {
+    const double h = 1e-6;
+    struct placement at, before, after;
+    double rest[3] = {0}, from[3], to[3];
+    head_placement(head, t, &at);
+    head_placement(head, t - h, &before);
+    head_placement(head, t + h, &after);
+    for (int i = 0; i < 3; i++) /* the turn's inverse is its transpose */
+        for (int k = 0; k < 3; k++)
+            rest[k] += at.turn[0][i][k] * (x[i] - at.position[0][i]);
+    placed_point(&before, 0, rest, from);
+    placed_point(&after, 0, rest, to);
+    for (int k = 0; k < 3; k++)
+        v[k] = (to[k] - from[k]) / (2 * h);
+}
+
+/* V+ and V- by angles: V turned towards and away from the part of D across it. */
+static void turned(const double v[3], const double d[3], double ratio, double children[2][3]) {
+    const double speed = vector_length(v), angle = atan2(1 - ratio, ratio);
+    double across[3];
+    for (int k = 0; k < 3; k++)
+        across[k] = d[k] - vector_dot(d, v) / (speed * speed) * v[k];
+    const double width = vector_length(across);
+    for (int k = 0; k < 3; k++)
+        for (int side = 0; side < 2; side++)
+            children[side][k] =
+                cos(angle) * v[k] + (side ? -1 : 1) * sin(angle) * speed / width * across[k];
+}
+
+static double largest_difference(const double *a, const double *b, int count) {
+    double most = 0;
+    for (int i = 0; i < count; i++)
+        most = fmax(most, fabs(a[i] - b[i]));
+    return most;
+}
+
+/* A child's strand is its parent's but for the velocity of one node, which samples follow. */
+static void check_child(const struct strand *parent, const struct strand *child, int node,
+                        const double dv[3]) {
+    const int m = parent->wisp->samples;
+    for (int i = 0; i < parent->wisp->nodes; i++) {
+        const double none[3] = {0}, *expected = i == node ? dv : none;
+        double v[3];
+        cr_assert(memcmp(parent->p[i], child->p[i], sizeof v) == 0, "node %d jumps", i);
+        for (int k = 0; k < 3; k++)
+            v[k] = child->v[i][k] - parent->v[i][k];
+        /* differences of 1e-6 s in the head's velocity, of 1 m/s: rounding / 1e-6 */
+        cr_assert_leq(largest_difference(v, expected, 3), i == node ? 1e-8 : 0, "node %d", i);
+        for (int j = 0; j < m; j++) {
+            const int at = i * m + j;
+            double ev[3];
+            for (int k = 0; k < 3; k++)
+                ev[k] = child->ev[at][k] - parent->ev[at][k];
+            cr_assert_leq(fabs(child->r[at] - parent->r[at]), 1e-15, "r of node %d", i);
+            cr_assert_leq(fabs(child->rate[at] - parent->rate[at]), 1e-14, "its rate");
+            cr_assert_leq(largest_difference(child->e[at], parent->e[at], 3), 1e-15);
+            cr_assert_leq(largest_difference(ev, v, 3), 1e-14, "a sample does not follow");
+        }
+    }
+}
+
+Test(subdivision, children_go_the_ways_of_the_text) {
+    for (int trial = 0; trial < 120; trial++) {
+        const int treatment = trial % TREATMENTS, samples = 4 + 2 * (trial % 3);
+        const int lanes = trial % 2 ? 4 : 1, count = 1 + trial % 5, which = trial % count;
+        struct flock f;
+        struct flattening at;
+        double head[3], v[3], d[3], child[2][3], dv[2][3];
+        flock_make(&f, count, 9, samples, lanes, treatment, &nodding, &usual, (unsigned)trial);
+        struct strand *parent = f.before[which];
+        press(parent, 2 + trial % 6, trial % samples, 0.1 + 0.03 * (trial % 10));
+        flock_put(&f);
+        cr_assert(subdivision_due(&usual, parent, &at));
+        cr_assert_eq(flock_tick(&f), count + 1, "wisps");
+
+        velocity_of_head(&nodding, f.model->t, parent->p[at.node], head);
+        for (int k = 0; k < 3; k++)
+            v[k] = parent->v[at.node][k] - head[k];
+        strand_half_line(parent, at.node, at.longest, d);
+        turned(v, d, at.ratio, child);
+        for (int side = 0; side < 2; side++)
+            for (int k = 0; k < 3; k++)
+                dv[side][k] = child[side][k] - v[k];
+        struct strand *plus = strand_of(&f, which, parent->wisp),
+                      *minus = strand_of(&f, count, parent->wisp);
+        check_child(parent, plus, at.node, dv[0]);
+        check_child(parent, minus, at.node, dv[1]);
+        for (int i = 0; i < count; i++) { /* nobody else is touched */
+            struct strand *other = strand_of(&f, i, f.before[i]->wisp);
+            cr_assert(i == which || memcmp(other->v[0], f.before[i]->v[0],
+                                           sizeof other->v[0] * (size_t)other->wisp->nodes) == 0);
+            strand_free(other);
+        }
+        strand_free(plus);
+        strand_free(minus);
+        flock_free(&f);
+    }
+}
+
+/* Without a velocity, or with one along the diameter, children go apart at 1 mm/s. */
+Test(subdivision, velocities_with_no_way_to_turn) {
+    const struct placement rest = {.turn = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}};
+    static const double speeds[] = {0, 0.9e-9, 1.1e-9, -1, 3, 1};
+    static const double asides[] = {0, 0, 0.5, 0, 2e-9, 2e-9}; /* over the speed */
+    static const int little[] = {1, 1, 0, 1, 0, 0};
+    for (int treatment = 0; treatment < TREATMENTS; treatment++) {
+        struct flock f;
+        struct flattening at;
+        flock_make(&f, 1, 6, 4, 1, treatment, &nodding, &usual, 7);
+        struct strand *s = f.before[0];
+        press(s, 3, 1, 0.2);
+        cr_assert(subdivision_due(&usual, s, &at) && at.node == 3);
+        for (size_t i = 0; i < sizeof speeds / sizeof *speeds; i++)
+            for (int side = -1; side <= 1; side += 2) {
+                double d[3], w[3], v[3], dv[3];
+                strand_half_line(s, 3, at.longest, d);
+                strand_half_line(s, 3, 1 - at.longest % 2, w); /* across d */
+                for (int k = 0; k < 3; k++)
+                    s->v[3][k] = v[k] = speeds[i] * (d[k] + asides[i] * w[k]);
+                subdivision_turn(s, &at, &rest, side);
+                for (int k = 0; k < 3; k++)
+                    dv[k] = s->v[3][k] - v[k];
+                double by[3];
+                for (int k = 0; k < 3; k++)
+                    by[k] = side * 1e-3 * d[k];
+                if (little[i])
+                    cr_assert_leq(largest_difference(dv, by, 3), 1e-15, "speed %g", speeds[i]);
+                else
+                    cr_assert_leq(fabs(vector_length(s->v[3]) - vector_length(v)),
+                                  1e-14 * vector_length(v), "speed %g is not kept", speeds[i]);
+            }
+        flock_free(&f);
+    }
+}
+
+/* At rest with respect to a head that turns is no velocity. */
+Test(subdivision, velocities_are_those_against_the_head) {
+    struct flock f;
+    struct flattening at;
+    struct placement head;
+    double v[3], d[3];
+    flock_make(&f, 1, 6, 4, 1, WISP_GENERALISED, &nodding, &usual, 7);
+    struct strand *s = f.before[0];
+    press(s, 3, 1, 0.2);
+    cr_assert(subdivision_due(&usual, s, &at));
+    head_placement(&nodding, 0.17, &head);
+    velocity_of_head(&nodding, 0.17, s->p[3], v);
+    memcpy(s->v[3], v, sizeof v);
+    subdivision_turn(s, &at, &head, 1); /* keeps what is left by the differences, some 1e-10 */
+    strand_half_line(s, 3, at.longest, d);
+    for (int k = 0; k < 3; k++)
+        cr_assert_leq(fabs(s->v[3][k] - v[k] - 1e-3 * d[k]), 1e-8, "%g", s->v[3][k] - v[k]);
+    flock_free(&f);
+}
+
+/* --- the children's numbers --- */
+
+/* (m M + d D + k K) x of a part of one wisp, at its state. */
+static void times(struct flock *f, int part, double m, double d, double k, const double *x,
+                  double *y) {
+    struct part *p = &f->model->parts[part];
+    cr_assert_eq(system_linearise(&p->system, JACOBIAN_SPD, f->model->t, p->q, p->v), 0);
+    system_product(&p->system, m, d, k, x, y);
+}
+
+/* Mass, damping and stiffness of every spring, those in the envelope among them, are half of the
+ * parent's to the last bit: halves are exact. Mass and hairs are conserved. (The matrices of this
+ * kind depend on positions alone.) */
+Test(subdivision, children_have_half_of_everything) {
+    static double x[LAB_SIZE], before[3][LAB_SIZE], y[LAB_SIZE];
+    for (int trial = 0; trial < 12; trial++) {
+        unsigned seed = (unsigned)trial;
+        struct flock f;
+        flock_make(&f, 1, 8, 4 + trial % 2 * 2, 1, trial % TREATMENTS, &nodding, &usual, seed);
+        press(f.before[0], 4, 1, 0.2);
+        flock_put(&f);
+        const int size = f.model->parts[0].system.size;
+        for (int i = 0; i < size; i++)
+            x[i] = lab_between(&seed, -1, 1);
+        for (int k = 0; k < 3; k++)
+            times(&f, 0, k == 0, k == 1, k == 2, x, before[k]);
+        cr_assert_eq(flock_tick(&f), 2);
+        for (int child = 0; child < 2; child++)
+            for (int k = 0; k < 3; k++) {
+                times(&f, child, k == 0, k == 1, k == 2, x, y);
+                for (int i = 0; i < size; i++)
+                    cr_assert_eq(2 * y[i], before[k][i], "child %d, matrix %d: %g of %g", child, k,
+                                 y[i], before[k][i]);
+            }
+        const struct wisp *parent = f.scene->wisps, child = subdivision_child(parent);
+        cr_assert(child.hair_count == parent->hair_count / 2 && child.splits == 1 &&
+                  child.radius == parent->radius && child.mass_fraction == parent->mass_fraction);
+        cr_assert_eq(2 * wisp_node_mass(&child, 3), wisp_node_mass(parent, 3));
+        flock_free(&f);
+    }
+}
+
+/* The scalar twin of a wisp with half the numbers moves as the children do, in any packing. */
+Test(subdivision, children_move_as_the_twin_of_half_a_wisp) {
+    static struct wisp_twin twin;
+    static double q[LAB_SIZE], v[LAB_SIZE], a[LAB_SIZE], scale[LAB_SIZE], rates[ROWS * COLUMNS];
+    static double accelerations[WISPS_MAX][4 * LAB_SIZE];
+    double *by_part[WISPS_MAX];
+    for (int trial = 0; trial < 18; trial++) {
+        const int treatment = trial % TREATMENTS, lanes = trial / 3 % 2 ? 4 : 1;
+        const int count = 1 + trial % 5, which = trial % count;
+        struct flock f;
+        flock_make(&f, count, 8, 4, lanes, treatment, &resting, &usual, (unsigned)trial);
+        press(f.before[which], 4, 1, 0.2);
+        flock_put(&f);
+        cr_assert_eq(flock_tick(&f), count + 1);
+        for (int i = 0; i < f.model->part_count; i++) {
+            struct part *part = &f.model->parts[i];
+            by_part[i] = accelerations[i];
+            cr_assert_eq(system_acceleration(&part->system, 0.17, part->q, part->v, by_part[i]), 0);
+        }
+        f.model->problem->sample_accelerations(f.model, by_part, rates);
+        struct wisp half = subdivision_child(&f.scene->wisps[which]);
+        for (int child = 0; child < 2; child++) {
+            const int wisp = child ? count : which;
+            const int per = treatment == WISP_PENALTY ? 3 : 1, unknowns = 3 + 4 * per;
+            const double *row = rows_of(&f, wisp);
+            const double *rate =
+                rates + (row - f.rows) / f.model->column_count * f.model->rate_column_count;
+            struct strand *s = strand_of(&f, wisp, &half);
+            for (int i = 2; i < half.nodes; i++)
+                for (int u = 0; u < unknowns; u++) {
+                    const int at = (i - 2) * unknowns + u, e = i * 4 + (u - 3) / per;
+                    q[at] = u < 3 ? s->p[i][u] : per == 3 ? s->e[e][u % 3] : s->r[e];
+                    v[at] = u < 3 ? s->v[i][u] : per == 3 ? s->ev[e][u % 3] : s->rate[e];
+                }
+            cr_assert_eq(wisp_twin_init(&twin, &half, &f.scene->around, f.treatment), 0);
+            cr_assert_eq(wisp_twin_acceleration(&twin, 0.17, q, v, a), 0);
+            wisp_twin_scale(&twin, 0.17, q, v, scale);
+            for (int at = 0; at < (half.nodes - 2) * unknowns; at++)
+                cr_assert(
+                    lab_close(
+                        rate[(2 + at / unknowns) * f.model->rate_column_count + 2 + at % unknowns],
+                        a[at], 1e-13 * scale[at], NULL),
+                    "wisp %d, unknown %d", wisp, at);
+            strand_free(s);
+        }
+        flock_free(&f);
+    }
+}
+
+/* --- what a split leaves alone --- */
+
+static double energy(const struct flock *f) {
+    double sum = 0;
+    for (int i = 0; i < f->model->part_count; i++) {
+        const struct part *part = &f->model->parts[i];
+        struct energies energies;
+        cr_assert_eq(part->system.ops->energies(part->system.ctx, f->model->t, part->q, part->v,
+                                                &energies),
+                     0);
+        sum += energies_sum(&energies);
+    }
+    return sum;
+}
+
+/* The same wisps in parts of one and of four: the same bits, the same energy; and parts whose wisps
+ * are left alone are not written to. */
+Test(subdivision, packing_does_not_matter_and_other_parts_stay) {
+    for (int trial = 0; trial < 60; trial++) {
+        const int count = 1 + trial % 7;
+        struct flock f[2];
+        for (int i = 0; i < 2; i++) {
+            flock_make(&f[i], count, 8, 4, i ? 4 : 1, trial % TREATMENTS, &nodding, &usual,
+                       (unsigned)trial);
+            for (int k = 0; k < count; k += 1 + trial % 3)
+                press(f[i].before[k], 2 + k % 5, 1, 0.3);
+            flock_put(&f[i]);
+            cr_assert_eq(flock_tick(&f[i]), count + (count + trial % 3) / (1 + trial % 3));
+        }
+        cr_assert(f[0].model->row_count == f[1].model->row_count &&
+                      memcmp(f[0].rows, f[1].rows,
+                             (size_t)(f[0].model->row_count * f[0].model->column_count) *
+                                 sizeof *f[0].rows) == 0,
+                  "packing matters");
+        const double whole = energy(&f[0]);
+        cr_assert_leq(fabs(energy(&f[1]) - whole), 1e-12 * fabs(whole), "energy of parts of four");
+        for (int i = 0; i < count; i++) /* part i of one lane is wisp i */
+            cr_assert_eq(f[0].changed[i], i % (1 + trial % 3) == 0, "wisp %d", i);
+        flock_free(&f[0]);
+        flock_free(&f[1]);
+    }
+}
+
+/* The limit is for the first wisps in the list; children do not split at the tick of their birth.
+ */
+Test(subdivision, the_limit_goes_by_index) {
+    struct subdivision rule = usual;
+    for (rule.limit = 6; rule.limit <= 12; rule.limit++) {
+        struct flock f;
+        flock_make(&f, 5, 8, 4, 4, WISP_GENERALISED, &nodding, &rule, 5);
+        for (int i = 0; i < 5; i++)
+            if (i != 1)
+                press(f.before[i], 4, 1, 0.3);
+        flock_put(&f);
+        const int expected = rule.limit < 9 ? rule.limit : 9;
+        cr_assert_eq(flock_tick(&f), expected, "limit %d", rule.limit);
+        static const int parents[] = {0, 2, 3, 4};
+        for (int i = 5; i < expected; i++) { /* the - child has its parent's root */
+            const double *child = rows_of(&f, i), *parent = rows_of(&f, parents[i - 5]);
+            cr_assert(memcmp(child + 2, parent + 2, 3 * sizeof *child) == 0, "child %d", i);
+        }
+        flock_free(&f);
+    }
+}
+
+/* Moves the tip of a strand aside so that the mean distance of all its nodes grows by `distance`.
+ */
+static void move_tip(struct strand *s, double distance) {
+    const double by[3] = {0, 0, distance * s->wisp->nodes}, none[3] = {0};
+    strand_move_node(s, s->wisp->nodes - 1, by, none);
+}
+
+/* Twins, though in each other and still flat, do nothing until they are apart; then they touch and
+ * may split; and once apart is for ever. */
+Test(subdivision, twins_neither_split_nor_touch_until_they_are_separated) {
+    for (int treatment = 0; treatment < TREATMENTS; treatment++) {
+        static const struct interaction_settings both = {.rate = 90,
+                                                         .threshold = 0.9,
+                                                         .viscosity = 5,
+                                                         .interpenetration = 1,
+                                                         .collision = 1,
+                                                         .reciprocal = 1};
+        struct subdivision rule = usual;
+        struct flock f;
+        flock_make(&f, 1, 8, 4, 4, treatment, &nodding, &rule, 3);
+        f.scene->problem->free(f.model);
+        f.scene->interaction = both;
+        f.model = f.scene->problem->create(f.scene, treatment, 4);
+        f.model->t = 0.17;
+        take_rows(&f);
+        press(f.before[0], 4, 1, 0.3);
+        flock_put(&f);
+        cr_assert_eq(flock_tick(&f), 2);
+        cr_assert_eq(flock_tick(&f), 2, "a twin splits");
+        for (int i = 0; i < f.model->part_count; i++)
+            cr_assert(!f.changed[i], "twins touch");
+
+        const struct wisp half = subdivision_child(f.scene->wisps);
+        struct strand *minus = strand_of(&f, 1, &half), *plus = strand_of(&f, 0, &half);
+        move_tip(minus, 0.999 * rule.separation);
+        put_strand(&f, 1, minus);
+        f.model->problem->restore(f.model, f.rows);
+        cr_assert_eq(flock_tick(&f), 2, "a twin splits before it is separated");
+        for (int i = 0; i < f.model->part_count; i++)
+            cr_assert(!f.changed[i], "twins touch before they are separated");
+
+        press(plus, 4, 1, 1); /* no longer flat: they only touch */
+        press(minus, 4, 1, 1);
+        move_tip(minus, 0.002 * rule.separation);
+        put_strand(&f, 0, plus);
+        put_strand(&f, 1, minus);
+        f.model->problem->restore(f.model, f.rows);
+        cr_assert_eq(flock_tick(&f), 2);
+        cr_assert(f.changed[0], "separated twins do not touch");
+
+        move_tip(minus, -rule.separation); /* together again, and flat */
+        press(plus, 4, 1, 0.3);
+        put_strand(&f, 0, plus);
+        put_strand(&f, 1, minus);
+        f.model->problem->restore(f.model, f.rows);
+        cr_assert_eq(flock_tick(&f), 3, "once separated is for ever");
+        strand_free(minus);
+        strand_free(plus);
+        flock_free(&f);
+    }
+}
+
+/* --- runs --- */
+
+enum { FRAMES_MAX = 128 };
+
+/* A run with frames of different sizes. */
+struct film {
+    struct run_result result;
+    int frames, columns;
+    int rows[FRAMES_MAX];
+    double t[FRAMES_MAX], *row[FRAMES_MAX];
+};
+
+static int keep(void *ctx, const struct model *model, double t, const double *rows) {
+    struct film *film = ctx;
+    const size_t bytes = (size_t)(model->row_count * model->column_count) * sizeof *rows;
+    const int f = film->frames++;
+    cr_assert(f < FRAMES_MAX);
+    film->columns = model->column_count;
+    film->rows[f] = model->row_count;
+    film->t[f] = t;
+    film->row[f] = malloc(bytes);
+    cr_assert(film->row[f], "no memory for frames");
+    memcpy(film->row[f], rows, bytes);
+    return 0;
+}
+
+/* Runs; 0 where the request is refused. film_free it in any case. */
+static int film_make(struct film *film, const struct scene *scene,
+                     const struct run_request *request) {
+    struct settings settings;
+    char reason[REASON_SIZE];
+    *film = (struct film){.frames = 0};
+    if (settings_resolve(scene, request, &settings, reason))
+        return 0;
+    simulate(scene, &settings, &(struct observer){keep, film}, NULL, &film->result);
+    return 1;
+}
+
+static void film_free(struct film *film) {
+    for (int i = 0; i < film->frames; i++)
+        free(film->row[i]);
+}
+
+/* Whether two films are the same, to the last bit, in frames before `end`. */
+static int same(const struct film *a, const struct film *b, int end) {
+    for (int f = 0; f < end; f++)
+        if (a->rows[f] != b->rows[f] || a->t[f] != b->t[f] ||
+            memcmp(a->row[f], b->row[f], (size_t)(a->rows[f] * a->columns) * sizeof *a->row[f]) !=
+                0)
+            return 0;
+    return a->frames == b->frames;
+}
+
+/* First frame, from 0, with more rows than the one at the start; the number of frames: none. */
+static int first_split(const struct film *film) {
+    int f = 0;
+    while (f < film->frames && film->rows[f] == film->rows[0])
+        f++;
+    return f;
+}
+
+/* What the scene's first line says, with every treatment. */
+Test(subdivision, the_shipped_scene_splits_each_wisp_once_at_frames_5_to_8) {
+    struct scene *scene = lab_load("subdivision", NULL, 0);
+    for (int treatment = 0; treatment < TREATMENTS; treatment++) {
+        struct film film;
+        const struct run_request request = {.treatment = treatment_names[treatment]};
+        cr_assert(film_make(&film, scene, &request));
+        const int f = first_split(&film);
+        cr_assert_eq(film.result.outcome, FINISHED, "%s", film.result.reason);
+        cr_assert(f >= 4 && f <= 6, "%s: frame %d", request.treatment, f + 1);
+        cr_assert(film.frames == 84 && film.rows[7] == 4 * 16 && film.rows[83] == 4 * 16,
+                  "%s: %d rows at frame 8, %d at the end", request.treatment, film.rows[7],
+                  film.rows[83]);
+        cr_assert(film.result.counters.splits == 2 && film.result.wisps == 4);
+        film_free(&film);
+    }
+    scene_free(scene);
+}
+
+Test(subdivision, the_motion_is_another_after_the_split_and_only_then) {
+    struct scene *scene = LAB_LOAD("subdivision", "duration=0.5"),
+                 *without = LAB_LOAD("subdivision", "duration=0.5", "subdivision.limit=2");
+    struct film film, plain;
+    cr_assert(film_make(&film, scene, &(struct run_request){.stepper = "rk4"}));
+    cr_assert(film_make(&plain, without, &(struct run_request){.stepper = "rk4"}));
+    const int f = first_split(&film);
+    cr_assert_lt(f, film.frames, "no split");
+    cr_assert(same(&film, &plain, f), "the motion differs before the split");
+    double most = 0;
+    for (int i = 0; i < plain.rows[f] * plain.columns; i++)
+        most = fmax(most, fabs(film.row[plain.frames - 1][i] - plain.row[plain.frames - 1][i]));
+    cr_assert_gt(most, 1e-3, "the motion is the same after the split");
+    cr_assert(plain.result.counters.splits == 0 && first_split(&plain) == plain.frames);
+    film_free(&film);
+    film_free(&plain);
+    scene_free(scene);
+    scene_free(without);
+}
+
+Test(subdivision, a_rule_that_never_holds_changes_nothing) {
+    static const char *const steppers[] = {"rk4", "cvode"};
+    struct scene *scene = LAB_LOAD("interactions", "duration=0.9", "subdivision={ ratio = 1e-6; }"),
+                 *without = LAB_LOAD("interactions", "duration=0.9");
+    for (int i = 0; i < 2; i++) {
+        struct film film, plain;
+        cr_assert(film_make(&film, scene, &(struct run_request){.stepper = steppers[i]}));
+        cr_assert(film_make(&plain, without, &(struct run_request){.stepper = steppers[i]}));
+        cr_assert(same(&film, &plain, plain.frames), "%s: the rule alone matters", steppers[i]);
+        cr_assert_eq(film.result.counters.force_evaluations,
+                     plain.result.counters.force_evaluations, "%s: or costs", steppers[i]);
+        film_free(&film);
+        film_free(&plain);
+    }
+    scene_free(scene);
+    scene_free(without);
+}
+
+/* Five that meet; with a ratio this high all split, some more than once. */
+#define WISP_A "{ root = [0.0, 0.0, 0.0]; direction = [1.0, 0.0, 0.1]; length = 0.2; nodes = 8; }"
+#define WISP_B \
+    "{ root = [0.0, 0.02, 0.02]; direction = [1.0, 0.1, -0.2]; length = 0.2; nodes = 8; }"
+#define WISP_C \
+    "{ root = [0.01, -0.02, 0.0]; direction = [1.0, 0.4, 0.2]; length = 0.15; nodes = 6; }"
+#define WISP_D \
+    "{ root = [0.1, 0.03, -0.1]; direction = [0.0, -0.1, 1.0]; length = 0.2; nodes = 8; }"
+#define WISP_E "{ root = [0.2, 0.0, 0.1]; direction = [-0.3, 0.0, -1.0]; length = 0.2; nodes = 8; }"
+#define BUNDLE(order)                 \
+    "duration=0.25", "run.step=2e-4", \
+        "subdivision={ ratio = 0.9; separation = 4e-3; limit = 100; }", "wisps=(" order ")"
+
+/* Number of wisps of b whose rows, but for their number, are one of a's, each used once. */
+static int wisps_found(const struct film *a, const struct film *b, int f) {
+    const int stride = a->columns;
+    char used[100 * 8] = {0};
+    int found = 0;
+    for (int i = 0; i < b->rows[f]; i++) {
+        const double *x = b->row[f] + i * stride;
+        int there = 0;
+        for (int k = 0; k < a->rows[f] && x[1] == 0 && !there; k++) {
+            const double *y = a->row[f] + k * stride;
+            int n = 0;
+            while (i + n < b->rows[f] && x[n * stride] == x[0] && k + n < a->rows[f] &&
+                   memcmp(x + n * stride + 1, y + n * stride + 1,
+                          (size_t)(stride - 1) * sizeof *x) == 0)
+                n++;
+            there = y[1] == 0 && !used[k] &&
+                    (i + n == b->rows[f] || b->row[f][(i + n) * stride] != x[0]);
+            used[k] |= (char)there;
+        }
+        found += there;
+    }
+    return found;
+}
+
+Test(subdivision, runs_do_not_depend_on_threads_or_on_the_file) {
+    static const char *const steppers[] = {"rk4", "cvode"};
+    struct scene *scene =
+        LAB_LOAD("subdivision", BUNDLE(WISP_A "," WISP_B "," WISP_C "," WISP_D "," WISP_E));
+    struct scene *other =
+        LAB_LOAD("subdivision", BUNDLE(WISP_C "," WISP_E "," WISP_B "," WISP_D "," WISP_A));
+    for (int m = 0; m < 2; m++) {
+        struct film first, film;
+        struct run_request request = {.stepper = steppers[m], .threads = 1};
+        cr_assert(film_make(&first, scene, &request));
+        cr_assert_eq(first.result.outcome, FINISHED, "%s", first.result.reason);
+        cr_assert(first.result.wisps > 8 && first.result.wisps < 100, "%d wisps",
+                  first.result.wisps); /* the limit goes by the file's order */
+        for (request.threads = 2; request.threads <= 3; request.threads++) {
+            cr_assert(film_make(&film, scene, &request));
+            cr_assert(same(&first, &film, first.frames), "%s: threads matter", steppers[m]);
+            film_free(&film);
+        }
+        cr_assert(film_make(&film, other, &request));
+        for (int f = 0; f < film.frames; f++) {
+            const int wisps = (int)film.row[f][(film.rows[f] - 1) * film.columns] + 1;
+            cr_assert_eq(film.rows[f], first.rows[f], "%s: frame %d", steppers[m], f);
+            cr_assert_eq(wisps_found(&first, &film, f), wisps, "%s: the file matters at frame %d",
+                         steppers[m], f);
+        }
+        film_free(&film);
+        film_free(&first);
+    }
+    scene_free(scene);
+    scene_free(other);
+}
+
+/* One of two wisps swings; in penalty that alone flattens it. The other hangs and is left alone:
+ * its steps go on, and its bits are those of a run in which nothing splits. */
+Test(subdivision, only_the_wisp_that_splits_begins_anew) {
+    static const char two[] =
+        "wisps=({ root = [0.0, 0.0, 0.0]; direction = [1.0, 0.5, 0.0]; length = 0.3; nodes = 8; },"
+        "{ root = [1.0, 0.0, 0.0]; direction = [0.0, -1.0, 0.0]; length = 0.3; nodes = 8; })";
+    struct scene *scene = LAB_LOAD("swing-envelope", "duration=0.3", two,
+                                   "subdivision={ ratio = 0.97; }"),
+                 *never = LAB_LOAD("swing-envelope", "duration=0.3", two,
+                                   "subdivision={ ratio = 1e-6; }");
+    const struct run_request request = {.stepper = "cvode", .treatment = "penalty"};
+    struct film film, plain;
+    cr_assert(film_make(&film, scene, &request) && film_make(&plain, never, &request));
+    cr_assert_eq(plain.result.counters.restarts, 0, "ticks restart");
+    cr_assert_eq(film.result.counters.splits, 1);
+    cr_assert_eq(film.result.counters.restarts, 1, "%lld restarts", film.result.counters.restarts);
+    for (int f = 0; f < film.frames; f++)
+        cr_assert(memcmp(film.row[f] + 8 * film.columns, plain.row[f] + 8 * film.columns,
+                         8 * (size_t)film.columns * sizeof(double)) == 0,
+                  "the other wisp has changed at frame %d", f + 1);
+    film_free(&film);
+    film_free(&plain);
+    scene_free(scene);
+    scene_free(never);
+}
+
+/* Every stepper with every treatment and linear solver, or a refusal. */
+Test(subdivision, slow_every_stepper_goes_on_with_the_children) {
+    static const char *const solvers[] = {"direct", "klu", "cholmod", "cg"};
+    struct scene *scene = LAB_LOAD("subdivision", "duration=0.25");
+    int runs = 0;
+    for (int i = 0; stepper_methods[i]; i++)
+        for (int treatment = 0; treatment < TREATMENTS; treatment++) {
+            const int implicit = (stepper_methods[i]->capabilities & STEPPER_IMPLICIT) != 0;
+            for (int solver = 0; solver < (implicit ? 4 : 1); solver++) {
+                const struct run_request request = {.stepper = stepper_methods[i]->name,
+                                                    .treatment = treatment_names[treatment],
+                                                    .linear = implicit ? solvers[solver] : NULL};
+                struct film film;
+                if (film_make(&film, scene, &request)) {
+                    cr_assert_eq(film.result.outcome, FINISHED, "%s, %s, %s: %s", request.stepper,
+                                 request.treatment, solvers[solver], film.result.reason);
+                    cr_assert_eq(film.result.counters.splits, 2, "%s, %s, %s: %lld splits",
+                                 request.stepper, request.treatment, solvers[solver],
+                                 film.result.counters.splits);
+                    runs++;
+                }
+                film_free(&film);
+            }
+        }
+    cr_assert_geq(runs, 3 * 6 + 2 * 7, "%d runs", runs);
+    scene_free(scene);
+}
+
+/* --- what reads runs --- */
+
+static void table_of(const struct film *film, struct table *table) {
+    int rows = 0;
+    *table = (struct table){.column_count = film->columns + 1};
+    for (int f = 0; f < film->frames; f++)
+        rows += film->rows[f];
+    table->value = malloc((size_t)(rows * table->column_count) * sizeof *table->value);
+    cr_assert(table->value, "no memory");
+    for (int c = 0; c < table->column_count; c++)
+        table->name[c] = strdup(c == 9 ? "r0" : "");
+    for (int f = 0; f < film->frames; f++)
+        for (int i = 0; i < film->rows[f]; i++) {
+            double *row = table->value + table->row_count++ * table->column_count;
+            row[0] = film->t[f];
+            memcpy(row + 1, film->row[f] + i * film->columns, (size_t)film->columns * sizeof *row);
+        }
+}
+
+/* Runs are compared up to where their wisps are no longer the same ones. */
+Test(subdivision, runs_that_part_are_compared_up_to_there) {
+    struct scene *scene = LAB_LOAD("subdivision", "duration=0.5"),
+                 *without = LAB_LOAD("subdivision", "duration=0.5", "subdivision.limit=2");
+    struct film film, plain;
+    struct table table, other;
+    struct deviation d;
+    char reason[REASON_SIZE];
+    cr_assert(film_make(&film, scene, &(struct run_request){.stepper = "rk4"}));
+    cr_assert(film_make(&plain, without, &(struct run_request){.stepper = "rk4"}));
+    table_of(&film, &table);
+    table_of(&plain, &other);
+    const int f = first_split(&film);
+
+    cr_assert_eq(measure_deviation(scene, &table, &table, 1, &d, reason), 0, "%s", reason);
+    cr_assert(isnan(d.parted) && d.rms == 0 && d.end == 0, "a run and itself");
+    cr_assert_eq(measure_deviation(scene, &table, &other, 1, &d, reason), 0, "%s", reason);
+    cr_assert(d.parted == film.t[f] && d.rms == 0, "they part at %g, not %g", d.parted, film.t[f]);
+    cr_assert(isnan(d.end) && isnan(d.end_largest) && isnan(d.mescd), "ends are compared");
+
+    /* equally many, but those that came later are in another order: rows of 16 nodes change places
+     */
+    other.row_count = 0;
+    table_free(&other);
+    table_of(&film, &other);
+    const int last = table.row_count - 32, columns = table.column_count;
+    for (int i = 0; i < 16; i++)
+        for (int c = 2; c < columns; c++) {
+            double *x = &other.value[(last + i) * columns + c], *y = x + 16 * columns, z = *x;
+            *x = *y;
+            *y = z;
+        }
+    cr_assert_eq(measure_deviation(scene, &table, &other, 1, &d, reason), 0, "%s", reason);
+    cr_assert_eq(d.parted, film.t[film.frames - 1], "they part at %g", d.parted);
+
+    other.row_count -= 4 * 16; /* a frame less is no subdivision */
+    cr_assert_eq(measure_deviation(scene, &table, &other, 1, &d, reason), -1);
+    table_free(&table);
+    table_free(&other);
+    film_free(&film);
+    film_free(&plain);
+    scene_free(scene);
+    scene_free(without);
+}
+
+/* A second opinion whose wisps split elsewhere gives no bound, and says why. */
+Test(subdivision, a_second_opinion_that_parts_gives_no_bound) {
+    struct scene *scene = LAB_LOAD("subdivision", "duration=0.25"),
+                 *without = LAB_LOAD("subdivision", "duration=0.25", "subdivision.limit=2");
+    for (int same_scene = 0; same_scene < 2; same_scene++) {
+        struct kept_frames kept = {0};
+        struct settings settings;
+        struct run_result result;
+        char reason[REASON_SIZE];
+        const struct run_request request = {.stepper = "reference", .rtol = 1e-8, .atol = 1e-8};
+        cr_assert_eq(settings_resolve(scene, &request, &settings, reason), 0, "%s", reason);
+        simulate(scene, &settings, &(struct observer){keep_frame, &kept}, NULL, &result);
+        cr_assert_eq(result.outcome, FINISHED, "%s", result.reason);
+        json_t *json = second_opinion(same_scene ? scene : without, &settings, &kept, NULL);
+        const json_t *bound = json_object_get(json, "bound");
+        if (same_scene)
+            cr_assert(json_is_real(bound) && json_real_value(bound) < 1e-6, "no bound");
+        else
+            cr_assert(json_is_null(bound) &&
+                          strstr(json_string_value(json_object_get(json, "reason")), "differ"),
+                      "a bound of runs that differ");
+        json_decref(json);
+        kept_frames_free(&kept);
+    }
+    scene_free(scene);
+    scene_free(without);
+}
+
+/* A state with more wisps than the scene is no state of it. */
+Test(subdivision, eval_refuses_a_state_after_a_subdivision) {
+    char folder[PATH_SIZE], states[PATH_SIZE];
+    static struct finished f;
+    folder_make(folder);
+    path_format(states, "%s/states.tsv", folder);
+    PROGRAM(&f, NULL, "run", "subdivision", "--duration", "0.25", "--out", folder, "--no-progress");
+    cr_assert_eq(f.code, 0, "%s", f.err);
+    PROGRAM(&f, NULL, "eval", "subdivision", "--state", states);
+    cr_assert(f.code == 1 && count_lines(f.err) == 1 && strstr(f.err, "4 wisps") &&
+                  strstr(f.err, "subdivision"),
+              "exit code %d, '%s'", f.code, f.err);
+    folder_remove(folder);
+}
+
+/* Parts that choose their own steps have no common frames. */
+Test(subdivision, every_step_a_frame_is_refused_where_parts_may_come) {
+    char reason[REASON_SIZE];
+    struct settings settings;
+    struct scene *scene = LAB_LOAD("swing-envelope", "subdivision={ }");
+    scene->frame_rate = 0;
+    const struct run_request request = {.stepper = "cvode"};
+    cr_assert_eq(settings_resolve(scene, &request, &settings, reason), REFUSED);
+    cr_assert(strstr(reason, "frame_rate"), "%s", reason);
+    scene->subdivision.limit = 1;
+    cr_assert_eq(settings_resolve(scene, &request, &settings, reason), 0, "%s", reason);
+    scene_free(scene);
+}
