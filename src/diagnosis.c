@@ -76,7 +76,8 @@ double model_energy(const struct model *model) {
 double model_jumps(const struct model *model) {
     double sum = 0;
     for (int i = 0; i < model->part_count; i++)
-        sum += jumps_sum(model->parts[i].account->jump);
+        if (model->parts[i].account)
+            sum += jumps_sum(model->parts[i].account->jump);
     return sum;
 }
 

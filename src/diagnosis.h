@@ -78,7 +78,8 @@ struct diagnosis {
     double body_contacts, wisp_contacts; /* counters: since the frame before */
 };
 
-/* Sums over parts, in their order. energy: of the state, J; NaN where memory could not be had. */
+/* Sums over parts, in their order, J: the energy of the state, NaN where memory could not be had;
+ * what accounts have booked of ticks. (A part that a tick has made has no account yet.) */
 double model_energy(const struct model *model);
 double model_jumps(const struct model *model);
 
