@@ -168,7 +168,7 @@ static void finish(const struct sums *sums, struct deviation *d) {
     d->radius = sums->samples > 0 ? sqrt(sums->radius / sums->samples) : 0;
     d->mescd = -log10(sums->worst_component);
     if (!isnan(d->parted))
-        d->end_largest = d->mescd = NAN; /* the others are 0 / 0 */
+        d->end = d->end_all = d->end_largest = d->mescd = NAN;
 }
 
 /* One frame, `count` rows of each; a wisp's first two nodes tell its length. */
