@@ -179,6 +179,29 @@ Test(memory, models_are_made_or_not) {
     scene_free(scene);
 }
 
+/* A start of another treatment is converted. */
+Test(memory, models_start_from_a_state_or_are_not_made) {
+    char folder[PATH_SIZE], scene_path[PATH_SIZE], state[PATH_SIZE], reason[REASON_SIZE];
+    struct finished f;
+    const char *start = "start=state.tsv";
+    folder_make(folder);
+    path_format(state, "%s/state.tsv", folder);
+    file_write(folder, "two.cfg",
+               "duration = 0.01; gravity = [0.0, 0.0, 0.0]; frame_rate = 100.0; material = { };\n"
+               "envelope = { }; wisps = ( { root = [0.0, 0.0, 0.0]; direction = [1.0, 0.0, 0.0];\n"
+               "length = 0.3; nodes = 11; grid = [2, 1]; spacing = 0.1;\n"
+               "across = ([0.0, 1.0, 0.0], [0.0, 0.0, 1.0]); } );\n",
+               scene_path);
+    PROGRAM(&f, NULL, "run", scene_path, "--treatment", "penalty", "--out", folder, "--save",
+            state);
+    cr_assert_eq(f.code, 0, "%s", f.err);
+    struct scene *scene = scene_load(scene_path, &start, 1, reason);
+    cr_assert(scene, "%s", reason);
+    try_all(scene->name, make_model, scene);
+    scene_free(scene);
+    folder_remove(folder);
+}
+
 /* Wisps that touch: their ticks make room where they need it, and only then. */
 static int tick_twice(const void *what) {
     const struct scene *scene = what;

@@ -99,6 +99,26 @@ static void distance_of(const double *row, int sample, double *r, double *rate) 
         *rate += (e[3 + k] - row[5 + k]) * (e[k] - row[2 + k]) / *r;
 }
 
+/* Distances along the half-lines that wisps have on the turned head. */
+static void check_on_lines(const struct rows *rows, const struct table *saved) {
+    struct placement head;
+    head_placement(&rows->scene->around.head, 0, &head);
+    for (int w = 0, first = 0; w < rows->scene->wisp_count; w++) {
+        const struct wisp *wisp = &rows->scene->wisps[w];
+        struct strand *s = strand_create(wisp, WISP_PENALTY);
+        cr_assert(s, "no memory");
+        strand_turn(s, &head);
+        strand_load(s, rows->row + first * rows->columns + 2, rows->columns);
+        for (int at = 8; at < 4 * wisp->nodes; at++) {
+            const double r = table_value(saved, first + at / 4, 9 + 2 * (at % 4));
+            cr_assert(fabs(s->r[at] - r) <= 1e-15, "wisp %d, sample %d: %g, not %g", w, at,
+                      s->r[at], r);
+        }
+        strand_free(s);
+        first += wisp->nodes;
+    }
+}
+
 /* What a run has left is what the next one starts with, to the bit; the free nodes, that is, in
  * parts of any size. */
 Test(start, the_same_columns_give_the_same_bits, .init = open_folder, .fini = close_folder) {
@@ -137,6 +157,7 @@ Test(start, distances_and_particles_are_converted, .init = open_folder, .fini = 
         save_state(treatment_names[treatment]);
         read_rows(&saved);
         start_of(WISP_PENALTY, 4, &particles);
+        check_on_lines(&particles, &saved);
         write_rows(&particles);
         start_of((enum wisp_treatment)treatment, 4, &back);
         for (int i = 0; i < back.count; i++) {

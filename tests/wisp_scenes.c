@@ -421,6 +421,36 @@ Test(wisp_scenes, the_named_defaults_hold) {
     scene_free(spare_envelope);
 }
 
+/* Wherever the program is started, and errors in it have its name and line. */
+Test(wisp_scenes, includes_stand_beside_the_scene) {
+    char folder[] = "/tmp/wisp-include-XXXXXX", path[100], part[100], reason[REASON_SIZE];
+    cr_assert(mkdtemp(folder), "no folder");
+    snprintf(path, sizeof path, "%s/scene.cfg", folder);
+    snprintf(part, sizeof part, "%s/part.inc", folder);
+    write_scene(path, "material", "@include \"part.inc\"");
+    for (int bad = 0; bad < 2; bad++) {
+        FILE *file = fopen(part, "w");
+        cr_assert(file);
+        fprintf(file, "# what wisps are made of\nmaterial = { drag_rate = %s; };\n",
+                bad ? "-3.0" : "3.0");
+        fclose(file);
+        struct scene *scene = scene_load(path, NULL, 0, reason);
+        if (bad) {
+            cr_assert_null(scene);
+            cr_assert(strstr(reason, "part.inc:2: drag_rate"), "'%s'", reason);
+        } else {
+            cr_assert(scene, "%s", reason);
+            cr_assert_eq(scene->wisps->drag_rate, 3);
+        }
+        scene_free(scene);
+    }
+    remove(part);
+    cr_assert_null(scene_load(path, NULL, 0, reason), "without what it includes");
+    cr_assert(strstr(reason, "include"), "'%s'", reason);
+    remove(path);
+    cr_assert_eq(rmdir(folder), 0);
+}
+
 /* Rates hold without the group, responses only with it; without envelope there is nothing to
  * touch with. */
 Test(wisp_scenes, contacts_are_read_and_need_an_envelope) {
