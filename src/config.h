@@ -20,7 +20,8 @@ struct config_reader {
     char *reason;       /* REASON_SIZE, the caller's */
 };
 
-/* Reads a file and applies overrides "path=value". Check reader->failed; close in any case. */
+/* Reads a file, with what it includes from its folder, and applies overrides "path=value". Check
+ * reader->failed; close in any case. */
 void config_open(struct config_reader *reader, const char *path, const char *const *sets,
                  int set_count, char *reason);
 void config_close(struct config_reader *reader);
