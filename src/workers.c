@@ -80,14 +80,15 @@ void workers_free(struct workers *w) {
 }
 
 void workers_run(struct workers *w, void (*task)(void *ctx, int index), void *ctx, int count) {
+    if (!w || w->threads == 0 || count <= 1) {
+        for (int i = 0; i < count; i++)
+            task(ctx, i);
+        return;
+    }
     w->task = task;
     w->ctx = ctx;
     w->count = count;
     atomic_store(&w->next, 0);
-    if (w->threads == 0 || count == 1) {
-        do_tasks(w);
-        return;
-    }
     pthread_mutex_lock(&w->mutex);
     w->busy = w->threads;
     w->round++;
