@@ -1,5 +1,8 @@
 #include "grid.h"
 
+#define LANES 4
+#include "kernel/lanes.h"
+
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -22,7 +25,7 @@ struct grid {
 
 enum {
     CELLS = 1 << 21, /* along each axis; two such numbers in one of 64 bits */
-    FLATNESS = 4     /* a cell's side over its height along z, where a run is cut to measure */
+    FLATNESS = 2     /* a cell's side over its height along z, where a run is cut to measure */
 };
 
 struct grid *grid_create(void) {
@@ -71,9 +74,9 @@ static int make_room(struct grid *g, int count) {
     *g = (struct grid){.mask = (unsigned)hashes - 1,
                        .start = malloc((hashes + 1) * sizeof *g->start),
                        .hash = malloc(hashes * sizeof *g->hash),
-                       .point = malloc(hashes * sizeof *g->point)};
+                       .point = calloc(hashes + LANES, sizeof *g->point)};
     for (int k = 0; k < 3; k++)
-        g->x[k] = malloc(hashes * sizeof(double));
+        g->x[k] = calloc(hashes + LANES, sizeof(double)); /* read in fours */
     if (!g->start || !g->hash || !g->point || !g->x[0] || !g->x[1] || !g->x[2])
         return -1;
     g->room = (int)hashes;
@@ -153,28 +156,24 @@ static void gather_runs(const struct grid *g, const double low[3], const double 
 
 /* --- points in a box --- */
 
-enum { BLOCK = 64 };
+enum { BLOCK = 64 }; /* slots that are looked at between looks at the room in `found` */
 
-/* A plain loop over a block, which compilers turn into vector instructions. */
-static void look(const struct grid *g, int from, int count, const struct grid_search *s,
-                 unsigned char in[BLOCK]) {
-    const double *x = g->x[0] + from, *y = g->x[1] + from, *z = g->x[2] + from;
-    const double x0 = s->low[0], y0 = s->low[1], z0 = s->low[2];
-    const double x1 = s->high[0], y1 = s->high[1], z1 = s->high[2];
-    const int *point = g->point + from, first = s->except[0], before = s->except[1];
-    for (int i = 0; i < count; i++)
-        in[i] = (x[i] >= x0) & (x[i] <= x1) & (y[i] >= y0) & (y[i] <= y1) & (z[i] >= z0) &
-                (z[i] <= z1) & ((point[i] < first) | (point[i] >= before));
-}
-
-static int find_in_block(const struct grid *g, int from, int count, const struct grid_search *s,
-                         int *found) {
-    unsigned char in[BLOCK];
+/* Four slots at a time; those behind the run are looked at for nothing. */
+static int find_in_run(const struct grid *g, int from, int to, const struct grid_search *s,
+                       int *found) {
+    const lane x0 = lane_all(s->low[0]), y0 = lane_all(s->low[1]), z0 = lane_all(s->low[2]);
+    const lane x1 = lane_all(s->high[0]), y1 = lane_all(s->high[1]), z1 = lane_all(s->high[2]);
+    const unsigned first = (unsigned)s->except[0], own = (unsigned)s->except[1] - first;
     int hits = 0;
-    look(g, from, count, s, in);
-    for (int i = 0; i < count; i++) {
-        found[hits] = from + i; /* to stay if it counts: no branch to guess */
-        hits += in[i];
+    for (int i = from; i < to; i += LANES) {
+        const lane x = load(g->x[0] + i, 0), y = load(g->x[1] + i, 0), z = load(g->x[2] + i, 0);
+        const mask in = (x >= x0) & (x <= x1) & (y >= y0) & (y <= y1) & (z >= z0) & (z <= z1);
+        if (mask_none(in))
+            continue;
+        for (int k = 0; k < LANES; k++) {
+            found[hits] = i + k; /* to stay if it counts: no branch to guess */
+            hits += (in[k] != 0) & (i + k < to) & ((unsigned)g->point[i + k] - first >= own);
+        }
     }
     return hits;
 }
@@ -190,7 +189,7 @@ void grid_begin(const struct grid *g, const double low[3], const double high[3],
 
 int grid_next(const struct grid *g, struct grid_search *s, int found[GRID_BATCH]) {
     int count = 0;
-    while (s->run < s->runs.count && count <= GRID_BATCH - BLOCK) {
+    while (s->run < s->runs.count && count <= GRID_BATCH - BLOCK - LANES) {
         const int to = s->runs.to[s->run];
         if (s->from < s->runs.from[s->run]) /* further on in a run that overlaps the last */
             s->from = s->runs.from[s->run];
@@ -199,7 +198,7 @@ int grid_next(const struct grid *g, struct grid_search *s, int found[GRID_BATCH]
             continue;
         }
         const int block = to - s->from < BLOCK ? to - s->from : BLOCK;
-        count += find_in_block(g, s->from, block, s, found + count);
+        count += find_in_run(g, s->from, s->from + block, s, found + count);
         s->from += block;
     }
     return count;

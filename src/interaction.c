@@ -152,7 +152,8 @@ static int add_node(struct interaction *it, int index, int node, int at) {
 static void add_sections(struct interaction *it, int index) {
     const struct strand *strand = it->strand[index];
     const struct wisp *wisp = strand->wisp;
-    const double share = ldexp(1, -wisp->splits), rest = wisp->radius * wisp->radius;
+    const double share = wisp->splits ? ldexp(1, -wisp->splits) : 1,
+                 rest = wisp->radius * wisp->radius;
     const int points = it->first[index].point, each = 1 + wisp->samples, last = wisp->nodes - 1;
     struct volume *volume = &it->volume[it->first[index].volume];
     for (int i = 1; i < last; i++, volume++) {
@@ -294,12 +295,16 @@ static void sort(struct contact *contact, int count) {
 }
 
 /* Appends some contacts of a section. */
-static int add_contacts(const struct interaction *it, struct share *share, int section, double rest,
+static int add_contacts(const struct interaction *it, struct share *share, int section,
                         const int *slot, int count) {
+    const struct volume *volume = &it->volume[section];
     const struct grid_slots slots = grid_slots(it->grid);
     struct section_place places[GRID_BATCH];
     int found[GRID_BATCH];
-    count = section_find(&it->volume[section].section, &slots, slot, count, found, places);
+    count = section_find(&volume->section, &slots, slot, count, found, places);
+    if (count == 0)
+        return 0;
+    const double rest = exp(-it->settings.viscosity * volume->density / it->settings.rate);
     if (make_contact_room(&share->contact, &share->room, (size_t)share->count + (size_t)count))
         return -1;
     for (int i = 0; i < count; i++) {
@@ -313,7 +318,6 @@ static int add_contacts(const struct interaction *it, struct share *share, int s
 /* Appends the contacts of one section, by point. */
 static int find_in_section(struct interaction *it, struct share *share, int section) {
     struct volume *volume = &it->volume[section];
-    const double rest = exp(-it->settings.viscosity * volume->density / it->settings.rate);
     struct grid_search search;
     int slot[GRID_BATCH];
     volume->first_contact = share->count;
@@ -321,7 +325,7 @@ static int find_in_section(struct interaction *it, struct share *share, int sect
         return 0;
     grid_begin(it->grid, volume->section.low, volume->section.high, volume->own, &search);
     for (int count; (count = grid_next(it->grid, &search, slot)) > 0;)
-        if (add_contacts(it, share, section, rest, slot, count))
+        if (add_contacts(it, share, section, slot, count))
             return -1;
     if (share->count > volume->first_contact)
         sort(share->contact + volume->first_contact, share->count - volume->first_contact);

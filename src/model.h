@@ -6,6 +6,7 @@
 
 #include "stepper.h"
 #include "system.h"
+#include "workers.h"
 
 struct scene;
 
@@ -64,9 +65,10 @@ struct problem {
     int (*terms)(const struct scene *scene, const char **names, int most);
 
     /* What happens at a stop besides the smooth motion; sets changed[i] where part i's state is no
-     * longer what its stepper left. Returns FINISHED, or why the run cannot go on. NULL: nothing.
-     */
-    enum outcome (*tick)(struct model *model, unsigned events, int *changed);
+     * longer what its stepper left. The workers, or NULL, share the work; what happens does not
+     * depend on them. Returns FINISHED, or why the run cannot go on. NULL: nothing. */
+    enum outcome (*tick)(struct model *model, struct workers *workers, unsigned events,
+                         int *changed);
 
     /* FINISHED while a finite state is within what the model can mean, else DIVERGED and why.
      * NULL: every finite state is. */

@@ -214,7 +214,7 @@ static void tick(struct simulation *sim, unsigned events) {
     if (!problem->tick)
         return;
     memset(sim->changed, 0, (size_t)sim->model->part_count * sizeof(int));
-    const enum outcome outcome = problem->tick(sim->model, events, sim->changed);
+    const enum outcome outcome = problem->tick(sim->model, sim->workers, events, sim->changed);
     if (outcome != FINISHED)
         end_with(sim, outcome, "no memory for what happens at a tick");
     for (int i = 0; i < sim->model->part_count; i++)

@@ -40,7 +40,8 @@ struct wisp_model {
     struct batch *batches;   /* one for each part */
     int *first_row;          /* by wisp: its first row of a frame */
     struct strand **strands; /* by wisp, where the scene has contacts; NULL-terminated */
-    double *strand_rows;     /* of the wisp with most nodes, without the columns wisp and node */
+    double *strand_rows;     /* by task: of the wisp with most nodes, without columns wisp, node */
+    size_t strand_row_room;  /* numbers for a task */
     struct touch *touch;     /* NULL where wisps do not interact */
     char **columns, **rate_columns;
     char name[64];
@@ -52,6 +53,7 @@ int wisp_ticks_create(struct wisp_model *m);
 void wisp_ticks_free(struct wisp_model *m);
 
 /* The problem's `tick`. */
-enum outcome wisps_tick(struct model *model, unsigned events, int *changed);
+enum outcome wisps_tick(struct model *model, struct workers *workers, unsigned events,
+                        int *changed);
 
 #endif

@@ -7,6 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Parts are shared out to threads in tasks, each with a place of its own to lay wisps open. */
+enum { TASKS_MOST = 32 };
+
 static int interacts(const struct scene *scene) {
     return scene->interaction.interpenetration || scene->interaction.collision;
 }
@@ -24,7 +27,8 @@ static int create_strands(struct wisp_model *m) {
         if (!m->strands[i])
             return -1;
     }
-    m->strand_rows = calloc((size_t)(most * m->model.column_count), sizeof(double));
+    m->strand_row_room = (size_t)(most * m->model.column_count);
+    m->strand_rows = calloc(TASKS_MOST * m->strand_row_room, sizeof(double));
     return m->strands && m->strand_rows ? 0 : -1;
 }
 
@@ -67,42 +71,78 @@ static int create_touch(struct wisp_model *m) {
     return 0;
 }
 
+/* A tick, as its tasks see it. */
+struct tick {
+    struct wisp_model *m;
+    int *changed; /* by part */
+    int tasks;
+    void (*do_part)(const struct tick *tick, int part, double *rows);
+    const struct bodies *bodies;
+    struct placement head;
+};
+
+static void do_task(void *ctx, int index) {
+    const struct tick *tick = ctx;
+    const long long parts = tick->m->model.part_count;
+    const int to = (int)(parts * (index + 1) / tick->tasks);
+    double *rows = tick->m->strand_rows
+                       ? tick->m->strand_rows + (size_t)index * tick->m->strand_row_room
+                       : NULL;
+    for (int i = (int)(parts * index / tick->tasks); i < to; i++)
+        tick->do_part(tick, i, rows);
+}
+
+static void do_parts(struct tick *tick, struct workers *workers,
+                     void (*do_part)(const struct tick *, int, double *)) {
+    const int parts = tick->m->model.part_count;
+    tick->do_part = do_part;
+    tick->tasks = parts < TASKS_MOST ? parts : TASKS_MOST;
+    workers_run(workers, do_task, tick, tick->tasks);
+}
+
 /* Lays a wisp of a part open, and takes it back into its lane and the padding that repeats it. */
-static struct strand *open_strand(const struct wisp_model *m, int i, int lane) {
+static struct strand *open_strand(const struct tick *tick, int i, int lane, double *rows) {
+    const struct wisp_model *m = tick->m;
     const struct part *part = &m->model.parts[i];
     struct strand *strand = m->strands[m->batches[i].wisp[lane]];
     const int stride = m->model.column_count - 2;
-    struct placement head;
-    head_placement(&m->scene->around.head, m->model.t, &head);
-    m->kernel->prescribe(part->system.ctx, m->model.t);
-    m->kernel->sample(part->system.ctx, lane, part->q, part->v, m->strand_rows, stride);
-    strand_turn(strand, &head);
-    strand_load(strand, m->strand_rows, stride);
+    m->kernel->sample(part->system.ctx, lane, part->q, part->v, rows, stride);
+    strand_turn(strand, &tick->head);
+    strand_load(strand, rows, stride);
     return strand;
 }
 
-static void close_strand(const struct wisp_model *m, int i, int lane) {
+static void close_strand(const struct tick *tick, int i, int lane, double *rows) {
+    const struct wisp_model *m = tick->m;
     const struct part *part = &m->model.parts[i];
     const struct batch *batch = &m->batches[i];
     const int stride = m->model.column_count - 2;
-    strand_store(m->strands[batch->wisp[lane]], m->strand_rows, stride);
+    strand_store(m->strands[batch->wisp[lane]], rows, stride);
     for (int k = 0; k < m->kernel->lanes; k++)
         if (batch->wisp[k] == batch->wisp[lane])
-            m->kernel->restore(part->system.ctx, k, m->strand_rows, stride, part->q, part->v);
+            m->kernel->restore(part->system.ctx, k, rows, stride, part->q, part->v);
+    tick->changed[i] = 1;
 }
 
-static enum outcome interact(struct wisp_model *m, int *changed) {
-    for (int i = 0; i < m->model.part_count; i++)
-        for (int k = 0; k < m->batches[i].count; k++)
-            open_strand(m, i, k);
+static void open_part(const struct tick *tick, int i, double *rows) {
+    tick->m->kernel->prescribe(tick->m->model.parts[i].system.ctx, tick->m->model.t);
+    for (int k = 0; k < tick->m->batches[i].count; k++)
+        open_strand(tick, i, k, rows);
+}
+
+static void close_part(const struct tick *tick, int i, double *rows) {
+    for (int k = 0; k < tick->m->batches[i].count; k++)
+        if (tick->m->strands[tick->m->batches[i].wisp[k]]->changed)
+            close_strand(tick, i, k, rows);
+}
+
+static enum outcome interact(struct tick *tick, struct workers *workers) {
+    const struct wisp_model *m = tick->m;
+    do_parts(tick, workers, open_part);
+    interaction_share(m->touch->interaction, workers);
     if (interaction_tick(m->touch->interaction, m->touch->in_order, m->scene->wisp_count) < 0)
         return OUT_OF_MEMORY;
-    for (int i = 0; i < m->model.part_count; i++)
-        for (int k = 0; k < m->batches[i].count; k++)
-            if (m->strands[m->batches[i].wisp[k]]->changed) {
-                close_strand(m, i, k);
-                changed[i] = 1;
-            }
+    do_parts(tick, workers, close_part);
     return FINISHED;
 }
 
@@ -131,55 +171,60 @@ static void place_bodies(const struct scene *scene, double t, struct bodies *bod
     }
 }
 
-/* Body contact (section 4.2.2 of the thesis) for the wisps of a part that are near a body. Returns
- * whether any changed. */
-static int push_out(const struct wisp_model *m, int i, const struct bodies *bodies, unsigned near) {
-    struct counters *counters = &m->model.parts[i].system.counters;
+/* Body contact (section 4.2.2 of the thesis) for the wisps of a part that are near a body. */
+static void push_out(const struct tick *tick, int i, unsigned near, double *rows) {
+    const struct bodies *bodies = tick->bodies;
+    struct counters *counters = &tick->m->model.parts[i].system.counters;
     struct body_report report = {0, 0, 0};
-    int changed = 0;
-    for (int k = 0; k < m->batches[i].count; k++) {
+    for (int k = 0; k < tick->m->batches[i].count; k++) {
         if (!(near >> k & 1))
             continue;
-        struct strand *strand = open_strand(m, i, k);
+        struct strand *strand = open_strand(tick, i, k, rows);
         body_contact(strand, bodies->body, bodies->count, bodies->t, bodies->interval, &report);
         if (strand->changed)
-            close_strand(m, i, k);
-        changed |= strand->changed;
+            close_strand(tick, i, k, rows);
     }
     counters->body_contacts += report.nodes + report.samples;
     counters->nodes_left_inside += report.inside;
-    return changed;
 }
 
-/* Part by part: body contact, then the clamp. Most parts are far from every body and have nothing
- * to clamp: one look says so. */
-static void collide(struct wisp_model *m, int *changed) {
+/* Body contact, then the clamp. Most parts are far from every body and have nothing to clamp: one
+ * look says so. */
+static void collide_part(const struct tick *tick, int i, double *rows) {
+    const struct wisp_model *m = tick->m;
+    const struct bodies *bodies = tick->bodies;
+    const struct part *part = &m->model.parts[i];
     const int envelope = m->scene->wisps[0].samples > 0;
+    void *ctx = part->system.ctx;
+    unsigned near = 0;
+    int clamp = envelope;
+    m->kernel->prescribe(ctx, m->model.t);
+    if (bodies->count > 0)
+        near = m->kernel->near(ctx, part->q, bodies->hull, bodies->boxes, bodies->count, &clamp);
+    if (near)
+        push_out(tick, i, near, rows);
+    if (clamp || (near && envelope))
+        tick->changed[i] |= m->kernel->clamp(ctx, part->q, part->v);
+}
+
+static void collide(struct tick *tick, struct workers *workers) {
     struct bodies bodies;
-    place_bodies(m->scene, m->model.t, &bodies);
-    for (int i = 0; i < m->model.part_count; i++) {
-        const struct part *part = &m->model.parts[i];
-        void *ctx = part->system.ctx;
-        unsigned near = 0;
-        int clamp = envelope;
-        m->kernel->prescribe(ctx, m->model.t);
-        if (bodies.count > 0)
-            near = m->kernel->near(ctx, part->q, bodies.hull, bodies.boxes, bodies.count, &clamp);
-        if (near)
-            changed[i] |= push_out(m, i, &bodies, near);
-        if (clamp || (near && envelope))
-            changed[i] |= m->kernel->clamp(ctx, part->q, part->v);
-    }
+    place_bodies(tick->m->scene, tick->m->model.t, &bodies);
+    tick->bodies = &bodies;
+    do_parts(tick, workers, collide_part);
 }
 
 /* At one time wisps touch first, then bodies push them out and samples are kept off their nodes. */
-enum outcome wisps_tick(struct model *model, unsigned events, int *changed) {
-    struct wisp_model *m = (struct wisp_model *)model;
+enum outcome wisps_tick(struct model *model, struct workers *workers, unsigned events,
+                        int *changed) {
+    struct tick tick = {.m = (struct wisp_model *)model, .changed = changed};
     enum outcome outcome = FINISHED;
-    if (events & STOP_INTERACTION && m->touch)
-        outcome = interact(m, changed);
+    if (events & (STOP_INTERACTION | STOP_COLLISION))
+        head_placement(&tick.m->scene->around.head, model->t, &tick.head);
+    if (events & STOP_INTERACTION && tick.m->touch)
+        outcome = interact(&tick, workers);
     if (events & STOP_COLLISION && outcome == FINISHED)
-        collide(m, changed);
+        collide(&tick, workers);
     return outcome;
 }
 
