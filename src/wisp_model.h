@@ -9,6 +9,7 @@
 enum { LANES_MAX = 4 };
 
 /* The kernel for a number of lanes. */
+struct obstacle;
 struct kernel {
     int lanes;
     void *(*create)(const struct wisp *const *, const struct surroundings *, enum wisp_treatment,
@@ -21,6 +22,8 @@ struct kernel {
     void (*restore)(void *, int, const double *, int, double *, double *);
     int (*clamp)(void *, double *, double *);
     unsigned (*near)(void *, const double *, const double *, const double *, int, int *);
+    unsigned (*pull)(void *, double *, double *, const struct obstacle *, const double *, int,
+                     unsigned, int *);
     double (*strain)(void *, int, const double *);
     const struct system_ops *ops;
 };

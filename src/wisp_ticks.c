@@ -2,6 +2,7 @@
  * kept off their nodes. */
 #include "clock.h"
 #include "interaction.h"
+#include "kernel/kernel.h"
 #include "wisp_model.h"
 
 #include <stdlib.h>
@@ -154,7 +155,24 @@ struct bodies {
     int count;
     double t, interval;                    /* s */
     double boxes[6 * BODIES_MAX], hull[6]; /* around each, around all */
+    struct obstacle obstacle[BODIES_MAX];  /* the same for the kernel */
 };
+
+static struct obstacle obstacle_of(const struct body *body, double t) {
+    const struct body_motion motion = body_motion(body, t);
+    struct obstacle obstacle = {.inverse_least = 0};
+    for (int k = 0; k < 3; k++) {
+        const double inverse = 1 / body->radii[k];
+        obstacle.centre[k] = motion.centre[k];
+        obstacle.radii[k] = body->radii[k];
+        obstacle.inverse[k] = inverse;
+        obstacle.velocity[k] = motion.velocity[k];
+        obstacle.spin[k] = motion.spin[k];
+        if (inverse > obstacle.inverse_least)
+            obstacle.inverse_least = inverse;
+    }
+    return obstacle;
+}
 
 static void place_bodies(const struct scene *scene, double t, struct bodies *bodies) {
     bodies->body = scene->bodies;
@@ -164,6 +182,7 @@ static void place_bodies(const struct scene *scene, double t, struct bodies *bod
     for (int i = 0; i < bodies->count; i++) {
         double *box = bodies->boxes + 6 * i, *hull = bodies->hull;
         body_box(&bodies->body[i], t, box);
+        bodies->obstacle[i] = obstacle_of(&bodies->body[i], t);
         for (int k = 0; k < 3; k++) {
             hull[k] = i == 0 || box[k] < hull[k] ? box[k] : hull[k];
             hull[3 + k] = i == 0 || box[3 + k] > hull[3 + k] ? box[3 + k] : hull[3 + k];
@@ -171,12 +190,20 @@ static void place_bodies(const struct scene *scene, double t, struct bodies *bod
     }
 }
 
-/* Body contact (section 4.2.2 of the thesis) for the wisps of a part that are near a body. */
+/* Body contact (section 4.2.2 of the thesis) for the wisps of a part that are near a body. Hair on
+ * a body has samples inside it at every tick and a node now and then: the kernel pulls samples out,
+ * four wisps at a time, and only a wisp with a node inside is laid open. */
 static void push_out(const struct tick *tick, int i, unsigned near, double *rows) {
     const struct bodies *bodies = tick->bodies;
-    struct counters *counters = &tick->m->model.parts[i].system.counters;
-    struct body_report report = {0, 0, 0};
-    for (int k = 0; k < tick->m->batches[i].count; k++) {
+    const struct wisp_model *m = tick->m;
+    struct part *part = &m->model.parts[i];
+    int pulled;
+    near &= m->kernel->pull(part->system.ctx, part->q, part->v, bodies->obstacle, bodies->boxes,
+                            bodies->count, (1u << m->batches[i].count) - 1, &pulled);
+    tick->changed[i] |= pulled > 0;
+    struct counters *counters = &part->system.counters;
+    struct body_report report = {0, pulled, 0};
+    for (int k = 0; k < m->batches[i].count; k++) {
         if (!(near >> k & 1))
             continue;
         struct strand *strand = open_strand(tick, i, k, rows);
