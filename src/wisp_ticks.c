@@ -192,12 +192,13 @@ static void place_bodies(const struct scene *scene, double t, struct bodies *bod
 
 /* Body contact (section 4.2.2 of the thesis) for the wisps of a part that are near a body. Hair on
  * a body has samples inside it at every tick and a node now and then: the kernel pulls samples out,
- * four wisps at a time, and only a wisp with a node inside is laid open. */
-static void push_out(const struct tick *tick, int i, unsigned near, double *rows) {
+ * four wisps at a time, and only a wisp with a node inside is laid open. Returns whether that
+ * changed any: then the clamp must look. */
+static int push_out(const struct tick *tick, int i, unsigned near, double *rows) {
     const struct bodies *bodies = tick->bodies;
     const struct wisp_model *m = tick->m;
     struct part *part = &m->model.parts[i];
-    int pulled;
+    int pulled, opened = 0;
     near &= m->kernel->pull(part->system.ctx, part->q, part->v, bodies->obstacle, bodies->boxes,
                             bodies->count, (1u << m->batches[i].count) - 1, &pulled);
     tick->changed[i] |= pulled > 0;
@@ -210,9 +211,11 @@ static void push_out(const struct tick *tick, int i, unsigned near, double *rows
         body_contact(strand, bodies->body, bodies->count, bodies->t, bodies->interval, &report);
         if (strand->changed)
             close_strand(tick, i, k, rows);
+        opened |= strand->changed;
     }
     counters->body_contacts += report.nodes + report.samples;
     counters->nodes_left_inside += report.inside;
+    return opened;
 }
 
 /* Body contact, then the clamp. Most parts are far from every body and have nothing to clamp: one
@@ -228,9 +231,9 @@ static void collide_part(const struct tick *tick, int i, double *rows) {
     m->kernel->prescribe(ctx, m->model.t);
     if (bodies->count > 0)
         near = m->kernel->near(ctx, part->q, bodies->hull, bodies->boxes, bodies->count, &clamp);
-    if (near)
-        push_out(tick, i, near, rows);
-    if (clamp || (near && envelope))
+    if (near && push_out(tick, i, near, rows))
+        clamp = envelope;
+    if (clamp)
         tick->changed[i] |= m->kernel->clamp(ctx, part->q, part->v);
 }
 

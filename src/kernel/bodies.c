@@ -70,14 +70,43 @@ static inline mask beyond(const struct kernel_part *part, const double *q, const
     return all;
 }
 
-/* Where some side of the box has all of the wisp beyond it. */
-static mask apart(struct kernel_part *part, const double *q, const double *box, lane margin) {
-    mask far = lane_all(0) != 0;
-    for (int side = 0; side < 6 && !mask_all(far); side++) {
-        far |= beyond(part, q, box, side, margin);
-        part->far_side = side;
+/* The box around the free nodes of each wisp. */
+struct span {
+    struct vec low, high;
+};
+
+static inline struct vec least(struct vec a, struct vec b) {
+    return (struct vec){lane_select(a.x < b.x, a.x, b.x), lane_select(a.y < b.y, a.y, b.y),
+                        lane_select(a.z < b.z, a.z, b.z)};
+}
+
+static inline struct vec most(struct vec a, struct vec b) {
+    return (struct vec){lane_select(a.x > b.x, a.x, b.x), lane_select(a.y > b.y, a.y, b.y),
+                        lane_select(a.z > b.z, a.z, b.z)};
+}
+
+static struct span span_of(const struct kernel_part *part, const double *q) {
+    struct span span = {vec_load(q, 0), vec_load(q, 0)};
+    for (int i = 3; i < part->nodes; i++) {
+        const struct vec p = vec_load(q, (i - 2) * part->node_unknowns);
+        span = (struct span){least(p, span.low), most(p, span.high)};
     }
-    return far;
+    return span;
+}
+
+/* Where some side of a box (least x y z, most x y z), moved out, has all of the wisp beyond it. */
+static inline mask apart(const struct span *span, const double *box, lane margin) {
+    return (span->high.x < box[0] - margin) | (span->high.y < box[1] - margin) |
+           (span->high.z < box[2] - margin) | (span->low.x > box[3] + margin) |
+           (span->low.y > box[4] + margin) | (span->low.z > box[5] + margin);
+}
+
+/* A side of the bodies' box that has all wisps beyond it, for the next time; else the last one. */
+static void choose_side(struct kernel_part *part, const double *q, const double *hull,
+                        lane margin) {
+    for (int side = 0; side < 6; side++)
+        if (mask_all(beyond(part, q, hull, side, margin)))
+            part->far_side = side;
 }
 
 /* A sample rests at R and contact shortens it: few are ever beyond 2 R, and their wisps count as
@@ -91,9 +120,12 @@ unsigned LANED(kernel_near)(void *ctx, const double *q, const double *hull, cons
     *clamp = !mask_none(look.inside);
     if (mask_none(near))
         return 0;
+    const struct span span = span_of(part, q);
     near = look.outside;
     for (int i = 0; i < count; i++)
-        near |= apart(part, q, boxes + 6 * i, margin) == 0;
+        near |= apart(&span, boxes + 6 * i, margin) == 0;
+    if (mask_none(near))
+        choose_side(part, q, hull, margin);
     return mask_bits(near);
 }
 
@@ -156,28 +188,28 @@ static inline mask pull_sample(const struct kernel_part *part, int i, int j, str
                                struct vec surface, const struct obstacle *body, mask among,
                                double *qi, double *vi) {
     const struct vec a = half_line(part, &part->frames[i], j, part->samples);
-    const lane r = load(qi, 3 + j), rate = load(vi, 3 + j), least = 1e-3 * part->radius;
+    const lane r = load(qi, 3 + j), rate = load(vi, 3 + j), limit = 1e-3 * part->radius;
     const mask inside = among & (r > 0) & contains(body, add_scaled(from, r, a));
     if (mask_none(inside))
         return inside;
     lane r1 = entry(body, from, a, r);
     r1 = lane_select(r1 < r, r1, r);
-    r1 = lane_select(r1 > least, r1, least);
-    const lane most = dot(surface, a);
+    r1 = lane_select(r1 > limit, r1, limit);
+    const lane away = dot(surface, a);
     store(qi, 3 + j, lane_select(inside, r1, r));
-    store(vi, 3 + j, lane_select(inside & (most < rate), most, rate));
+    store(vi, 3 + j, lane_select(inside & (away < rate), away, rate));
     return inside;
 }
 
 /* The largest r of a node's samples. A body that holds one of them would hold the node if it were
  * larger by r in every direction; so it would if it were scaled by 1 + r / its least radius. */
 static inline lane largest_distance(const struct kernel_part *part, const double *qi) {
-    lane most = lane_all(0);
+    lane largest = lane_all(0);
     for (int j = 0; j < part->samples; j++) {
         const lane r = load(qi, 3 + j);
-        most = lane_select(r > most, r, most);
+        largest = lane_select(r > largest, r, largest);
     }
-    return most;
+    return largest;
 }
 
 /* v_c + omega x (p - c), less the node's. */
@@ -216,12 +248,13 @@ unsigned LANED(kernel_pull)(void *ctx, double *q, double *v, const struct obstac
     *pulled = 0;
     if (part->treatment == WISP_PENALTY) /* frames turn under its particles: not this way */
         return ~0u;
-    for (int i = 2; i < part->nodes; i++) {
+    for (int i = 2; i < part->nodes && part->samples > 0; i++) {
         const lane r = largest_distance(part, q + (i - 2) * part->node_unknowns * LANES);
         reach = lane_select(r > reach, r, reach);
     }
+    const struct span span = span_of(part, q);
     for (int b = 0; b < count; b++)
-        if (!mask_all(apart(part, q, boxes + 6 * b, (1 + 1e-6) * reach)))
+        if (!mask_all(apart(&span, boxes + 6 * b, (1 + 1e-6) * reach)))
             near[near_count++] = &bodies[b];
     const mask inside = nodes_inside(part, q, near, near_count), among = inside == 0;
     if (part->samples == 0 || mask_none(among) || near_count == 0)
