@@ -21,9 +21,10 @@ struct volume {
 
 /* A free node, standing for itself and its samples, or a sample. */
 struct point {
-    double v[3];  /* V of a node: the mean with its samples; else its own; m/s */
-    double yield; /* 1 / mass, of a node with its samples', 1/kg */
-    int shares;   /* corrections in which it takes part */
+    double v[3];         /* V of a node: the mean with its samples; else its own; m/s */
+    double direction[3]; /* w of its node; a copy beside v, for points are met in any order */
+    double yield;        /* 1 / mass, of a node with its samples', 1/kg */
+    int shares;          /* corrections in which it takes part */
     struct contact_place place;
 };
 
@@ -136,12 +137,14 @@ static int add_node(struct interaction *it, int index, int node, int at) {
                  each = wisp_sample_mass(strand->wisp, node), yield = 1 / (own + samples * each);
     struct point *mean = &it->point[at];
     *mean = (struct point){.place = {index, node, -1}, .yield = yield};
+    memcpy(mean->direction, strand->axis_w[node], sizeof mean->direction);
     memcpy(it->x[at++], strand->p[node], sizeof *it->x);
     for (int j = 0; j < samples; j++, at++) {
         const int sample = node * samples + j;
         struct point *point = &it->point[at];
         *point = (struct point){.place = {index, node, j}, .yield = 1 / each};
         memcpy(point->v, strand->ev[sample], sizeof point->v);
+        memcpy(point->direction, mean->direction, sizeof point->direction);
         memcpy(it->x[at], strand->e[sample], sizeof *it->x);
         vector_add(mean->v, each * yield, strand->ev[sample]);
     }
@@ -242,12 +245,11 @@ static void interpenetrate(double rest, const double normal[3], int closing, con
 static void respond(const struct interaction *it, struct contact *contact,
                     const struct section_place *place, double rest) {
     const struct section *section = &it->volume[contact->section].section;
-    const struct contact_place *of = &it->point[contact->point].place;
     const double lambda = place->x / section->length;
     double u[3], normal[3];
     contact->lambda = lambda < 0 ? 0 : lambda > 1 ? 1 : lambda;
     relative_velocity(it, contact, u);
-    vector_cross(section->t, it->strand[of->strand]->axis_w[of->node], normal);
+    vector_cross(section->t, it->point[contact->point].direction, normal);
     const double speed = vector_length(u);
     const int closing = vector_dot(u, place->q) < 0;
     if (speed < 1e-9 || fabs(vector_dot(normal, u)) < it->settings.threshold * speed) {
@@ -305,6 +307,8 @@ static int add_contacts(const struct interaction *it, struct share *share, int s
     if (count == 0)
         return 0;
     const double rest = exp(-it->settings.viscosity * volume->density / it->settings.rate);
+    for (int i = 0; i < count; i++) /* their points come in while the first is at work */
+        __builtin_prefetch(&it->point[slots.point[found[i]]]);
     if (make_contact_room(&share->contact, &share->room, (size_t)share->count + (size_t)count))
         return -1;
     for (int i = 0; i < count; i++) {

@@ -5,6 +5,8 @@
 #include "kernel/kernel.h"
 #include "wisp_model.h"
 
+#include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -42,11 +44,28 @@ struct touch {
     struct strand *in_order[]; /* the model's */
 };
 
-/* By root, direction, length and nodes; the rest is the same in all wisps of a scene. Wisps of
- * which all that is equal move alike, and may change places. */
+/* Number of a root's cell along a curve that stays among neighbours (Morton's: the bits of x, y and
+ * z in turn): wisps that may touch are near each other in memory. */
+static uint64_t place_on_curve(const double root[3]) {
+    const double cell = 0.05; /* m */
+    uint64_t number = 0;
+    for (int k = 0; k < 3; k++) {
+        const double x = floor(root[k] / cell) + (1 << 20), most = (1 << 21) - 1;
+        const uint64_t along = (uint64_t)(x > most ? most : x > 0 ? x : 0);
+        for (int bit = 0; bit < 21; bit++)
+            number |= (along >> bit & 1) << (3 * bit + k);
+    }
+    return number;
+}
+
+/* By place, root, direction, length and nodes; the rest is the same in all wisps of a scene. Wisps
+ * of which all that is equal move alike, and may change places. */
 static int compare_strands(const void *one, const void *other) {
     const struct wisp *a = (*(struct strand *const *)one)->wisp,
                       *b = (*(struct strand *const *)other)->wisp;
+    const uint64_t place_a = place_on_curve(a->root), place_b = place_on_curve(b->root);
+    if (place_a != place_b)
+        return place_a < place_b ? -1 : 1;
     const double of_a[] = {a->root[0],      a->root[1],      a->root[2], a->direction[0],
                            a->direction[1], a->direction[2], a->length,  a->nodes};
     const double of_b[] = {b->root[0],      b->root[1],      b->root[2], b->direction[0],
