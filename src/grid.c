@@ -168,11 +168,10 @@ static int find_in_run(const struct grid *g, int from, int to, const struct grid
     for (int i = from; i < to; i += LANES) {
         const lane x = load(g->x[0] + i, 0), y = load(g->x[1] + i, 0), z = load(g->x[2] + i, 0);
         const mask in = (x >= x0) & (x <= x1) & (y >= y0) & (y <= y1) & (z >= z0) & (z <= z1);
-        if (mask_none(in))
-            continue;
-        for (int k = 0; k < LANES; k++) {
-            found[hits] = i + k; /* to stay if it counts: no branch to guess */
-            hits += (in[k] != 0) & (i + k < to) & ((unsigned)g->point[i + k] - first >= own);
+        for (unsigned bits = mask_bits(in); bits; bits &= bits - 1) {
+            const int slot = i + __builtin_ctz(bits);
+            found[hits] = slot; /* to stay if it counts: no branch to guess */
+            hits += (slot < to) & ((unsigned)g->point[slot] - first >= own);
         }
     }
     return hits;

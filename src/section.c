@@ -195,10 +195,10 @@ static int find_four(const struct section *s, const struct grid_slots *slots, co
                      int count, int *found, struct section_place *places) {
     const struct probe probe = probe_points(s, gather(slots, slot, count));
     struct vec q;
-    const mask in = decide(s, &probe, &q);
+    const unsigned in = mask_bits(decide(s, &probe, &q));
     int hits = 0;
     for (int k = 0; k < LANES && k < count; k++) {
-        if (!in[k])
+        if (!(in >> k & 1))
             continue;
         found[hits] = slot[k];
         places[hits++] = (struct section_place){probe.x[k], {q.x[k], q.y[k], q.z[k]}};
@@ -214,9 +214,10 @@ int section_find(const struct section *s, const struct grid_slots *slots, const 
     for (int i = 0; i < count; i += LANES) { /* found may be written behind what is read */
         const int four = count - i < LANES ? count - i : LANES;
         const struct probe probe = probe_points(s, gather(slots, slot + i, four));
+        const unsigned in = mask_bits(probe.in);
         for (int k = 0; k < four; k++) {
             found[near] = slot[i + k];
-            near += probe.in[k] != 0;
+            near += (int)(in >> k & 1);
         }
     }
     for (int i = 0; i < near; i += LANES) {
