@@ -1,42 +1,53 @@
 #include "grid.h"
 
+#define LANES 4
+#include "kernel/lanes.h"
+
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Points are sorted by the hash of their cell, so that a cell's points stand together; those of
- * another cell with the same hash stand among them and are told apart by their cell. A point is in
- * one cell and a box asks for each cell once: nothing is found twice, and no mailbox is needed
- * (the thesis puts sections into all cells that they touch). */
-struct slot {
-    double x[3];
-    uint64_t cell;
-    int point;
+/* Points are sorted by the hash of their cell, and cells that follow one another along z do so in
+ * memory: a box is a few runs of slots, one for each column of cells along z that it touches.
+ * Columns with hashes nearby share runs; what is in a run and not in the box is told by its
+ * coordinates alone, and runs that overlap are made one, so that nothing is found twice. A point is
+ * in one cell: no mailbox is needed (the thesis puts sections into all cells that they touch). */
+struct grid {
+    double per_metre[3]; /* cells */
+    int count, room;
+    unsigned mask;  /* number of hashes - 1; a power of two >= count, less 1 */
+    int *start;     /* by hash: first of its slots; mask + 2 of them */
+    unsigned *hash; /* by point */
+    double *x[3];   /* by slot; in the order of hashes, then of points */
+    int *point;     /* by slot */
 };
 
-enum { CELLS = 1 << 21 }; /* along each axis; three such numbers in one of 64 bits */
-
-struct grid {
-    double per_metre; /* cells */
-    int count, room;
-    unsigned mask;     /* number of hashes - 1; a power of two >= count, less 1 */
-    int *start;        /* by hash: first of its slots; mask + 2 of them */
-    uint64_t *cell;    /* by point */
-    struct slot *slot; /* in the order of hashes, then of points */
+enum {
+    CELLS = 1 << 21, /* along each axis; two such numbers in one of 64 bits */
+    FLATNESS = 2     /* a cell's side over its height along z, where a run is cut to measure */
 };
 
 struct grid *grid_create(void) {
     return calloc(1, sizeof(struct grid));
 }
 
+static void release(struct grid *g) {
+    free(g->start);
+    free(g->hash);
+    free(g->point);
+    for (int k = 0; k < 3; k++)
+        free(g->x[k]);
+}
+
 void grid_free(struct grid *grid) {
-    if (!grid)
-        return;
-    free(grid->start);
-    free(grid->cell);
-    free(grid->slot);
+    if (grid)
+        release(grid);
     free(grid);
+}
+
+struct grid_slots grid_slots(const struct grid *g) {
+    return (struct grid_slots){{g->x[0], g->x[1], g->x[2]}, g->point};
 }
 
 /* The cell of a coordinate. What is too far out for the number goes with the outermost cell; that
@@ -46,34 +57,29 @@ static int cell_along(double x, double per_metre) {
     return (int)(cell > most ? most : cell > 0 ? cell : 0);
 }
 
-static uint64_t cell_at(int x, int y, int z) {
-    return ((uint64_t)x * CELLS + (uint64_t)y) * CELLS + (uint64_t)z;
+/* Where a column's hashes begin, by Fibonacci hashing; those of its cells follow, in a circle. */
+static unsigned hash_of_column(int x, int y) {
+    const uint64_t column = (uint64_t)x * CELLS + (uint64_t)y;
+    return (unsigned)(column * 0x9e3779b97f4a7c15u >> 32);
 }
 
-/* Cells that follow one another along z do so in memory: a box is read in runs (1.2 times as quick
- * as cells strewn at random). Fibonacci hashing of the rest. */
-static unsigned hash_of(uint64_t cell, unsigned mask) {
-    const uint64_t column = cell / CELLS;
-    return ((unsigned)(column * 0x9e3779b97f4a7c15u >> 32) + (unsigned)(cell % CELLS)) & mask;
-}
-
+/* Room for `count` points, contents lost. */
 static int make_room(struct grid *g, int count) {
     if (count <= g->room)
         return 0;
     size_t hashes = 16;
     while (hashes < (size_t)count)
         hashes *= 2;
-    free(g->start);
-    free(g->cell);
-    free(g->slot);
-    g->room = 0;
-    g->start = malloc((hashes + 1) * sizeof *g->start);
-    g->cell = malloc(hashes * sizeof *g->cell);
-    g->slot = malloc(hashes * sizeof *g->slot);
-    if (!g->start || !g->cell || !g->slot)
+    release(g);
+    *g = (struct grid){.mask = (unsigned)hashes - 1,
+                       .start = malloc((hashes + 1) * sizeof *g->start),
+                       .hash = malloc(hashes * sizeof *g->hash),
+                       .point = calloc(hashes + LANES, sizeof *g->point)};
+    for (int k = 0; k < 3; k++)
+        g->x[k] = calloc(hashes + LANES, sizeof(double)); /* read in fours */
+    if (!g->start || !g->hash || !g->point || !g->x[0] || !g->x[1] || !g->x[2])
         return -1;
     g->room = (int)hashes;
-    g->mask = (unsigned)hashes - 1;
     return 0;
 }
 
@@ -81,66 +87,118 @@ int grid_fill(struct grid *g, double cell, const double (*points)[3], int count)
     g->count = 0;
     if (make_room(g, count))
         return -1;
-    g->per_metre = 1 / cell;
+    g->per_metre[0] = g->per_metre[1] = 1 / cell;
+    g->per_metre[2] = FLATNESS / cell;
     g->count = count;
     memset(g->start, 0, (g->mask + 2) * sizeof *g->start);
     for (int i = 0; i < count; i++) {
         const double *x = points[i];
-        g->cell[i] = cell_at(cell_along(x[0], g->per_metre), cell_along(x[1], g->per_metre),
-                             cell_along(x[2], g->per_metre));
-        g->start[hash_of(g->cell[i], g->mask)]++;
+        g->hash[i] =
+            (hash_of_column(cell_along(x[0], g->per_metre[0]), cell_along(x[1], g->per_metre[1])) +
+             (unsigned)cell_along(x[2], g->per_metre[2])) &
+            g->mask;
+        g->start[g->hash[i]]++;
     }
     for (unsigned h = 1; h <= g->mask + 1; h++) /* now the end of each hash's slots */
         g->start[h] += g->start[h - 1];
     for (int i = count - 1; i >= 0; i--) { /* and with the last point put, their start */
-        struct slot *slot = &g->slot[--g->start[hash_of(g->cell[i], g->mask)]];
-        slot->point = i;
-        slot->cell = g->cell[i];
-        memcpy(slot->x, points[i], sizeof slot->x);
+        const int slot = --g->start[g->hash[i]];
+        g->point[slot] = i;
+        for (int k = 0; k < 3; k++)
+            g->x[k][slot] = points[i][k];
     }
     return 0;
 }
 
-static int in_box(const struct slot *slot, const double low[3], const double high[3]) {
-    int in = 1;
-    for (int k = 0; k < 3; k++)
-        in &= (slot->x[k] >= low[k]) & (slot->x[k] <= high[k]); /* both: no branch to guess */
-    return in;
-}
+/* --- runs of slots --- */
 
-static int find_in_cell(const struct grid *g, uint64_t cell, const double low[3],
-                        const double high[3], int *found) {
-    const unsigned hash = hash_of(cell, g->mask);
-    int count = 0;
-    for (int i = g->start[hash]; i < g->start[hash + 1]; i++) {
-        found[count] = g->slot[i].point; /* to stay if it counts: no branch to guess */
-        count += (g->slot[i].cell == cell) & in_box(&g->slot[i], low, high);
+/* Keeps runs sorted by where they begin; there are few. */
+static void add_run(struct grid_runs *runs, int from, int to) {
+    if (from == to)
+        return;
+    int i = runs->count++;
+    for (; i > 0 && runs->from[i - 1] > from; i--) {
+        runs->from[i] = runs->from[i - 1];
+        runs->to[i] = runs->to[i - 1];
     }
-    return count;
+    runs->from[i] = from;
+    runs->to[i] = to;
 }
 
-static int find_anywhere(const struct grid *g, const double low[3], const double high[3],
-                         int *found) {
-    int count = 0;
-    for (int i = 0; i < g->count; i++)
-        if (in_box(&g->slot[i], low, high))
-            found[count++] = g->slot[i].point;
-    return count;
+/* The cells of one column, in the circle of hashes. */
+static void add_column(const struct grid *g, int x, int y, const int z[2], struct grid_runs *runs) {
+    const unsigned first = (hash_of_column(x, y) + (unsigned)z[0]) & g->mask;
+    const unsigned last = first + (unsigned)(z[1] - z[0]);
+    add_run(runs, g->start[first], g->start[(last < g->mask ? last : g->mask) + 1]);
+    if (last > g->mask) /* once around */
+        add_run(runs, 0, g->start[last - g->mask]);
 }
 
-int grid_find(const struct grid *g, const double low[3], const double high[3], int *found) {
-    int from[3], to[3], count = 0;
-    double cells = 1;
+/* All cells that a box touches; or all points, where these are too many to ask one by one. */
+static void gather_runs(const struct grid *g, const double low[3], const double high[3],
+                        struct grid_runs *runs) {
+    int cell[3][2];
+    runs->count = 0;
     for (int k = 0; k < 3; k++) {
-        from[k] = cell_along(low[k], g->per_metre);
-        to[k] = cell_along(high[k], g->per_metre);
-        cells *= (double)to[k] - from[k] + 1;
+        cell[k][0] = cell_along(low[k], g->per_metre[k]);
+        cell[k][1] = cell_along(high[k], g->per_metre[k]);
     }
-    if (cells > g->count) /* of a box that large it is quicker to look at every point */
-        return find_anywhere(g, low, high, found);
-    for (int x = from[0]; x <= to[0]; x++)
-        for (int y = from[1]; y <= to[1]; y++)
-            for (int z = from[2]; z <= to[2]; z++)
-                count += find_in_cell(g, cell_at(x, y, z), low, high, found + count);
+    const double columns =
+        ((double)cell[0][1] - cell[0][0] + 1) * ((double)cell[1][1] - cell[1][0] + 1);
+    if (2 * columns > GRID_RUNS_MAX || (unsigned)(cell[2][1] - cell[2][0]) >= g->mask) {
+        add_run(runs, 0, g->count);
+        return;
+    }
+    for (int x = cell[0][0]; x <= cell[0][1]; x++)
+        for (int y = cell[1][0]; y <= cell[1][1]; y++)
+            add_column(g, x, y, cell[2], runs);
+}
+
+/* --- points in a box --- */
+
+enum { BLOCK = 64 }; /* slots that are looked at between looks at the room in `found` */
+
+/* Four slots at a time; those behind the run are looked at for nothing. */
+static int find_in_run(const struct grid *g, int from, int to, const struct grid_search *s,
+                       int *found) {
+    const lane x0 = lane_all(s->low[0]), y0 = lane_all(s->low[1]), z0 = lane_all(s->low[2]);
+    const lane x1 = lane_all(s->high[0]), y1 = lane_all(s->high[1]), z1 = lane_all(s->high[2]);
+    const unsigned first = (unsigned)s->except[0], own = (unsigned)s->except[1] - first;
+    int hits = 0;
+    for (int i = from; i < to; i += LANES) {
+        const lane x = load(g->x[0] + i, 0), y = load(g->x[1] + i, 0), z = load(g->x[2] + i, 0);
+        const mask in = (x >= x0) & (x <= x1) & (y >= y0) & (y <= y1) & (z >= z0) & (z <= z1);
+        for (unsigned bits = mask_bits(in); bits; bits &= bits - 1) {
+            const int slot = i + __builtin_ctz(bits);
+            found[hits] = slot; /* to stay if it counts: no branch to guess */
+            hits += (slot < to) & ((unsigned)g->point[slot] - first >= own);
+        }
+    }
+    return hits;
+}
+
+void grid_begin(const struct grid *g, const double low[3], const double high[3],
+                const int except[2], struct grid_search *s) {
+    memcpy(s->low, low, sizeof s->low);
+    memcpy(s->high, high, sizeof s->high);
+    memcpy(s->except, except, sizeof s->except);
+    s->run = s->from = 0;
+    gather_runs(g, low, high, &s->runs);
+}
+
+int grid_next(const struct grid *g, struct grid_search *s, int found[GRID_BATCH]) {
+    int count = 0;
+    while (s->run < s->runs.count && count <= GRID_BATCH - BLOCK - LANES) {
+        const int to = s->runs.to[s->run];
+        if (s->from < s->runs.from[s->run]) /* further on in a run that overlaps the last */
+            s->from = s->runs.from[s->run];
+        if (s->from >= to) {
+            s->run++;
+            continue;
+        }
+        const int block = to - s->from < BLOCK ? to - s->from : BLOCK;
+        count += find_in_run(g, s->from, s->from + block, s, found + count);
+        s->from += block;
+    }
     return count;
 }

@@ -4,6 +4,7 @@
 #define WISPLAB_GRID_H
 
 struct grid;
+enum { GRID_RUNS_MAX = 128, GRID_BATCH = 256 };
 
 /* NULL where memory cannot be had. */
 struct grid *grid_create(void);
@@ -13,8 +14,30 @@ void grid_free(struct grid *grid);
  * cannot be had. Memory is kept for the next time. */
 int grid_fill(struct grid *grid, double cell, const double (*points)[3], int count);
 
-/* Writes the numbers of all points in a box, borders included, each once, in no useful order;
- * `found` has room for one more than all points. Returns how many. */
-int grid_find(const struct grid *grid, const double low[3], const double high[3], int *found);
+/* Points as they stand in the grid, those of a cell side by side; until the grid is filled again.
+ */
+struct grid_slots {
+    const double *x[3]; /* by axis and slot, m */
+    const int *point;   /* their numbers */
+};
+struct grid_slots grid_slots(const struct grid *grid);
+
+/* A search for the points in a box, borders included, but for those numbered except[0] to before
+ * except[1]. It has all that it needs in itself: threads may search at the same time. */
+struct grid_search {
+    double low[3], high[3];
+    int except[2];
+    int run, from; /* where it stands */
+    struct grid_runs {
+        int count;
+        int from[GRID_RUNS_MAX], to[GRID_RUNS_MAX]; /* slots, ascending: to before */
+    } runs;
+};
+void grid_begin(const struct grid *grid, const double low[3], const double high[3],
+                const int except[2], struct grid_search *search);
+
+/* Writes slots of points found, each once in all calls, in no useful order. Returns how many: 0
+ * once there are no more. */
+int grid_next(const struct grid *grid, struct grid_search *search, int found[GRID_BATCH]);
 
 #endif

@@ -23,23 +23,36 @@ struct volume {
 struct point {
     double v[3];         /* V of a node: the mean with its samples; else its own; m/s */
     double direction[3]; /* w of its node; a copy beside v, for points are met in any order */
-    double mass;         /* of a node with its samples', kg */
-    double dv[3];        /* what corrections add up to, m/s */
+    double yield;        /* 1 / mass, of a node with its samples', 1/kg */
     int shares;          /* corrections in which it takes part */
-    int section[2];      /* those that its node bounds; -1: none */
     struct contact_place place;
 };
 
+/* Some wisps after each other: a task for a thread. */
+struct share {
+    int from, to; /* strands, to before */
+    int count, room;
+    struct contact *contact; /* of their sections */
+    int failed;              /* no memory for those */
+};
+enum { SHARES = 32 };
+
 struct interaction {
     struct interaction_settings settings;
+    struct workers *workers;
     struct grid *grid;
     int volume_count, point_count, contact_count;
-    int volume_room, point_room, contact_room;
+    int strand_room, volume_room, point_room, contact_room;
+    struct strand *const *strand; /* of the tick */
+    struct first {
+        int volume, point;
+    } * first; /* by strand */
     struct volume *volume;
     struct point *point;
-    double (*x)[3]; /* by point, m */
-    int *found;     /* room for what grid_find finds */
+    double (*x)[3];  /* by point, m */
+    double (*dv)[3]; /* by point: what corrections add up to, m/s */
     struct contact *contact;
+    struct share share[SHARES];
 };
 
 /* --- memory that only grows --- */
@@ -60,16 +73,28 @@ void interaction_free(struct interaction *it) {
     if (!it)
         return;
     grid_free(it->grid);
+    for (int i = 0; i < SHARES; i++)
+        free(it->share[i].contact);
+    free(it->first);
     free(it->volume);
     free(it->point);
     free(it->x);
-    free(it->found);
+    free(it->dv);
     free(it->contact);
     free(it);
 }
 
-/* Room for `count` points and fewer sections, contents lost. */
-static int make_room(struct interaction *it, int volumes, int points) {
+void interaction_share(struct interaction *it, struct workers *workers) {
+    it->workers = workers;
+}
+
+/* Room for that many, contents lost. */
+static int make_room(struct interaction *it, int strands, int volumes, int points) {
+    if (strands > it->strand_room) {
+        free(it->first);
+        it->first = malloc((size_t)strands * sizeof *it->first);
+        it->strand_room = it->first ? strands : 0;
+    }
     if (volumes > it->volume_room) {
         free(it->volume);
         it->volume = malloc((size_t)volumes * sizeof *it->volume);
@@ -78,67 +103,63 @@ static int make_room(struct interaction *it, int volumes, int points) {
     if (points > it->point_room) {
         free(it->point);
         free(it->x);
-        free(it->found);
+        free(it->dv);
         it->point = malloc((size_t)points * sizeof *it->point);
         it->x = malloc((size_t)points * sizeof *it->x);
-        it->found = malloc(((size_t)points + 1) * sizeof *it->found);
-        it->point_room = it->point && it->x && it->found ? points : 0;
+        it->dv = malloc((size_t)points * sizeof *it->dv);
+        it->point_room = it->point && it->x && it->dv ? points : 0;
     }
-    return volumes > it->volume_room || points > it->point_room ? -1 : 0;
+    return strands > it->strand_room || volumes > it->volume_room || points > it->point_room ? -1
+                                                                                             : 0;
 }
 
-/* Room for `more` contacts after those there are. */
-static int make_contact_room(struct interaction *it, int more) {
-    const size_t need = (size_t)it->contact_count + (size_t)more;
-    if (need <= (size_t)it->contact_room)
+/* Room for `need` contacts and half as many again, which are kept. */
+static int make_contact_room(struct contact **contact, int *room, size_t need) {
+    if (need <= (size_t)*room)
         return 0;
-    const size_t room = need + need / 2;
-    if (room > INT_MAX)
-        return -1;
-    struct contact *grown = realloc(it->contact, room * sizeof *grown);
+    const size_t more = need + need / 2;
+    struct contact *grown = more > INT_MAX ? NULL : realloc(*contact, more * sizeof *grown);
     if (!grown)
         return -1;
-    it->contact = grown;
-    it->contact_room = (int)room;
+    *contact = grown;
+    *room = (int)more;
     return 0;
 }
 
 /* --- points and sections of all strands --- */
 
-/* A free node and its samples. The mean velocity of the node is that of its mass and theirs. */
-static void add_node(struct interaction *it, const struct strand *strand, int index, int node) {
-    const int last = node == strand->wisp->nodes - 1;
-    const int before = it->volume_count - (strand->wisp->nodes - 2) + node - 2;
+/* A free node and its samples, from the point numbered `at` on. The mean velocity of the node is
+ * that of its mass and theirs. Returns the number after the last. */
+static int add_node(struct interaction *it, int index, int node, int at) {
+    const struct strand *strand = it->strand[index];
     const int samples = strand->wisp->samples;
     const double own = wisp_node_mass(strand->wisp, node),
-                 each = wisp_sample_mass(strand->wisp, node);
-    struct point *mean = &it->point[it->point_count];
-    *mean = (struct point){.place = {index, node, -1},
-                           .section = {before, last ? -1 : before + 1},
-                           .mass = own + samples * each};
+                 each = wisp_sample_mass(strand->wisp, node), yield = 1 / (own + samples * each);
+    struct point *mean = &it->point[at];
+    *mean = (struct point){.place = {index, node, -1}, .yield = yield};
     memcpy(mean->direction, strand->axis_w[node], sizeof mean->direction);
-    memcpy(it->x[it->point_count++], strand->p[node], sizeof *it->x);
-    for (int j = 0; j < samples; j++) {
-        const int at = node * samples + j;
-        struct point *point = &it->point[it->point_count];
-        *point = *mean;
-        point->place.sample = j;
-        point->mass = each;
-        memcpy(point->v, strand->ev[at], sizeof point->v);
-        memcpy(it->x[it->point_count++], strand->e[at], sizeof *it->x);
-        vector_add(mean->v, each / mean->mass, strand->ev[at]);
+    memcpy(it->x[at++], strand->p[node], sizeof *it->x);
+    for (int j = 0; j < samples; j++, at++) {
+        const int sample = node * samples + j;
+        struct point *point = &it->point[at];
+        *point = (struct point){.place = {index, node, j}, .yield = 1 / each};
+        memcpy(point->v, strand->ev[sample], sizeof point->v);
+        memcpy(point->direction, mean->direction, sizeof point->direction);
+        memcpy(it->x[at], strand->e[sample], sizeof *it->x);
+        vector_add(mean->v, each * yield, strand->ev[sample]);
     }
-    vector_add(mean->v, own / mean->mass, strand->v[node]);
+    vector_add(mean->v, own * yield, strand->v[node]);
+    return at;
 }
 
-/* `points`: number of the strand's first point. */
-static void add_sections(struct interaction *it, const struct strand *strand, int index,
-                         int points) {
+static void add_sections(struct interaction *it, int index) {
+    const struct strand *strand = it->strand[index];
     const struct wisp *wisp = strand->wisp;
-    const double share = ldexp(1, -wisp->splits), rest = wisp->radius * wisp->radius;
-    const int each = 1 + wisp->samples, last = wisp->nodes - 1;
-    for (int i = 1; i < last; i++) {
-        struct volume *volume = &it->volume[it->volume_count++];
+    const double share = wisp->splits ? ldexp(1, -wisp->splits) : 1,
+                 rest = wisp->radius * wisp->radius;
+    const int points = it->first[index].point, each = 1 + wisp->samples, last = wisp->nodes - 1;
+    struct volume *volume = &it->volume[it->first[index].volume];
+    for (int i = 1; i < last; i++, volume++) {
         section_make(&volume->section, strand, i);
         volume->strand = index;
         volume->v = strand->v[i];
@@ -150,6 +171,16 @@ static void add_sections(struct interaction *it, const struct strand *strand, in
     }
 }
 
+static void gather_share(void *ctx, int index) {
+    struct interaction *it = ctx;
+    for (int s = it->share[index].from; s < it->share[index].to; s++) {
+        int at = it->first[s].point;
+        add_sections(it, s);
+        for (int i = 2; i < it->strand[s]->wisp->nodes; i++)
+            at = add_node(it, s, i, at);
+    }
+}
+
 static int gather(struct interaction *it, struct strand *const *strands, int count) {
     size_t volumes = 0, points = 0;
     for (int s = 0; s < count; s++) {
@@ -158,13 +189,19 @@ static int gather(struct interaction *it, struct strand *const *strands, int cou
         points += free_nodes * (size_t)(1 + strands[s]->wisp->samples);
     }
     it->volume_count = it->point_count = it->contact_count = 0;
-    if (points > INT_MAX || make_room(it, (int)volumes, (int)points))
+    if (points > INT_MAX || make_room(it, count, (int)volumes, (int)points))
         return -1;
+    it->strand = strands;
     for (int s = 0; s < count; s++) {
-        add_sections(it, strands[s], s, it->point_count);
-        for (int i = 2; i < strands[s]->wisp->nodes; i++)
-            add_node(it, strands[s], s, i);
+        it->first[s] = (struct first){it->volume_count, it->point_count};
+        it->volume_count += strands[s]->wisp->nodes - 2;
+        it->point_count += (strands[s]->wisp->nodes - 2) * (1 + strands[s]->wisp->samples);
     }
+    for (int i = 0; i < SHARES; i++) {
+        it->share[i].from = (int)((long long)count * i / SHARES);
+        it->share[i].to = (int)((long long)count * (i + 1) / SHARES);
+    }
+    workers_run(it->workers, gather_share, it, SHARES);
     return 0;
 }
 
@@ -192,12 +229,9 @@ static void relative_velocity(const struct interaction *it, const struct contact
 
 /* Hair passes through hair along both wisps' directions but not across both: where they close, the
  * part of u along the common normal goes; the rest is braked by friction. */
-static void interpenetrate(const struct interaction *it, const struct volume *volume,
-                           const double normal[3], int closing, const double u[3],
+static void interpenetrate(double rest, const double normal[3], int closing, const double u[3],
                            struct contact *contact) {
     const double square = vector_dot(normal, normal);
-    const double rest =
-        exp(-it->settings.viscosity * volume->density / it->settings.rate); /* e^(-nu chi dt) */
     double kept[3] = {u[0], u[1], u[2]};
     if (closing && sqrt(square) > 0.05) /* nearly parallel wisps have no normal worth the name */
         vector_add(kept, -vector_dot(u, normal) / square, normal);
@@ -206,21 +240,21 @@ static void interpenetrate(const struct interaction *it, const struct volume *vo
     contact->corrected = 1;
 }
 
-/* Section 4.3.2 of the thesis but for one thing: the criterion does not divide by the length of the
- * normal, which is noise for nearly parallel wisps. */
+/* `rest` is e^(-nu chi dt). Section 4.3.2 of the thesis but for one thing: the criterion does not
+ * divide by the length of the normal, which is noise for nearly parallel wisps. */
 static void respond(const struct interaction *it, struct contact *contact,
-                    const struct section_place *place) {
-    const struct volume *volume = &it->volume[contact->section];
-    const struct section *section = &volume->section;
+                    const struct section_place *place, double rest) {
+    const struct section *section = &it->volume[contact->section].section;
+    const double lambda = place->x / section->length;
     double u[3], normal[3];
-    contact->lambda = fmin(1, fmax(0, place->x / section->length));
+    contact->lambda = lambda < 0 ? 0 : lambda > 1 ? 1 : lambda;
     relative_velocity(it, contact, u);
     vector_cross(section->t, it->point[contact->point].direction, normal);
     const double speed = vector_length(u);
     const int closing = vector_dot(u, place->q) < 0;
     if (speed < 1e-9 || fabs(vector_dot(normal, u)) < it->settings.threshold * speed) {
         if (it->settings.interpenetration)
-            interpenetrate(it, volume, normal, closing, u, contact);
+            interpenetrate(rest, normal, closing, u, contact);
     } else if (closing && it->settings.collision) {
         for (int k = 0; k < 3; k++)
             contact->change[k] = -u[k];
@@ -232,11 +266,11 @@ static void respond(const struct interaction *it, struct contact *contact,
 
 /* A cell is as large as a section's box in the mean (half as large: slower by a third). One that
  * has flown apart must not make all cells large: none counts for more than eight at rest. */
-static double cell_side(const struct interaction *it, struct strand *const *strands) {
+static double cell_side(const struct interaction *it) {
     double sum = 0;
     for (int i = 0; i < it->volume_count; i++) {
         const struct section *section = &it->volume[i].section;
-        const struct wisp *wisp = strands[it->volume[i].strand]->wisp;
+        const struct wisp *wisp = section->strand->wisp;
         const double rest = wisp_spacing(wisp) + 2 * wisp->radius;
         double side = section->usable ? 0 : rest;
         for (int k = 0; k < 3 && section->usable; k++)
@@ -262,42 +296,96 @@ static void sort(struct contact *contact, int count) {
     }
 }
 
-/* Appends the contacts of one section, by point. */
-static int find_in_section(struct interaction *it, struct strand *const *strands, int section) {
-    struct volume *volume = &it->volume[section];
-    const struct strand *twin = strands[volume->strand]->twin;
-    struct section_place place;
-    int near = 0;
-    volume->first_contact = it->contact_count;
-    if (volume->section.usable)
-        near = grid_find(it->grid, volume->section.low, volume->section.high, it->found);
-    if (make_contact_room(it, near))
+/* Appends some contacts of a section. */
+static int add_contacts(const struct interaction *it, struct share *share, int section,
+                        const int *slot, int count) {
+    const struct volume *volume = &it->volume[section];
+    const struct strand *twin = volume->section.strand->twin;
+    const struct grid_slots slots = grid_slots(it->grid);
+    struct section_place places[GRID_BATCH];
+    int found[GRID_BATCH];
+    count = section_find(&volume->section, &slots, slot, count, found, places);
+    if (count == 0)
+        return 0;
+    const double rest = exp(-it->settings.viscosity * volume->density / it->settings.rate);
+    for (int i = 0; i < count; i++) /* their points come in while the first is at work */
+        __builtin_prefetch(&it->point[slots.point[found[i]]]);
+    if (make_contact_room(&share->contact, &share->room, (size_t)share->count + (size_t)count))
         return -1;
-    for (int i = 0; i < near; i++) {
-        const int point = it->found[i];
-        if ((point >= volume->own[0] && point < volume->own[1]) ||
-            (twin && strands[it->point[point].place.strand] == twin) ||
-            !section_contains(&volume->section, it->x[point], &place))
+    for (int i = 0; i < count; i++) {
+        const int point = slots.point[found[i]];
+        if (twin && it->strand[it->point[point].place.strand] == twin)
             continue;
-        struct contact *contact = &it->contact[it->contact_count++];
+        struct contact *contact = &share->contact[share->count++];
         *contact = (struct contact){.section = section, .point = point};
-        respond(it, contact, &place);
+        respond(it, contact, &places[i], rest);
     }
-    if (it->contact_count > volume->first_contact)
-        sort(it->contact + volume->first_contact, it->contact_count - volume->first_contact);
     return 0;
 }
 
+/* Appends the contacts of one section, by point. */
+static int find_in_section(struct interaction *it, struct share *share, int section) {
+    struct volume *volume = &it->volume[section];
+    struct grid_search search;
+    int slot[GRID_BATCH];
+    volume->first_contact = share->count;
+    if (!volume->section.usable)
+        return 0;
+    grid_begin(it->grid, volume->section.low, volume->section.high, volume->own, &search);
+    for (int count; (count = grid_next(it->grid, &search, slot)) > 0;)
+        if (add_contacts(it, share, section, slot, count))
+            return -1;
+    if (share->count > volume->first_contact)
+        sort(share->contact + volume->first_contact, share->count - volume->first_contact);
+    return 0;
+}
+
+/* Sections of a share's strands: from, and to before. */
+static int first_volume(const struct interaction *it, int strand, int strands) {
+    return strand < strands ? it->first[strand].volume : it->volume_count;
+}
+
+static void find_share(void *ctx, int index) {
+    struct interaction *it = ctx;
+    struct share *share = &it->share[index];
+    const int strands = it->share[SHARES - 1].to, to = first_volume(it, share->to, strands);
+    share->count = share->failed = 0;
+    for (int i = first_volume(it, share->from, strands); i < to && !share->failed; i++)
+        share->failed = find_in_section(it, share, i);
+}
+
+/* Puts a share's contacts behind those of the shares before it. */
+static void collect_share(void *ctx, int index) {
+    struct interaction *it = ctx;
+    const struct share *share = &it->share[index];
+    const int strands = it->share[SHARES - 1].to, to = first_volume(it, share->to, strands);
+    int before = 0;
+    for (int i = 0; i < index; i++)
+        before += it->share[i].count;
+    for (int i = first_volume(it, share->from, strands); i < to; i++)
+        it->volume[i].first_contact += before;
+    if (share->count > 0)
+        memcpy(it->contact + before, share->contact, (size_t)share->count * sizeof *it->contact);
+}
+
 int interaction_find(struct interaction *it, struct strand *const *strands, int count) {
+    size_t contacts = 0;
     if (gather(it, strands, count))
         return -1;
     if (it->volume_count == 0)
         return 0;
-    if (grid_fill(it->grid, cell_side(it, strands), (const double(*)[3])it->x, it->point_count))
+    if (grid_fill(it->grid, cell_side(it), (const double(*)[3])it->x, it->point_count))
         return -1;
-    for (int section = 0; section < it->volume_count; section++)
-        if (find_in_section(it, strands, section))
+    workers_run(it->workers, find_share, it, SHARES);
+    for (int i = 0; i < SHARES; i++) {
+        contacts += (size_t)it->share[i].count;
+        if (it->share[i].failed)
             return -1;
+    }
+    if (make_contact_room(&it->contact, &it->contact_room, contacts))
+        return -1;
+    it->contact_count = (int)contacts;
+    workers_run(it->workers, collect_share, it, SHARES);
     return it->contact_count;
 }
 
@@ -329,23 +417,23 @@ static void count_shares(struct interaction *it, const struct contact *contacts,
 static void push_both(struct interaction *it, const struct contact *contact) {
     const struct volume *volume = &it->volume[contact->section];
     const double weight[2] = {1 - contact->lambda, contact->lambda};
-    struct point *point = &it->point[contact->point];
-    double yield = 1 / point->mass; /* change of u by a unit of impulse, 1/kg */
+    const struct point *point = &it->point[contact->point];
+    double yield = point->yield; /* change of u by a unit of impulse, 1/kg */
     int shares = point->shares;
     for (int end = 0; end < 2; end++) {
         if (volume->end[end] < 0)
             continue;
         const struct point *node = &it->point[volume->end[end]];
-        yield += weight[end] * weight[end] / node->mass;
+        yield += weight[end] * weight[end] * node->yield;
         shares = node->shares > shares ? node->shares : shares;
     }
     const double impulse = 1 / (yield * shares); /* kg */
-    vector_add(point->dv, impulse / point->mass, contact->change);
+    vector_add(it->dv[contact->point], impulse * point->yield, contact->change);
     for (int end = 0; end < 2; end++) {
         if (volume->end[end] < 0)
             continue;
-        struct point *node = &it->point[volume->end[end]];
-        vector_add(node->dv, -weight[end] * impulse / node->mass, contact->change);
+        vector_add(it->dv[volume->end[end]],
+                   -weight[end] * impulse * it->point[volume->end[end]].yield, contact->change);
     }
 }
 
@@ -372,45 +460,55 @@ static int any_in_section(const struct interaction *it, int section, int from, i
  * bounds. */
 static int is_mutual(const struct interaction *it, const struct contact *contact) {
     const struct volume *volume = &it->volume[contact->section];
-    const struct point *point = &it->point[contact->point];
+    const struct contact_place *of = &it->point[contact->point].place;
     const int from = volume->end[0] < 0 ? volume->end[1] : volume->end[0];
     const int to = volume->end[1] + volume->section.strand->wisp->samples;
-    for (int side = 0; side < 2; side++)
-        if (point->section[side] >= 0 && any_in_section(it, point->section[side], from, to))
-            return 1;
-    return 0;
+    const int before = it->first[of->strand].volume + of->node - 2;       /* the node ends that, */
+    const int last = of->node == it->strand[of->strand]->wisp->nodes - 1; /* and begins the next */
+    return any_in_section(it, before, from, to) ||
+           (!last && any_in_section(it, before + 1, from, to));
 }
 
 /* As in the thesis: the point alone gives way, by all of the change, or by half of it where the
  * section's turn comes as a point of its own. */
 static void push_point(struct interaction *it, const struct contact *contact) {
-    struct point *point = &it->point[contact->point];
     const double part = is_mutual(it, contact) ? 0.5 : 1;
-    vector_add(point->dv, part / point->shares, contact->change);
+    vector_add(it->dv[contact->point], part / it->point[contact->point].shares, contact->change);
 }
 
 /* Of a sample's change only the part along its half-line; the rest is lost. */
-static void change_velocity(struct strand *strand, const struct point *point) {
-    const int node = point->place.node, sample = point->place.sample;
+static void change_velocity(struct strand *strand, const struct contact_place *place,
+                            const double dv[3]) {
+    const int node = place->node, sample = place->sample;
     const double still[3] = {0, 0, 0};
     double a[3];
-    if (vector_dot(point->dv, point->dv) == 0)
+    if (vector_dot(dv, dv) == 0)
         return;
     if (sample < 0) {
-        strand_move_node(strand, node, still, point->dv);
+        strand_move_node(strand, node, still, dv);
         return;
     }
     const int at = node * strand->wisp->samples + sample;
     strand_half_line(strand, node, sample, a);
-    strand_set_sample(strand, node, sample, strand->r[at],
-                      strand->rate[at] + vector_dot(point->dv, a));
+    strand_set_sample(strand, node, sample, strand->r[at], strand->rate[at] + vector_dot(dv, a));
+}
+
+static void change_share(void *ctx, int index) {
+    struct interaction *it = ctx;
+    const struct share *share = &it->share[index];
+    for (int s = share->from; s < share->to; s++) {
+        const struct wisp *wisp = it->strand[s]->wisp;
+        const int from = it->first[s].point, to = from + (wisp->nodes - 2) * (1 + wisp->samples);
+        for (int i = from; i < to; i++)
+            change_velocity(it->strand[s], &it->point[i].place, it->dv[i]);
+    }
 }
 
 void interaction_apply(struct interaction *it, struct strand *const *strands,
                        const struct contact *contacts, int count) {
+    it->strand = strands;
     count_shares(it, contacts, count);
-    for (int i = 0; i < it->point_count; i++)
-        memset(it->point[i].dv, 0, sizeof it->point[i].dv);
+    memset(it->dv, 0, (size_t)it->point_count * sizeof *it->dv);
     for (int c = 0; c < count; c++) {
         if (!contacts[c].corrected)
             continue;
@@ -419,8 +517,7 @@ void interaction_apply(struct interaction *it, struct strand *const *strands,
         else
             push_point(it, &contacts[c]);
     }
-    for (int i = 0; i < it->point_count; i++)
-        change_velocity(strands[it->point[i].place.strand], &it->point[i]);
+    workers_run(it->workers, change_share, it, SHARES);
 }
 
 int interaction_tick(struct interaction *it, struct strand *const *strands, int count) {

@@ -4,6 +4,7 @@
 #define WISPLAB_INTERACTION_H
 
 #include "strand.h"
+#include "workers.h"
 
 struct interaction_settings {
     double rate;          /* of the ticks, Hz */
@@ -28,6 +29,10 @@ struct interaction;
 /* NULL where memory cannot be had. */
 struct interaction *interaction_create(const struct interaction_settings *settings);
 void interaction_free(struct interaction *interaction);
+
+/* Who shares the work of all later calls; NULL, as at first: nobody. Results do not depend on it.
+ */
+void interaction_share(struct interaction *interaction, struct workers *workers);
 
 /* One tick: interaction_find and interaction_apply. Returns the number of contacts, or -1 where
  * memory cannot be had and nothing was changed. Memory is kept from tick to tick. */

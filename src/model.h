@@ -7,6 +7,7 @@
 #include "diagnosis.h"
 #include "stepper.h"
 #include "system.h"
+#include "workers.h"
 
 struct scene;
 
@@ -70,9 +71,10 @@ struct problem {
 
     /* What happens at a stop besides the smooth motion; sets changed[i] where part i's state is no
      * longer what its stepper left. New parts come after the others, which stay where they are;
-     * `changed` has room for all to come. Returns FINISHED, or why the run cannot go on. NULL:
-     * nothing. */
-    enum outcome (*tick)(struct model *model, unsigned events, int *changed);
+     * `changed` has room for all to come. The workers, or NULL, share the work; what happens does
+     * not depend on them. Returns FINISHED, or why the run cannot go on. NULL: nothing. */
+    enum outcome (*tick)(struct model *model, struct workers *workers, unsigned events,
+                         int *changed);
 
     /* FINISHED while a finite state is within what the model can mean, else DIVERGED and why.
      * NULL: every finite state is. */

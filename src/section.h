@@ -3,6 +3,7 @@
 #ifndef WISPLAB_SECTION_H
 #define WISPLAB_SECTION_H
 
+#include "grid.h"
 #include "strand.h"
 
 struct section {
@@ -16,6 +17,7 @@ struct section {
     double low[3];     /* a box with all of it, */
     double high[3];    /* rounding of section_contains included */
     double lean[2][3]; /* w / (t.w) of both ends: the plane is x = -(d.lean), d across the axis */
+    double turn[2][2]; /* t.u and t.v of both ends */
     double wedge;      /* margin of x beyond the planes where nothing is; infinite where they meet
                           within reach and the quadrilateral may cross itself */
 };
@@ -30,7 +32,12 @@ struct section_place {
  * changed in place. */
 void section_make(struct section *section, const struct strand *strand, int index);
 
-/* Whether a point is in the section, and where. */
+/* Of `count` points by their slots, those in the section: writes slots and places, room for `count`
+ * being there. Returns how many. */
+int section_find(const struct section *section, const struct grid_slots *slots, const int *slot,
+                 int count, int *found, struct section_place *places);
+
+/* Whether a point is in the section, and where: the same, to the last bit. */
 int section_contains(const struct section *section, const double point[3],
                      struct section_place *place);
 

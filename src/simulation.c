@@ -16,6 +16,7 @@
 struct progress_of_part {
     double reached; /* s */
     int code;       /* of the step that failed, or 0 */
+    int finite;     /* whether the state is */
     struct profile profile;
     struct account account; /* where diagnoses are asked for */
 };
@@ -193,6 +194,16 @@ static int advance_adaptive(struct simulation *sim, int i, double *t, double to,
     return 0;
 }
 
+static int all_finite(const double *x, int n) {
+    double sum[8] = {
+        0}; /* 0 * x is NaN where x is not finite; eight chains of additions, not one */
+    for (int i = 0; i < n; i++)
+        sum[i % 8] += 0 * x[i];
+    for (int k = 1; k < 8; k++)
+        sum[0] += sum[k];
+    return sum[0] == 0;
+}
+
 /* An interval to be advanced over, and how far each part has come. */
 struct interval {
     struct simulation *sim;
@@ -204,12 +215,15 @@ static void advance_part(void *ctx, int i) {
     const struct interval *interval = ctx;
     struct simulation *sim = interval->sim;
     struct progress_of_part *part = &sim->progress[i];
+    const struct part *state = &sim->model->parts[i];
     part->reached = sim->t;
     if (sim->settings->diagnostics)
         account_begin(&sim->model->parts[i], sim->t);
     part->code = sim->settings->method->advance
                      ? advance_adaptive(sim, i, &part->reached, interval->to, interval->once)
                      : advance_fixed(sim, i, &part->reached, interval->to);
+    part->finite = all_finite(state->q, state->system.size) &&
+                   all_finite(state->v, state->system.size); /* while they are in the cache */
 }
 
 /* The smooth advance of every part to the stop at `to`, or by one step of the only part where
@@ -232,22 +246,10 @@ static void advance_parts(struct simulation *sim, double to) {
     sim->result->time = reached;
 }
 
-static int all_finite(const double *x, int n) {
-    double sum[8] = {
-        0}; /* 0 * x is NaN where x is not finite; eight chains of additions, not one */
-    for (int i = 0; i < n; i++)
-        sum[i % 8] += 0 * x[i];
-    for (int k = 1; k < 8; k++)
-        sum[0] += sum[k];
-    return sum[0] == 0;
-}
-
 static void check_finite(struct simulation *sim) {
-    for (int i = 0; i < sim->model->part_count && going(sim); i++) {
-        const struct part *part = &sim->model->parts[i];
-        if (!all_finite(part->q, part->system.size) || !all_finite(part->v, part->system.size))
+    for (int i = 0; i < sim->model->part_count && going(sim); i++)
+        if (!sim->progress[i].finite)
             end_with(sim, NOT_FINITE, "the state overflowed or became NaN");
-    }
 }
 
 /* A finite state can still be wrong. */
@@ -270,7 +272,7 @@ static void tick(struct simulation *sim, unsigned events) {
         return;
     memset(sim->changed, 0, (size_t)sim->model->part_count * sizeof(int));
     const double booked = sim->settings->diagnostics ? unbooked_energy(sim) : 0;
-    const enum outcome outcome = problem->tick(sim->model, events, sim->changed);
+    const enum outcome outcome = problem->tick(sim->model, sim->workers, events, sim->changed);
     if (sim->settings->diagnostics)
         sim->other_jumps += unbooked_energy(sim) - booked;
     if (outcome != FINISHED)

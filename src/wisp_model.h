@@ -9,6 +9,7 @@
 enum { LANES_MAX = 4 };
 
 /* The kernel for a number of lanes. */
+struct obstacle;
 struct kernel {
     int lanes;
     void *(*create)(const struct wisp *const *, const struct surroundings *, enum wisp_treatment,
@@ -22,6 +23,8 @@ struct kernel {
     void (*restore)(void *, int, const double *, int, double *, double *);
     int (*clamp)(void *, double *, double *);
     unsigned (*near)(void *, const double *, const double *, const double *, int, int *);
+    unsigned (*pull)(void *, double *, double *, const struct obstacle *, const double *, int,
+                     unsigned, int *);
     double (*strain)(void *, int, const double *);
     const struct system_ops *ops;
 };
@@ -43,7 +46,8 @@ struct wisp_model {
     struct batch *batches;   /* one for each part */
     int *first_row;          /* by wisp: its first row of a frame */
     struct strand **strands; /* by wisp, where something happens to wisps; NULL-terminated */
-    double *strand_rows;     /* of the wisp with most nodes, without the columns wisp and node */
+    double *strand_rows;     /* by task: of the wisp with most nodes, without columns wisp, node */
+    size_t strand_row_room;  /* numbers for a task */
     struct interaction *interaction; /* NULL where wisps do not touch */
     struct strand **in_order;        /* those of all wisps as they touch; NULL likewise */
     char **columns, **rate_columns;
@@ -75,9 +79,9 @@ int wisps_extremes(const struct model *model, const double *rows, struct extreme
 /* Puts the model into the state from which its scene starts, where that is not rest. 0, or -1 where
  * memory cannot be had. */
 int wisps_start(struct wisp_model *m);
-/* Lays a wisp of a part open, and takes it back into its lane and the padding that repeats it. */
-struct strand *wisp_open(const struct wisp_model *m, int part, int lane);
-void wisp_close(const struct wisp_model *m, int part, int lane);
+
+/* Takes a wisp's strand back into its lane and the padding that repeats it, by way of `rows`. */
+void wisp_close(const struct wisp_model *m, int part, int lane, double *rows);
 
 /* wisp_splits.c */
 
@@ -88,6 +92,7 @@ int wisps_split(const struct scene *scene);
 enum outcome wisp_splits_tick(struct wisp_model *m, int *changed);
 
 /* The problem's `tick`. */
-enum outcome wisps_tick(struct model *model, unsigned events, int *changed);
+enum outcome wisps_tick(struct model *model, struct workers *workers, unsigned events,
+                        int *changed);
 
 #endif

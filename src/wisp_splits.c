@@ -27,7 +27,7 @@ static void settle(const struct wisp_model *m, int wisp, int *changed) {
     for (int k = 0; k < m->kernel->lanes; k++)
         if (batch->wisp[k] == wisp)
             m->kernel->fill(m->model.parts[seat.part].system.ctx, k, &m->wisps[wisp], m->model.t);
-    wisp_close(m, seat.part, seat.lane);
+    wisp_close(m, seat.part, seat.lane, m->strand_rows);
     changed[seat.part] = 1;
 }
 

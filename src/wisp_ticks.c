@@ -2,10 +2,16 @@
  * kept off their nodes. */
 #include "clock.h"
 #include "interaction.h"
+#include "kernel/kernel.h"
 #include "wisp_model.h"
 
+#include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* Parts are shared out to threads in tasks, each with a place of its own to lay wisps open. */
+enum { TASKS_MOST = 32 };
 
 static int interacts(const struct scene *scene) {
     return scene->interaction.interpenetration || scene->interaction.collision;
@@ -26,21 +32,39 @@ static int create_strands(struct wisp_model *m) {
     }
     m->model.parts_to_come = m->wisp_room - m->wisp_count;
     m->model.rows_to_come = m->model.parts_to_come * most;
-    m->strand_rows = calloc((size_t)(most * m->model.column_count), sizeof(double));
+    m->strand_row_room = (size_t)(most * m->model.column_count);
+    m->strand_rows = calloc(TASKS_MOST * m->strand_row_room, sizeof(double));
     return m->strands && m->strand_rows ? 0 : -1;
 }
 
 /* --- wisps with each other --- */
 
+/* Number of a root's cell along a curve that stays among neighbours (Morton's: the bits of x, y and
+ * z in turn): wisps that may touch are near each other in memory. */
+static uint64_t place_on_curve(const double root[3]) {
+    const double cell = 0.05; /* m */
+    uint64_t number = 0;
+    for (int k = 0; k < 3; k++) {
+        const double x = floor(root[k] / cell) + (1 << 20), most = (1 << 21) - 1;
+        const uint64_t along = (uint64_t)(x > most ? most : x > 0 ? x : 0);
+        for (int bit = 0; bit < 21; bit++)
+            number |= (along >> bit & 1) << (3 * bit + k);
+    }
+    return number;
+}
+
 /* The order in which wisps touch is one of what they are, not of where they stand in the file:
  * nothing that happens between them, down to the order of sums, depends on the file. Children of a
  * subdivision stand one behind the other in their parent's place, the + child first.
  *
- * By root, direction, length and nodes; the rest is the same in all wisps of a scene. Wisps of
- * which all that is equal move alike, and may change places. */
+ * By place, root, direction, length and nodes; the rest is the same in all wisps of a scene. Wisps
+ * of which all that is equal move alike, and may change places. */
 static int compare_strands(const void *one, const void *other) {
     const struct wisp *a = (*(struct strand *const *)one)->wisp,
                       *b = (*(struct strand *const *)other)->wisp;
+    const uint64_t place_a = place_on_curve(a->root), place_b = place_on_curve(b->root);
+    if (place_a != place_b)
+        return place_a < place_b ? -1 : 1;
     const double of_a[] = {a->root[0],      a->root[1],      a->root[2], a->direction[0],
                            a->direction[1], a->direction[2], a->length,  a->nodes};
     const double of_b[] = {b->root[0],      b->root[1],      b->root[2], b->direction[0],
@@ -62,60 +86,100 @@ static int create_touch(struct wisp_model *m) {
     return 0;
 }
 
-struct strand *wisp_open(const struct wisp_model *m, int i, int lane) {
+/* A tick, as its tasks see it. */
+struct tick {
+    struct wisp_model *m;
+    int *changed; /* by part */
+    int tasks;
+    void (*do_part)(const struct tick *tick, int part, double *rows);
+    const struct bodies *bodies;
+    struct placement head;
+};
+
+static void do_task(void *ctx, int index) {
+    const struct tick *tick = ctx;
+    const long long parts = tick->m->model.part_count;
+    const int to = (int)(parts * (index + 1) / tick->tasks);
+    double *rows = tick->m->strand_rows
+                       ? tick->m->strand_rows + (size_t)index * tick->m->strand_row_room
+                       : NULL;
+    for (int i = (int)(parts * index / tick->tasks); i < to; i++)
+        tick->do_part(tick, i, rows);
+}
+
+static void do_parts(struct tick *tick, struct workers *workers,
+                     void (*do_part)(const struct tick *, int, double *)) {
+    const int parts = tick->m->model.part_count;
+    tick->do_part = do_part;
+    tick->tasks = parts < TASKS_MOST ? parts : TASKS_MOST;
+    workers_run(workers, do_task, tick, tick->tasks);
+}
+
+/* Lays a wisp of a part open. */
+static struct strand *open_strand(const struct tick *tick, int i, int lane, double *rows) {
+    const struct wisp_model *m = tick->m;
     const struct part *part = &m->model.parts[i];
     struct strand *strand = m->strands[m->batches[i].wisp[lane]];
     const int stride = m->model.column_count - 2;
-    struct placement head;
-    head_placement(&m->scene->around.head, m->model.t, &head);
-    m->kernel->prescribe(part->system.ctx, m->model.t);
-    m->kernel->sample(part->system.ctx, lane, part->q, part->v, m->strand_rows, stride);
-    strand_turn(strand, &head);
-    strand_load(strand, m->strand_rows, stride);
+    m->kernel->sample(part->system.ctx, lane, part->q, part->v, rows, stride);
+    strand_turn(strand, &tick->head);
+    strand_load(strand, rows, stride);
     return strand;
 }
 
-void wisp_close(const struct wisp_model *m, int i, int lane) {
+void wisp_close(const struct wisp_model *m, int i, int lane, double *rows) {
     const struct part *part = &m->model.parts[i];
     const struct batch *batch = &m->batches[i];
     const int stride = m->model.column_count - 2;
-    strand_store(m->strands[batch->wisp[lane]], m->strand_rows, stride);
+    strand_store(m->strands[batch->wisp[lane]], rows, stride);
     for (int k = 0; k < m->kernel->lanes; k++)
         if (batch->wisp[k] == batch->wisp[lane])
-            m->kernel->restore(part->system.ctx, k, m->strand_rows, stride, part->q, part->v);
+            m->kernel->restore(part->system.ctx, k, rows, stride, part->q, part->v);
 }
 
-static enum outcome interact(struct wisp_model *m, int *changed) {
-    for (int i = 0; i < m->model.part_count; i++)
-        account_before(&m->model.parts[i], m->model.t);
+static void close_strand(const struct tick *tick, int i, int lane, double *rows) {
+    wisp_close(tick->m, i, lane, rows);
+    tick->changed[i] = 1;
+}
+
+static void open_part(const struct tick *tick, int i, double *rows) {
+    tick->m->kernel->prescribe(tick->m->model.parts[i].system.ctx, tick->m->model.t);
+    for (int k = 0; k < tick->m->batches[i].count; k++)
+        open_strand(tick, i, k, rows);
+}
+
+static void close_part(const struct tick *tick, int i, double *rows) {
+    struct part *part = &tick->m->model.parts[i];
+    account_before(part, tick->m->model.t);
+    for (int k = 0; k < tick->m->batches[i].count; k++)
+        if (tick->m->strands[tick->m->batches[i].wisp[k]]->changed)
+            close_strand(tick, i, k, rows);
+    account_after(part, tick->m->model.t, JUMP_WISP_CONTACT);
+}
+
+static enum outcome interact(struct tick *tick, struct workers *workers) {
+    const struct wisp_model *m = tick->m;
+    interaction_share(m->interaction, workers);
     const int contacts = interaction_tick(m->interaction, m->in_order, m->wisp_count);
     if (contacts < 0)
         return OUT_OF_MEMORY;
     /* they are of two wisps, and so of no part: the first one counts them */
     m->model.parts[0].system.counters.wisp_contacts += contacts;
-    for (int i = 0; i < m->model.part_count; i++)
-        for (int k = 0; k < m->batches[i].count; k++)
-            if (m->strands[m->batches[i].wisp[k]]->changed) {
-                wisp_close(m, i, k);
-                changed[i] = 1;
-            }
-    for (int i = 0; i < m->model.part_count; i++)
-        account_after(&m->model.parts[i], m->model.t, JUMP_WISP_CONTACT);
+    do_parts(tick, workers, close_part);
     return FINISHED;
 }
 
 /* Wisps that subdivision has made touch their twins only once they are separated from them. */
-static enum outcome meet(struct wisp_model *m, int *changed) {
+static enum outcome meet(struct tick *tick, struct workers *workers) {
+    struct wisp_model *m = tick->m;
     enum outcome outcome = FINISHED;
-    for (int i = 0; i < m->model.part_count; i++)
-        for (int k = 0; k < m->batches[i].count; k++)
-            wisp_open(m, i, k);
+    do_parts(tick, workers, open_part);
     for (int i = m->scene->wisp_count; i < m->wisp_count; i++) /* of a pair one is always here */
         subdivision_separate(&m->scene->subdivision, m->strands[i]);
     if (m->interaction)
-        outcome = interact(m, changed);
+        outcome = interact(tick, workers);
     if (wisps_split(m->scene) && outcome == FINISHED)
-        outcome = wisp_splits_tick(m, changed);
+        outcome = wisp_splits_tick(m, tick->changed);
     return outcome;
 }
 
@@ -128,18 +192,38 @@ struct bodies {
     double interval; /* since the last tick, s */
     struct body_motion motion[BODIES_MAX];
     double boxes[6 * BODIES_MAX], hull[6]; /* around each, around all */
+    struct obstacle obstacle[BODIES_MAX];  /* the same for the kernel */
 };
 
-static void place_bodies(const struct scene *scene, double t, struct bodies *bodies) {
-    struct placement head;
-    head_placement(&scene->around.head, t, &head);
+static struct obstacle obstacle_of(const struct body *body, const struct body_motion *motion) {
+    struct obstacle obstacle = {.inverse_least = 0};
+    for (int k = 0; k < 3; k++) {
+        const double inverse = 1 / body->radii[k];
+        obstacle.centre[k] = motion->centre[k];
+        obstacle.radii[k] = body->radii[k];
+        obstacle.inverse[k] = inverse;
+        obstacle.velocity[k] = motion->velocity[k];
+        obstacle.spin[k] = motion->spin[k];
+        for (int i = 0; i < 3; i++) {
+            obstacle.axes[k][i] = motion->axes[k][i];
+            obstacle.turned |= motion->axes[k][i] != (i == k);
+        }
+        if (inverse > obstacle.inverse_least)
+            obstacle.inverse_least = inverse;
+    }
+    return obstacle;
+}
+
+static void place_bodies(const struct tick *tick, struct bodies *bodies) {
+    const struct scene *scene = tick->m->scene;
     bodies->body = scene->bodies;
     bodies->count = scene->body_count;
     bodies->interval = 1 / scene->collision_rate;
     for (int i = 0; i < bodies->count; i++) {
         double *box = bodies->boxes + 6 * i, *hull = bodies->hull;
-        bodies->motion[i] = body_motion(&bodies->body[i], &head, t);
+        bodies->motion[i] = body_motion(&bodies->body[i], &tick->head, tick->m->model.t);
         body_box(&bodies->body[i], &bodies->motion[i], box);
+        bodies->obstacle[i] = obstacle_of(&bodies->body[i], &bodies->motion[i]);
         for (int k = 0; k < 3; k++) {
             hull[k] = i == 0 || box[k] < hull[k] ? box[k] : hull[k];
             hull[3 + k] = i == 0 || box[3 + k] > hull[3 + k] ? box[3 + k] : hull[3 + k];
@@ -147,60 +231,76 @@ static void place_bodies(const struct scene *scene, double t, struct bodies *bod
     }
 }
 
-/* Body contact (section 4.2.2 of the thesis) for the wisps of a part that are near a body. Returns
- * whether any changed. */
-static int push_out(const struct wisp_model *m, int i, const struct bodies *bodies, unsigned near) {
-    struct counters *counters = &m->model.parts[i].system.counters;
-    struct body_report report = {0, 0, 0};
-    int changed = 0;
+/* Body contact (section 4.2.2 of the thesis) for the wisps of a part that are near a body. Hair on
+ * a body has samples inside it at every tick and a node now and then: the kernel pulls samples out,
+ * four wisps at a time, and only a wisp with a node inside is laid open. Returns whether that
+ * changed any: then the clamp must look. */
+static int push_out(const struct tick *tick, int i, unsigned near, double *rows) {
+    const struct bodies *bodies = tick->bodies;
+    const struct wisp_model *m = tick->m;
+    struct part *part = &m->model.parts[i];
+    int pulled, opened = 0;
+    near &= m->kernel->pull(part->system.ctx, part->q, part->v, bodies->obstacle, bodies->boxes,
+                            bodies->count, (1u << m->batches[i].count) - 1, &pulled);
+    tick->changed[i] |= pulled > 0;
+    struct counters *counters = &part->system.counters;
+    struct body_report report = {0, pulled, 0};
     for (int k = 0; k < m->batches[i].count; k++) {
         if (!(near >> k & 1))
             continue;
-        struct strand *strand = wisp_open(m, i, k);
+        struct strand *strand = open_strand(tick, i, k, rows);
         body_contact(strand, bodies->body, bodies->motion, bodies->count, bodies->interval,
                      &report);
         if (strand->changed)
-            wisp_close(m, i, k);
-        changed |= strand->changed;
+            close_strand(tick, i, k, rows);
+        opened |= strand->changed;
     }
     counters->body_contacts += report.nodes + report.samples;
     counters->nodes_left_inside += report.inside;
-    return changed;
+    return opened;
 }
 
-/* Part by part: body contact, then the clamp. Most parts are far from every body and have nothing
- * to clamp: one look says so. */
-static void collide(struct wisp_model *m, int *changed) {
+/* Body contact, then the clamp. Most parts are far from every body and have nothing to clamp: one
+ * look says so. */
+static void collide_part(const struct tick *tick, int i, double *rows) {
+    const struct wisp_model *m = tick->m;
+    const struct bodies *bodies = tick->bodies;
+    struct part *part = &m->model.parts[i];
     const int envelope = m->scene->wisps[0].samples > 0;
+    void *ctx = part->system.ctx;
+    unsigned near = 0;
+    int clamp = envelope;
+    m->kernel->prescribe(ctx, m->model.t);
+    if (bodies->count > 0)
+        near = m->kernel->near(ctx, part->q, bodies->hull, bodies->boxes, bodies->count, &clamp);
+    account_before(part, m->model.t);
+    if (near && push_out(tick, i, near, rows))
+        clamp = envelope;
+    account_after(part, m->model.t, JUMP_BODY_CONTACT);
+    if (clamp)
+        tick->changed[i] |= m->kernel->clamp(ctx, part->q, part->v);
+    account_after(part, m->model.t, JUMP_CLAMP);
+}
+
+static void collide(struct tick *tick, struct workers *workers) {
     struct bodies bodies;
-    place_bodies(m->scene, m->model.t, &bodies);
-    for (int i = 0; i < m->model.part_count; i++) {
-        struct part *part = &m->model.parts[i];
-        void *ctx = part->system.ctx;
-        unsigned near = 0;
-        int clamp = envelope;
-        m->kernel->prescribe(ctx, m->model.t);
-        if (bodies.count > 0)
-            near = m->kernel->near(ctx, part->q, bodies.hull, bodies.boxes, bodies.count, &clamp);
-        account_before(part, m->model.t);
-        if (near)
-            changed[i] |= push_out(m, i, &bodies, near);
-        account_after(part, m->model.t, JUMP_BODY_CONTACT);
-        if (clamp || (near && envelope))
-            changed[i] |= m->kernel->clamp(ctx, part->q, part->v);
-        account_after(part, m->model.t, JUMP_CLAMP);
-    }
+    place_bodies(tick, &bodies);
+    tick->bodies = &bodies;
+    do_parts(tick, workers, collide_part);
 }
 
 /* At one time wisps touch first and split, then bodies push them out and samples are kept off their
  * nodes. */
-enum outcome wisps_tick(struct model *model, unsigned events, int *changed) {
-    struct wisp_model *m = (struct wisp_model *)model;
+enum outcome wisps_tick(struct model *model, struct workers *workers, unsigned events,
+                        int *changed) {
+    struct tick tick = {.m = (struct wisp_model *)model, .changed = changed};
     enum outcome outcome = FINISHED;
-    if (events & STOP_INTERACTION && m->model.interaction_rate > 0)
-        outcome = meet(m, changed);
+    if (events & (STOP_INTERACTION | STOP_COLLISION))
+        head_placement(&tick.m->scene->around.head, model->t, &tick.head);
+    if (events & STOP_INTERACTION && tick.m->model.interaction_rate > 0)
+        outcome = meet(&tick, workers);
     if (events & STOP_COLLISION && outcome == FINISHED)
-        collide(m, changed);
+        collide(&tick, workers);
     return outcome;
 }
 

@@ -766,6 +766,58 @@ static void stretch_samples(const struct wisp *wisp, enum wisp_treatment treatme
                 treatment == WISP_PENALTY ? q[u % 3] + factor * (q[u] - q[u % 3]) : factor * q[u];
 }
 
+/* Samples pulled out by the kernel: the state, and who was left for body_contact. */
+struct pulled {
+    double q[LAB_LANES * LAB_SIZE], v[LAB_LANES * LAB_SIZE];
+    unsigned left;
+    int samples;
+};
+
+static void pull(struct pulled *to, const struct lab_part *part, const double *q, const double *v,
+                 const struct body *bodies, const double *boxes, int count) {
+    struct obstacle obstacle[BODIES_MAX];
+    for (int i = 0; i < count; i++) {
+        const struct body_motion motion = body_motion(&bodies[i], 0.1);
+        const double *radii = bodies[i].radii;
+        obstacle[i] =
+            (struct obstacle){.inverse_least = 1 / fmin(radii[0], fmin(radii[1], radii[2]))};
+        for (int k = 0; k < 3; k++) {
+            obstacle[i].centre[k] = motion.centre[k];
+            obstacle[i].radii[k] = radii[k];
+            obstacle[i].inverse[k] = 1 / radii[k];
+            obstacle[i].velocity[k] = motion.velocity[k];
+            obstacle[i].spin[k] = motion.spin[k];
+        }
+    }
+    memcpy(to->q, q, (size_t)(part->lanes * part->size) * sizeof *q);
+    memcpy(to->v, v, (size_t)(part->lanes * part->size) * sizeof *v);
+    to->left = (part->lanes == 1 ? kernel_pull_1 : kernel_pull_4)(
+        part->system.ctx, to->q, to->v, obstacle, boxes, count, ~0u, &to->samples);
+}
+
+/* Only wisps with a node inside are left, or free particles, as they are; of the others the kernel
+ * makes what body_contact made of a strand. */
+static void check_pulled(struct pulled *pulled, const struct lab_part *part, int k,
+                         const struct strand *s, const struct body_report *report,
+                         const double *rows, int stride) {
+    double is[LAB_NODES * (6 + 6 * SAMPLES_MAX)], should[LAB_NODES * (6 + 6 * SAMPLES_MAX)];
+    const int left = pulled->left >> k & 1;
+    cr_assert_eq(left, s->treatment == WISP_PENALTY || report->nodes > 0, "lane %d is%s left", k,
+                 left ? "" : " not");
+    (part->lanes == 1 ? kernel_sample_1 : kernel_sample_4)(part->system.ctx, k, pulled->q,
+                                                           pulled->v, is, stride);
+    if (left) {
+        cr_assert_eq(memcmp(is, rows, (size_t)(s->wisp->nodes * stride) * sizeof *is), 0,
+                     "lane %d is left, but changed", k);
+        return;
+    }
+    pulled->samples -= (int)report->samples;
+    strand_store(s, should, stride);
+    for (int i = 0; i < s->wisp->nodes * stride; i++)
+        cr_assert(fabs(is[i] - should[i]) < 1e-12, "lane %d: %.17g, not %.17g", k, is[i],
+                  should[i]);
+}
+
 /* One part of random wisps: whoever body contact changes is near, and the clamp's flag is right. */
 static void check_near(int lanes, enum wisp_treatment treatment, int samples, unsigned *seed,
                        int *touched, int *far) {
@@ -817,6 +869,8 @@ static void check_near(int lanes, enum wisp_treatment treatment, int samples, un
     void *ctx = part.system.ctx;
     const unsigned near =
         (lanes == 1 ? kernel_near_1 : kernel_near_4)(ctx, Q, hull, boxes, count, &clamp);
+    static struct pulled pulled;
+    pull(&pulled, &part, Q, V, bodies, boxes, count);
     for (int k = 0; k < lanes; k++) {
         struct strand *s = strand_create(&wisps[k], treatment);
         struct body_report report = {0, 0, 0};
@@ -825,12 +879,14 @@ static void check_near(int lanes, enum wisp_treatment treatment, int samples, un
         strand_turn(s, &head);
         strand_load(s, rows, stride);
         body_contact(s, bodies, motion, count, dt, &report);
+        check_pulled(&pulled, &part, k, s, &report, rows, stride);
         const int found = s->changed || report.inside;
         cr_assert(!found || (near >> k & 1), "lane %d of %d: a contact is missed", k, lanes);
         *touched += found;
         *far += !(near >> k & 1);
         strand_free(s);
     }
+    cr_assert_eq(pulled.samples, 0, "%d samples too many are pulled", pulled.samples);
     const int changed = (lanes == 1 ? kernel_clamp_1 : kernel_clamp_4)(ctx, Q, V);
     cr_assert_eq(changed != 0, clamp != 0, "%s: the clamp's flag", treatment_names[treatment]);
     lab_part_free(&part);

@@ -209,9 +209,9 @@ static int tick_twice(const void *what) {
     failing = 1;
     struct model *model = scene->problem->create(scene, 0, 4);
     if (model) {
-        made = scene->problem->tick(model, STOP_INTERACTION, changed) == FINISHED;
+        made = scene->problem->tick(model, NULL, STOP_INTERACTION, changed) == FINISHED;
         const long before = counted;
-        if (made && (scene->problem->tick(model, STOP_INTERACTION, changed) != FINISHED ||
+        if (made && (scene->problem->tick(model, NULL, STOP_INTERACTION, changed) != FINISHED ||
                      counted != before))
             _exit(80);
         scene->problem->free(model);

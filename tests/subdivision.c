@@ -458,9 +458,9 @@ static double energy(const struct flock *f) {
     for (int i = 0; i < f->model->part_count; i++) {
         const struct part *part = &f->model->parts[i];
         struct energies energies;
-        cr_assert_eq(part->system.ops->energies(part->system.ctx, f->model->t, part->q, part->v,
-                                                &energies),
-                     0);
+        cr_assert_eq(
+            part->system.ops->energies(part->system.ctx, f->model->t, part->q, part->v, &energies),
+            0);
         sum += energies_sum(&energies);
     }
     return sum;

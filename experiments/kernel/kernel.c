@@ -58,6 +58,7 @@ static int measure_all(const struct plan *plan, const char *path, const char *he
     enter_evaluations(&contest, scene);
     enter_solvers(&contest, scene);
     enter_steppers(&contest, scene);
+    enter_contacts(&contest, scene);
     contest_run(&contest, plan->quick ? 6 : 60, file.stream);
     return atomic_commit(&file, reason);
 }
@@ -121,7 +122,7 @@ static int kernel_tabulate(struct plan *plan, const char *folder) {
 
 const struct experiment kernel_experiment = {
     .name = "kernel",
-    .question = "how near to the hardware are evaluations, linear solvers and the seam?",
+    .question = "how near to the hardware are evaluations, linear solvers, the seam and contacts?",
     .plan = kernel_plan,
     .tabulate = kernel_tabulate,
 };

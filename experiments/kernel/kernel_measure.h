@@ -57,6 +57,7 @@ struct contestant {
     void *ctx;
     double units;
     int repeats;      /* of `run` in one sample */
+    int wall;         /* by wall time, for work on several threads; else by CPU time */
     int warms_itself; /* takes so long that what it finds in the cache matters little */
 };
 
@@ -68,6 +69,8 @@ struct contest {
 
 void contest_add(struct contest *contest, const char *group, const char *subject, const char *name,
                  double units, void (*run)(void *), void *ctx);
+void contest_add_wall(struct contest *contest, const char *group, const char *subject,
+                      const char *name, double units, void (*run)(void *), void *ctx);
 void contest_note(struct contest *contest, const char *group, const char *subject, const char *name,
                   double value);
 
@@ -80,6 +83,19 @@ void enter_evaluations(struct contest *contest, const struct scene *scene);
 void enter_rates(struct contest *contest, const char *subject);
 void enter_solvers(struct contest *contest, const struct scene *scene);
 void enter_steppers(struct contest *contest, const struct scene *scene);
+void enter_contacts(struct contest *contest, const struct scene *scene);
+
+/* --- wisps that touch (kernel_contacts.c) --- */
+
+/* Hanging wisps, roots about `spacing` apart. */
+struct mat {
+    const char *name;
+    double spacing; /* m */
+};
+enum { MATS = 2, MAT_SIZES = 3 };
+extern const struct mat mats[MATS];
+extern const int mat_sizes[MAT_SIZES]; /* wisps */
+void mat_subject(const struct mat *mat, int wisps, char subject[SUBJECT_SIZE]);
 
 /* --- samples read back --- */
 

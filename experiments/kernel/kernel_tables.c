@@ -326,6 +326,116 @@ static int write_steppers(const struct tables *tables) {
     return atomic_commit(&file, tables->plan->reason);
 }
 
+/* --- contacts and threads --- */
+
+static const struct series *contact_series(const struct samples *s, const struct mat *mat,
+                                           int wisps, const char *name) {
+    char subject[SUBJECT_SIZE];
+    mat_subject(mat, wisps, subject);
+    return series_find(s, "contact", subject, name);
+}
+
+static void write_contact(FILE *stream, const struct samples *s, const struct mat *mat, int wisps) {
+    char subject[SUBJECT_SIZE];
+    mat_subject(mat, wisps, subject);
+    const struct series *tick = contact_series(s, mat, wisps, "tick");
+    const struct series *evaluation = contact_series(s, mat, wisps, "evaluation");
+    const struct quartiles ratio = ratio_quartiles(tick, evaluation);
+    const struct quartiles growth =
+        ratio_quartiles(tick, contact_series(s, mat, mat_sizes[0], "tick"));
+    const double contacts = note_find(s, "contacts", subject, "per point");
+    fprintf(stream, "%s\t%d\t%g", mat->name, wisps, contacts);
+    put(stream, series_quartiles(tick));
+    put(stream, series_quartiles(evaluation));
+    put(stream, ratio);
+    put(stream, growth);
+    fputc('\n', stream);
+    printf("  %-16s %6d %9.2f %8.1f %8.1f   %.2f (%.2f to %.2f)   %.2f\n", mat->name, wisps,
+           contacts, series_quartiles(tick).median, series_quartiles(evaluation).median,
+           ratio.median, ratio.lower, ratio.upper, growth.median);
+}
+
+static int write_contacts(const struct tables *tables) {
+    struct atomic_file file;
+    if (open_table(&file, tables, "contacts",
+                   "wisp contact on mats of equal density, ns per point and tick, laying open and "
+                   "putting back included; its ratio to an evaluation of one free node in the same "
+                   "model (4 lanes), and to the smallest mat's; all round by round",
+                   "mat\twisps\tcontacts_per_point" TRIPLE("tick") TRIPLE("evaluation")
+                       TRIPLE("tick_over_evaluation") TRIPLE("growth")))
+        return -1;
+    printf("  contact, ns per point and tick\n  %-16s %6s %9s %8s %8s   %s\n", "mat", "wisps",
+           "contacts", "tick", "eval", "tick/evaluation (quartiles), growth");
+    for (int m = 0; m < MATS; m++)
+        for (int i = 0; i < MAT_SIZES; i++)
+            write_contact(file.stream, tables->samples, &mats[m], mat_sizes[i]);
+    return atomic_commit(&file, tables->plan->reason);
+}
+
+static const char *const threaded[] = {"registers", "euler 9000 Hz", "rk4 4000 Hz"};
+
+/* Gain of the second thread, by round; returns the number of rounds. */
+static int gains(const struct samples *s, const char *subject, double *gain) {
+    const struct series *one = series_find(s, "threads", subject, "1 thread");
+    const struct series *two = series_find(s, "threads", subject, "2 threads");
+    for (int i = 0; one && two && i < one->count; i++)
+        gain[i] = one->value[i] / two->value[i];
+    return one && two ? one->count : 0;
+}
+
+static struct quartiles gain_over_registers(const struct samples *s, const char *subject) {
+    double gain[KERNEL_ROUNDS_MAX], registers[KERNEL_ROUNDS_MAX];
+    const int rounds = gains(s, subject, gain);
+    gains(s, threaded[0], registers);
+    for (int i = 0; i < rounds; i++)
+        gain[i] /= registers[i];
+    return quartiles(gain, rounds);
+}
+
+static int write_threads(const struct tables *tables) {
+    struct atomic_file file;
+    if (open_table(&file, tables, "threads",
+                   "gain of a second thread (wall time of one over that of two), on arithmetic in "
+                   "registers and on a mat of 100 touching wisps; and over that of registers",
+                   "work" TRIPLE("gain") TRIPLE("over_registers")))
+        return -1;
+    for (int i = 0; i < 3; i++) {
+        double gain[KERNEL_ROUNDS_MAX];
+        const struct quartiles q = quartiles(gain, gains(tables->samples, threaded[i], gain));
+        fputs(threaded[i], file.stream);
+        put(file.stream, q);
+        put(file.stream, gain_over_registers(tables->samples, threaded[i]));
+        fputc('\n', file.stream);
+        printf("  second thread, %s: %.2f (%.2f to %.2f) times as fast\n", threaded[i], q.median,
+               q.lower, q.upper);
+    }
+    return atomic_commit(&file, tables->plan->reason);
+}
+
+static void write_contact_goals(FILE *stream, const struct samples *s) {
+    char what[80];
+    for (int m = 0; m < MATS; m++) {
+        for (int i = 0; i < MAT_SIZES; i++) {
+            snprintf(what, sizeof what, "contact of a point over evaluation, %s, %d", mats[m].name,
+                     mat_sizes[i]);
+            write_goal(stream, what,
+                       ratio_quartiles(contact_series(s, &mats[m], mat_sizes[i], "tick"),
+                                       contact_series(s, &mats[m], mat_sizes[i], "evaluation")),
+                       "<=", 4);
+        }
+        snprintf(what, sizeof what, "contact of a point, 10000 wisps over 100, %s", mats[m].name);
+        write_goal(stream, what,
+                   ratio_quartiles(contact_series(s, &mats[m], mat_sizes[2], "tick"),
+                                   contact_series(s, &mats[m], mat_sizes[0], "tick")),
+                   "<=", 1.5);
+    }
+    for (int i = 1; i < 3; i++) {
+        snprintf(what, sizeof what, "gain of a second thread over that on registers, %s",
+                 threaded[i]);
+        write_goal(stream, what, gain_over_registers(s, threaded[i]), ">=", 0.9);
+    }
+}
+
 static int write_goals(const struct tables *tables) {
     const struct samples *s = tables->samples;
     struct atomic_file file;
@@ -359,6 +469,7 @@ static int write_goals(const struct tables *tables) {
                                    series_find(s, "cvode", rtol[i], "ours")),
                    ">=", 3);
     }
+    write_contact_goals(file.stream, s);
     return atomic_commit(&file, tables->plan->reason);
 }
 
@@ -367,7 +478,8 @@ int kernel_tables(struct plan *plan, const struct samples *samples, const char *
     const struct series *first = series_find(samples, "rate", "rates skip 64", "division");
     printf("  %d rounds\n", first ? first->count : 0);
     return write_rates(&tables) || write_evaluations(&tables) || write_operations(&tables) ||
-                   write_solvers(&tables) || write_steppers(&tables) || write_goals(&tables)
+                   write_solvers(&tables) || write_steppers(&tables) || write_contacts(&tables) ||
+                   write_threads(&tables) || write_goals(&tables)
                ? -1
                : 0;
 }

@@ -7,6 +7,17 @@
 #include "system.h"
 #include "wisp.h"
 
+/* An ellipsoid at a time. */
+enum { OBSTACLES_MAX = 64 };
+struct obstacle {
+    double centre[3], radii[3];  /* m */
+    double axes[3][3];           /* by radius: its direction */
+    int turned;                  /* whether they are not the world's axes */
+    double inverse[3];           /* of the radii, */
+    double inverse_least;        /* of the least of them, 1/m */
+    double velocity[3], spin[3]; /* of the centre, and about it, m/s, rad/s */
+};
+
 #define KERNEL_DECLARE(lanes)                                                                      \
     /* A part for `lanes` wisps that agree in nodes, samples and bending law; `around` and         \
      * `system` must outlive it. NULL where memory cannot be had. */                               \
@@ -47,6 +58,13 @@
      * looking at samples only once, whether the clamp would find anything. */                     \
     unsigned kernel_near_##lanes(void *part, const double *q, const double *hull,                  \
                                  const double *boxes, int count, int *clamp);                      \
+                                                                                                   \
+    /* Pulls samples out of at most OBSTACLES_MAX bodies with these boxes (Plante 1999, section    \
+     * 4.2.2) in lanes that have no free node inside one. Returns the lanes that have, or that     \
+     * cannot be treated so, and leaves those alone; bits of other lanes are never set. `pulled`   \
+     * becomes the number of samples found inside in the lanes of `counted`. */                    \
+    unsigned kernel_pull_##lanes(void *part, double *q, double *v, const struct obstacle *bodies,  \
+                                 const double *boxes, int count, unsigned counted, int *pulled);   \
                                                                                                    \
     /* Largest | L / rest length - 1 | over the segments of a lane. */                             \
     double kernel_strain_##lanes(void *part, int which, const double *q);                          \

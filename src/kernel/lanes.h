@@ -6,6 +6,9 @@
 
 #include <math.h>
 #include <string.h>
+#ifdef __AVX__
+#include <immintrin.h>
+#endif
 
 #ifndef LANES
 #define LANES 1 /* for editors; the build always says */
@@ -82,24 +85,22 @@ static inline lane lane_sqrt(lane x) {
 static inline lane lane_select(mask m, lane yes, lane no) {
     return (lane)((m & (mask)yes) | (~m & (mask)no));
 }
-static inline int mask_all(mask m) {
-    int all = 1;
-    for (int k = 0; k < LANES; k++)
-        all &= m[k] != 0;
-    return all;
-}
-static inline int mask_none(mask m) {
-    int none = 1;
-    for (int k = 0; k < LANES; k++)
-        none &= m[k] == 0;
-    return none;
-}
-/* Bit k for lane k. */
+/* Bit k for lane k; compilers do not find the one instruction in the loop. */
 static inline unsigned mask_bits(mask m) {
+#if LANES == 4 && defined(__AVX__)
+    return (unsigned)_mm256_movemask_pd((__m256d)m);
+#else
     unsigned bits = 0;
     for (int k = 0; k < LANES; k++)
         bits |= (unsigned)(m[k] != 0) << k;
     return bits;
+#endif
+}
+static inline int mask_all(mask m) {
+    return mask_bits(m) == (1u << LANES) - 1;
+}
+static inline int mask_none(mask m) {
+    return mask_bits(m) == 0;
 }
 static inline double lane_get(lane x, int k) {
     return x[k];

@@ -314,10 +314,6 @@ static int clamp_distances(const struct kernel_part *part, double *q, double *v)
     return changed;
 }
 
-/* A particle that was put at the least distance, here or by a body, is there but for rounding: it
- * is not clamped again, which would take a rate from it that it may have. */
-static const double particles_least = 1e-3 * (1 - 1e-9); /* of R */
-
 static int clamp_particles(struct kernel_part *part, double *q, double *v) {
     int changed = 0;
     LANED(kernel_frames)(part, q);
@@ -329,7 +325,7 @@ static int clamp_particles(struct kernel_part *part, double *q, double *v) {
             const struct vec e = vec_load(qi, 3 + 3 * j), ev = vec_load(vi, 3 + 3 * j);
             const lane least = 1e-3 * part->radius, r = dot(sub(e, vec_load(qi, 0)), line);
             const lane rate = dot(sub(ev, vec_load(vi, 0)), line);
-            const mask inside = r < particles_least * part->radius;
+            const mask inside = r < PARTICLES_LEAST * part->radius;
             if (mask_none(inside))
                 continue;
             vec_store(qi, 3 + 3 * j, vec_select(inside, add_scaled(e, least - r, line), e));
@@ -345,100 +341,6 @@ int LANED(kernel_clamp)(void *ctx, double *q, double *v) {
     struct kernel_part *part = ctx;
     return part->treatment == WISP_PENALTY ? clamp_particles(part, q, v)
                                            : clamp_distances(part, q, v);
-}
-
-/* --- near a body? --- */
-
-/* Masks of comparisons, an instruction each; minima and maxima cost three where the compiler may
- * not forget about NaN (boxes of 4 wisps made so: 60 ns, and the clamp's own look at the samples
- * came on top). */
-struct look {
-    mask inside;  /* some sample is nearer to its node than the clamp allows */
-    mask outside; /* some sample is further from its node than a margin */
-};
-
-SPECIALISED void look_at_distances(const struct kernel_part *part, const double *q, lane margin,
-                                   int samples, struct look *look) {
-    const lane least = 1e-3 * part->radius;
-    for (int at = 0; at < (part->nodes - 2) * (3 + samples); at += 3 + samples) {
-        mask inside = lane_all(0) != 0, outside = inside; /* short chains run side by side */
-        for (int j = at + 3; j < at + 3 + samples; j++) {
-            const lane r = load(q, j);
-            inside |= r < least;
-            outside |= r > margin;
-        }
-        look->inside |= inside;
-        look->outside |= outside;
-    }
-}
-
-static void look_at_particles(struct kernel_part *part, const double *q, lane margin,
-                              struct look *look) {
-    const lane least = particles_least * part->radius;
-    LANED(kernel_frames)(part, q);
-    for (int i = 2; i < part->nodes; i++) {
-        const int at = (i - 2) * part->node_unknowns;
-        const struct vec p = vec_load(q, at);
-        for (int j = 0; j < part->samples; j++) {
-            const struct vec line = half_line(part, &part->frames[i], j, part->samples);
-            const lane r = dot(sub(vec_load(q, at + 3 + 3 * j), p), line);
-            look->inside |= r < least;
-            look->outside |= r > margin;
-        }
-    }
-}
-
-static struct look look_at_samples(struct kernel_part *part, const double *q, lane margin) {
-    struct look look = {lane_all(0) != 0, lane_all(0) != 0};
-    if (part->treatment == WISP_PENALTY && part->samples > 0)
-        look_at_particles(part, q, margin, &look);
-    else if (part->samples == 4)
-        look_at_distances(part, q, margin, 4, &look);
-    else
-        look_at_distances(part, q, margin, part->samples, &look);
-    return look;
-}
-
-/* Where all free nodes are beyond a side (0 to 5) of a box (least x y z, most x y z), moved out. */
-static inline mask beyond(const struct kernel_part *part, const double *q, const double *box,
-                          int side, lane margin) {
-    const int end = (part->nodes - 2) * part->node_unknowns, next = part->node_unknowns;
-    const lane least = box[side] - margin, most = box[side] + margin;
-    mask all = lane_all(0) == 0;
-    if (side < 3)
-        for (int at = side; at < end; at += next)
-            all &= load(q, at) < least;
-    else
-        for (int at = side - 3; at < end; at += next)
-            all &= load(q, at) > most;
-    return all;
-}
-
-/* Where some side of the box has all of the wisp beyond it. */
-static mask apart(struct kernel_part *part, const double *q, const double *box, lane margin) {
-    mask far = lane_all(0) != 0;
-    for (int side = 0; side < 6 && !mask_all(far); side++) {
-        far |= beyond(part, q, box, side, margin);
-        part->far_side = side;
-    }
-    return far;
-}
-
-/* A sample rests at R and contact shortens it: few are ever beyond 2 R, and their wisps count as
- * near. A part in a million more, so that rounding loses nobody. */
-unsigned LANED(kernel_near)(void *ctx, const double *q, const double *hull, const double *boxes,
-                            int count, int *clamp) {
-    struct kernel_part *part = ctx;
-    const lane margin = part->samples > 0 ? (2 + 2e-6) * part->radius : lane_all(0);
-    const struct look look = look_at_samples(part, q, margin);
-    mask near = look.outside | (beyond(part, q, hull, part->far_side, margin) == 0);
-    *clamp = !mask_none(look.inside);
-    if (mask_none(near))
-        return 0;
-    near = look.outside;
-    for (int i = 0; i < count; i++)
-        near |= apart(part, q, boxes + 6 * i, margin) == 0;
-    return mask_bits(near);
 }
 
 const struct system_ops LANED(kernel_ops) = {

@@ -17,6 +17,11 @@ struct block {
     lane m[3][3];
 };
 
+/* The least distance of a particle from its node along its line, of R. One that was put at 1e-3 R,
+ * by the clamp or by a body, is there but for rounding: it is not clamped again, which would take a
+ * rate from it that it may have. */
+#define PARTICLES_LEAST (1e-3 * (1 - 1e-9))
+
 struct kernel_part {
     int nodes, samples;
     int node_unknowns; /* of one free node */
