@@ -52,6 +52,25 @@ struct body_motion body_motion(const struct body *body, const struct placement *
     return motion;
 }
 
+struct obstacle body_obstacle(const struct body *body, const struct body_motion *motion) {
+    struct obstacle obstacle = {.inverse_least = 0};
+    for (int k = 0; k < 3; k++) {
+        const double inverse = 1 / body->radii[k];
+        obstacle.centre[k] = motion->centre[k];
+        obstacle.radii[k] = body->radii[k];
+        obstacle.inverse[k] = inverse;
+        obstacle.velocity[k] = motion->velocity[k];
+        obstacle.spin[k] = motion->spin[k];
+        for (int i = 0; i < 3; i++) {
+            obstacle.axes[k][i] = motion->axes[k][i];
+            obstacle.turned |= motion->axes[k][i] != (i == k);
+        }
+        if (inverse > obstacle.inverse_least)
+            obstacle.inverse_least = inverse;
+    }
+    return obstacle;
+}
+
 static int at_rest(const struct body_motion *motion) {
     return largest(motion->velocity) == 0 && largest(motion->spin) == 0;
 }

@@ -31,6 +31,17 @@ struct body_motion body_motion(const struct body *body, const struct placement *
 /* The box around a body, least x y z and most x y z, for kernel_near. */
 void body_box(const struct body *body, const struct body_motion *motion, double box[6]);
 
+/* The same as the kernel wants it. */
+struct obstacle {
+    double centre[3], radii[3];  /* m */
+    double axes[3][3];           /* by radius: its direction */
+    int turned;                  /* whether they are not the world's axes */
+    double inverse[3];           /* of the radii, */
+    double inverse_least;        /* of the least of them, 1/m */
+    double velocity[3], spin[3]; /* of the centre, and about it, m/s, rad/s */
+};
+struct obstacle body_obstacle(const struct body *body, const struct body_motion *motion);
+
 /* --- the ellipsoid, seen from its centre along its axes --- */
 
 int ellipsoid_contains(const double radii[3], const double x[3]);

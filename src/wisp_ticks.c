@@ -195,25 +195,6 @@ struct bodies {
     struct obstacle obstacle[BODIES_MAX];  /* the same for the kernel */
 };
 
-static struct obstacle obstacle_of(const struct body *body, const struct body_motion *motion) {
-    struct obstacle obstacle = {.inverse_least = 0};
-    for (int k = 0; k < 3; k++) {
-        const double inverse = 1 / body->radii[k];
-        obstacle.centre[k] = motion->centre[k];
-        obstacle.radii[k] = body->radii[k];
-        obstacle.inverse[k] = inverse;
-        obstacle.velocity[k] = motion->velocity[k];
-        obstacle.spin[k] = motion->spin[k];
-        for (int i = 0; i < 3; i++) {
-            obstacle.axes[k][i] = motion->axes[k][i];
-            obstacle.turned |= motion->axes[k][i] != (i == k);
-        }
-        if (inverse > obstacle.inverse_least)
-            obstacle.inverse_least = inverse;
-    }
-    return obstacle;
-}
-
 static void place_bodies(const struct tick *tick, struct bodies *bodies) {
     const struct scene *scene = tick->m->scene;
     bodies->body = scene->bodies;
@@ -223,7 +204,7 @@ static void place_bodies(const struct tick *tick, struct bodies *bodies) {
         double *box = bodies->boxes + 6 * i, *hull = bodies->hull;
         bodies->motion[i] = body_motion(&bodies->body[i], &tick->head, tick->m->model.t);
         body_box(&bodies->body[i], &bodies->motion[i], box);
-        bodies->obstacle[i] = obstacle_of(&bodies->body[i], &bodies->motion[i]);
+        bodies->obstacle[i] = body_obstacle(&bodies->body[i], &bodies->motion[i]);
         for (int k = 0; k < 3; k++) {
             hull[k] = i == 0 || box[k] < hull[k] ? box[k] : hull[k];
             hull[3 + k] = i == 0 || box[3 + k] > hull[3 + k] ? box[3 + k] : hull[3 + k];

@@ -774,21 +774,11 @@ struct pulled {
 };
 
 static void pull(struct pulled *to, const struct lab_part *part, const double *q, const double *v,
-                 const struct body *bodies, const double *boxes, int count) {
+                 const struct body *bodies, const struct body_motion *motion, const double *boxes,
+                 int count) {
     struct obstacle obstacle[BODIES_MAX];
-    for (int i = 0; i < count; i++) {
-        const struct body_motion motion = body_motion(&bodies[i], 0.1);
-        const double *radii = bodies[i].radii;
-        obstacle[i] =
-            (struct obstacle){.inverse_least = 1 / fmin(radii[0], fmin(radii[1], radii[2]))};
-        for (int k = 0; k < 3; k++) {
-            obstacle[i].centre[k] = motion.centre[k];
-            obstacle[i].radii[k] = radii[k];
-            obstacle[i].inverse[k] = 1 / radii[k];
-            obstacle[i].velocity[k] = motion.velocity[k];
-            obstacle[i].spin[k] = motion.spin[k];
-        }
-    }
+    for (int i = 0; i < count; i++)
+        obstacle[i] = body_obstacle(&bodies[i], &motion[i]);
     memcpy(to->q, q, (size_t)(part->lanes * part->size) * sizeof *q);
     memcpy(to->v, v, (size_t)(part->lanes * part->size) * sizeof *v);
     to->left = (part->lanes == 1 ? kernel_pull_1 : kernel_pull_4)(
@@ -835,8 +825,9 @@ static void check_near(int lanes, enum wisp_treatment treatment, int samples, un
         hull[6] = {INFINITY, INFINITY, INFINITY, -INFINITY, -INFINITY, -INFINITY};
     int clamp;
     struct placement head;
-    around.head.knots = 1; /* turned for ever */
-    random_vector(seed, 2, around.head.rotation[0]);
+    around.head.knots = 1; /* turned for ever, or not */
+    if (lab_between(seed, 0, 1) < 0.7)
+        random_vector(seed, 2, around.head.rotation[0]);
     head_placement(&around.head, 0.1, &head);
     for (int k = 0; k < lanes; k++)
         wisps[k] = lab_wisp(NODES, samples, BENDING_SKIP, seed);
@@ -870,7 +861,7 @@ static void check_near(int lanes, enum wisp_treatment treatment, int samples, un
     const unsigned near =
         (lanes == 1 ? kernel_near_1 : kernel_near_4)(ctx, Q, hull, boxes, count, &clamp);
     static struct pulled pulled;
-    pull(&pulled, &part, Q, V, bodies, boxes, count);
+    pull(&pulled, &part, Q, V, bodies, motion, boxes, count);
     for (int k = 0; k < lanes; k++) {
         struct strand *s = strand_create(&wisps[k], treatment);
         struct body_report report = {0, 0, 0};

@@ -395,9 +395,10 @@ Test(diagnostics, jumps_at_ticks_are_booked) {
 /* An event that no account knows of, such as one that is not written yet, is booked apart. */
 static double taken_by_brake;
 
-static enum outcome brake(struct model *model, unsigned events, int *changed) {
+static enum outcome brake(struct model *model, struct workers *workers, unsigned events,
+                          int *changed) {
     struct part *part = &model->parts[0];
-    const enum outcome outcome = wisp_problem.tick(model, events, changed);
+    const enum outcome outcome = wisp_problem.tick(model, workers, events, changed);
     const double before = model_energy(model);
     for (int i = 0; i < part->system.size && model->t < 0.05; i++)
         part->v[i] *= 0.5;
@@ -452,7 +453,7 @@ Test(diagnostics, bodies_at_rest_add_no_kinetic_energy) {
         model->t = tick / 300.;
         part->system.ops->energies(part->system.ctx, model->t, part->q, part->v, &before);
         const double booked = account.jump[JUMP_BODY_CONTACT];
-        cr_assert_eq(wisp_problem.tick(model, STOP_COLLISION, &changed), FINISHED);
+        cr_assert_eq(wisp_problem.tick(model, NULL, STOP_COLLISION, &changed), FINISHED);
         part->system.ops->energies(part->system.ctx, model->t, part->q, part->v, &after);
         cr_assert(after.kinetic <= before.kinetic * (1 + 1e-14), "tick %d: %g J after %g", tick,
                   after.kinetic, before.kinetic);

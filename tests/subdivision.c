@@ -129,7 +129,7 @@ static void flock_put(struct flock *f) {
 static int flock_tick(struct flock *f) {
     int wisps = 0;
     memset(f->changed, 0, sizeof f->changed);
-    cr_assert_eq(f->model->problem->tick(f->model, STOP_INTERACTION, f->changed), FINISHED);
+    cr_assert_eq(f->model->problem->tick(f->model, NULL, STOP_INTERACTION, f->changed), FINISHED);
     for (int i = 0; i < f->model->part_count; i++)
         wisps += f->model->parts[i].system.wisps;
     take_rows(f);

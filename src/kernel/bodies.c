@@ -1,4 +1,5 @@
 /* Bodies as parts see them: which wisps may touch one, and samples pulled out of those. */
+#include "body.h"
 #include "frames.h"
 #include "kernel.h"
 #include "part.h"
@@ -256,7 +257,7 @@ static int pull_samples(const struct kernel_part *part, int i, const struct obst
 unsigned LANED(kernel_pull)(void *ctx, double *q, double *v, const struct obstacle *bodies,
                             const double *boxes, int count, unsigned counted, int *pulled) {
     struct kernel_part *part = ctx;
-    const struct obstacle *near[OBSTACLES_MAX];
+    const struct obstacle *near[BODIES_MAX];
     int near_count = 0;
     lane reach = lane_all(0);
     *pulled = 0;

@@ -7,16 +7,7 @@
 #include "system.h"
 #include "wisp.h"
 
-/* An ellipsoid at a time. */
-enum { OBSTACLES_MAX = 64 };
-struct obstacle {
-    double centre[3], radii[3];  /* m */
-    double axes[3][3];           /* by radius: its direction */
-    int turned;                  /* whether they are not the world's axes */
-    double inverse[3];           /* of the radii, */
-    double inverse_least;        /* of the least of them, 1/m */
-    double velocity[3], spin[3]; /* of the centre, and about it, m/s, rad/s */
-};
+struct obstacle;
 
 #define KERNEL_DECLARE(lanes)                                                                      \
     /* A part for `lanes` wisps that agree in nodes, samples and bending law; `around` and         \
@@ -59,7 +50,7 @@ struct obstacle {
     unsigned kernel_near_##lanes(void *part, const double *q, const double *hull,                  \
                                  const double *boxes, int count, int *clamp);                      \
                                                                                                    \
-    /* Pulls samples out of at most OBSTACLES_MAX bodies with these boxes (Plante 1999, section    \
+    /* Pulls samples out of at most BODIES_MAX bodies with these boxes (Plante 1999, section       \
      * 4.2.2) in lanes that have no free node inside one. Returns the lanes that have, or that     \
      * cannot be treated so, and leaves those alone; bits of other lanes are never set. `pulled`   \
      * becomes the number of samples found inside in the lanes of `counted`. */                    \
