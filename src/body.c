@@ -62,8 +62,8 @@ struct obstacle body_obstacle(const struct body *body, const struct body_motion 
         obstacle.velocity[k] = motion->velocity[k];
         obstacle.spin[k] = motion->spin[k];
         for (int i = 0; i < 3; i++) {
-            obstacle.axes[k][i] = motion->axes[k][i];
-            obstacle.turned |= motion->axes[k][i] != (i == k);
+            obstacle.axes[k][i] = motion->axes[i][k];
+            obstacle.turned |= motion->axes[i][k] != (i == k);
         }
         if (inverse > obstacle.inverse_least)
             obstacle.inverse_least = inverse;

@@ -245,7 +245,7 @@ static int split_once(const void *what) {
         problem->sample(model, rows);
         rows[4 * model->column_count + 10] = rows[4 * model->column_count + 14] = 1e-3; /* r1, r3 */
         problem->restore(model, rows);
-        made = problem->tick(model, STOP_INTERACTION, changed) == FINISHED;
+        made = problem->tick(model, NULL, STOP_INTERACTION, changed) == FINISHED;
         if (made && model->row_count != 2 * 11)
             _exit(80);
         problem->free(model);
