@@ -59,6 +59,15 @@ struct cost run_cost(const struct run_files *run) {
 
 /* --- distance of a run from another --- */
 
+double mixed_error(const double *a, const double *b, int n, double floor) {
+    double worst = 0;
+    for (int i = 0; i < n; i++) {
+        const double error = fabs(a[i] - b[i]) / (floor + fabs(b[i]));
+        worst = error <= worst ? worst : error;
+    }
+    return worst;
+}
+
 enum { WISP = 1, NODE, POSITION, VELOCITY = 6, SAMPLES = 9 }; /* columns of states.tsv */
 
 static double distance(const double *a, const double *b) {
@@ -121,13 +130,6 @@ static void add_samples(struct sums *sums, const struct table *run, const double
     }
 }
 
-static void add_components(struct sums *sums, const double *a, const double *b, int from, int to,
-                           double floor) {
-    for (int i = from; i < to && b[NODE] >= 2; i++)
-        sums->worst_component =
-            fmax(sums->worst_component, fabs(a[i] - b[i]) / (floor + fabs(b[i])));
-}
-
 static void finish(const struct sums *sums, struct deviation *d) {
     d->rms = sqrt(sums->free / sums->free_rows);
     d->rms_all = sqrt(sums->all / sums->rows);
@@ -145,6 +147,7 @@ int measure_deviation(const struct scene *scene, const struct table *run,
     struct sums sums = {0};
     *deviation = (struct deviation){0};
     const int rows = reference->row_count, samples = same_samples(run, reference);
+    const int numbers = (samples ? run->column_count : SAMPLES) - POSITION;
     const double end = rows > 0 ? table_value(reference, rows - 1, 0) : 0;
     for (int i = 0; i < rows; i++) {
         const double *a = run->value + (size_t)i * (size_t)run->column_count;
@@ -158,8 +161,9 @@ int measure_deviation(const struct scene *scene, const struct table *run,
         add_row(&sums, deviation, a, b, scene->wisps[(int)b[WISP]].length, b[0] == end);
         if (samples)
             add_samples(&sums, run, a, reference, b);
-        if (b[0] == end)
-            add_components(&sums, a, b, POSITION, samples ? run->column_count : SAMPLES, floor);
+        if (b[0] == end && b[NODE] >= 2)
+            sums.worst_component =
+                fmax(sums.worst_component, mixed_error(a + POSITION, b + POSITION, numbers, floor));
     }
     finish(&sums, deviation);
     return 0;

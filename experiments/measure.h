@@ -52,6 +52,10 @@ struct deviation {
     double mescd;            /* -log10 of the largest error at the end over atol/rtol + |value| */
 };
 
+/* The largest |a_i - b_i| / (floor + |b_i|) of n numbers, NaN where there is one. -log10 of it is
+ * the scd of the Test Set for IVP Solvers with a floor of 0, and its mescd with atol/rtol. */
+double mixed_error(const double *a, const double *b, int n, double floor);
+
 /* Compares run and reference, tables of states of `scene`; samples, where both have the same ones.
  * `floor` is atol/rtol of the mescd. Returns 0, or -1 with a reason where their frames differ. */
 int measure_deviation(const struct scene *scene, const struct table *run,
