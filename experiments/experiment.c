@@ -8,15 +8,12 @@
 #include <string.h>
 
 extern const struct experiment circle_experiment, treatments_experiment, work_precision_experiment,
-    kernel_experiment;
+    ladder_experiment, kernel_experiment;
 
 /* A new experiment is one file and one line here. */
 const struct experiment *const experiments[] = {
-    &circle_experiment,
-    &treatments_experiment,
-    &work_precision_experiment,
-    &kernel_experiment,
-    NULL,
+    &circle_experiment, &treatments_experiment, &work_precision_experiment,
+    &ladder_experiment, &kernel_experiment,     NULL,
 };
 
 const struct experiment *experiment_find(const char *name) {
@@ -142,4 +139,5 @@ void plan_free(struct plan *plan) {
     free(plan->loaded);
     free(plan->subjects);
     free(plan->cases);
+    free(plan->memo);
 }

@@ -36,6 +36,7 @@ struct plan {
     int loaded_count;
     struct subject *subjects; /* owned; see plan_subjects */
     int subject_count;
+    void *memo;               /* the experiment's own; freed with the plan */
     char reason[REASON_SIZE]; /* of a failure */
 };
 
@@ -45,6 +46,12 @@ struct experiment {
 
     /* Fills the plan with plan_add. Returns 0, or -1 with plan->reason. */
     int (*plan)(struct plan *plan);
+
+    /* Called when the plan's runs are there, and again as long as it adds some: the runs that those
+     * before call for, as in a search. From equal runs it must name equal ones, so that an
+     * interrupted experiment goes on where it was. NULL where the plan is all. Returns 0, or -1
+     * with plan->reason. */
+    int (*refine)(struct plan *plan);
 
     /* Writes the tables into `folder` from the run folders, and prints the answer in a few lines.
      * Returns 0, or -1 with plan->reason, or 1 with one where the runs left nothing to tabulate. */

@@ -36,6 +36,7 @@ struct manner {
     int shard, shards, jobs;
     int fresh, show_progress;
     struct run_limits limits;
+    int runs, new_runs; /* of this shard so far */
 };
 
 /* Returns 0, or -1 having said why. */
@@ -53,16 +54,15 @@ static int read_manner(const struct arguments *arguments, struct manner *manner)
     return 0;
 }
 
-/* Runs this shard's cases; leaves in *missing how many others are not there yet. Returns 0 or an
- * exit code. */
-static int do_runs(const struct plan *plan, struct manner *manner, int *missing, char *reason) {
-    struct run_case *cases = calloc((size_t)plan->case_count + 1, sizeof *cases);
+/* Runs this shard's cases from the first one given; leaves in *missing how many of these others
+ * have not done yet. Returns 0 or an exit code. */
+static int do_runs(const struct plan *plan, int first, struct manner *manner, int *missing,
+                   char *reason) {
+    struct run_case *cases = calloc((size_t)(plan->case_count - first) + 1, sizeof *cases);
     int count = 0;
     if (!cases)
         return complain(2, "out of memory");
-    if (manner->limits.seconds == 0)
-        manner->limits.seconds = plan->run_seconds > 0 ? plan->run_seconds : 60;
-    for (int i = 0; i < plan->case_count; i++) {
+    for (int i = first; i < plan->case_count; i++) {
         const struct run_case *run = &plan->cases[i].run;
         char path[PATH_SIZE];
         if (i % manner->shards != manner->shard - 1)
@@ -77,10 +77,30 @@ static int do_runs(const struct plan *plan, struct manner *manner, int *missing,
     if (ran < 0)
         return complain(outcome_exit_code((enum outcome) - ran), "%s", reason);
     *missing = 0;
-    for (int i = 0; i < plan->case_count; i++)
+    for (int i = first; i < plan->case_count; i++)
         *missing += !run_is_complete(plan->cases[i].run.folder);
-    if (count > 0)
-        printf("%s: %d runs, %d of them new\n", plan->experiment->name, count, ran);
+    manner->runs += count;
+    manner->new_runs += ran;
+    return 0;
+}
+
+/* The plan's runs, and then those that they call for, round by round. */
+static int do_rounds(struct plan *plan, struct manner *manner, int *missing) {
+    const struct experiment *experiment = plan->experiment;
+    if (manner->limits.seconds == 0)
+        manner->limits.seconds = plan->run_seconds > 0 ? plan->run_seconds : 60;
+    for (int first = 0, next; first < plan->case_count; first = next) {
+        next = plan->case_count;
+        const int code = do_runs(plan, first, manner, missing, plan->reason);
+        if (code)
+            return code;
+        if (*missing > 0)
+            break;
+        if (experiment->refine && experiment->refine(plan))
+            return complain(2, "%s", plan->reason);
+    }
+    if (manner->runs > 0)
+        printf("%s: %d runs, %d of them new\n", experiment->name, manner->runs, manner->new_runs);
     return 0;
 }
 
@@ -157,13 +177,13 @@ static int tabulate_and_draw(struct plan *plan) {
 }
 
 static int carry_out(struct plan *plan, const struct arguments *arguments) {
-    struct manner manner;
+    struct manner manner = {.runs = 0};
     int missing = 0;
     if (read_manner(arguments, &manner))
         return 1;
     if (plan->experiment->plan(plan))
         return complain(1, "%s", plan->reason);
-    const int code = do_runs(plan, &manner, &missing, plan->reason);
+    const int code = do_rounds(plan, &manner, &missing);
     if (code)
         return code;
     if (missing > 0) {
