@@ -51,11 +51,14 @@ enum { CONTESTANTS = sizeof contestants / sizeof *contestants };
  * first descent: an octave of steps, a decade of tolerances. */
 enum { STEPS_STRIDE = 16, TOLERANCES_STRIDE = 8, JITTERED = 9, JITTERED_QUICK = 3 };
 
+/* What a search waits for: a run at a place, more that confirm it, the timing of the best. */
+enum phase { TRYING, CONFIRMING, TIMING, DONE };
+
 /* The search of one contestant in one cell. */
 struct search {
     const struct contestant *contestant;
     int cell;
-    enum { TRYING, CONFIRMING, TIMING, DONE } phase;
+    enum phase phase;
     int at;              /* the place that is tried */
     double first_error;  /* of its first run, while others confirm it */
     int first, count;    /* its runs in the plan */
@@ -162,7 +165,7 @@ static int add_run(struct plan *plan, struct search *s, int jitter, int timings)
 }
 
 /* From here on the search waits for runs that are added next to each other. */
-static void await(const struct plan *plan, struct search *s, int phase) {
+static void await(const struct plan *plan, struct search *s, enum phase phase) {
     s->phase = phase;
     s->first = plan->case_count;
     s->count = 0;
