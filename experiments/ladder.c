@@ -161,7 +161,8 @@ static int add_run(struct plan *plan, struct search *s, int jitter, int timings)
     request.treatment = wisp_problem.treatments[WISP_GENERALISED].name;
     request.timings = timings;
     s->count++;
-    return plan_add(plan, scene, &request, cell, "%s, %d, %d", s->contestant->name, s->at, jitter);
+    return plan_add(plan, scene, &request, cell, "%s, %s %.4g, j = %d", s->contestant->name,
+                    contestant_is_adaptive(s->contestant) ? "rtol" : "step", setting, jitter);
 }
 
 /* From here on the search waits for runs that are added next to each other. */
