@@ -196,15 +196,14 @@ static int time_place(struct plan *plan, struct search *s) {
     return add_run(plan, s, 0, plan->quick || cost > 0.5 ? 3 : 5);
 }
 
-/* What a cell is called by the plan's table of subjects: scenes here differ in two numbers. */
+/* The scene of a cell: the one asked for, with another stiffness and damping. */
 static int plan_cell(struct plan *plan, const struct subject *subject, int cell,
                      struct subject *to) {
-    char stiffness[64], damping[64], rate[64];
-    const char *const sets[] = {stiffness, damping, rate};
-    snprintf(stiffness, sizeof stiffness, "material.stretch_stiffness=%.17e", stiffness_of(cell));
-    snprintf(damping, sizeof damping, "material.stretch_time=%.17e", 1.);
+    char rate[64], stiffness[64], damping[64];
+    const char *const sets[] = {rate, stiffness, damping};
     snprintf(rate, sizeof rate, "frame_rate=%.17e", subject->scene->frame_rate);
-    const struct scene *scene = plan_scene(plan, subject->source, sets, 3);
+    snprintf(stiffness, sizeof stiffness, "material.stretch_stiffness=%.17e", stiffness_of(cell));
+    const struct scene *scene = plan_scene(plan, subject->source, sets, 2);
     if (!scene)
         return -1;
     /* On a mode of frequency w a damper of tau times the spring is zeta = tau w / 2 of critical. */
