@@ -9,17 +9,12 @@
 #include <string.h>
 
 extern const struct experiment circle_experiment, treatments_experiment, work_precision_experiment,
-    solvers_experiment, horizon_experiment, kernel_experiment;
+    solvers_experiment, horizon_experiment, ladder_experiment, kernel_experiment;
 
 /* A new experiment is one file and one line here. */
 const struct experiment *const experiments[] = {
-    &circle_experiment,
-    &treatments_experiment,
-    &work_precision_experiment,
-    &solvers_experiment,
-    &horizon_experiment,
-    &kernel_experiment,
-    NULL,
+    &circle_experiment,  &treatments_experiment, &work_precision_experiment, &solvers_experiment,
+    &horizon_experiment, &ladder_experiment,     &kernel_experiment,         NULL,
 };
 
 const struct experiment *experiment_find(const char *name) {
@@ -164,6 +159,6 @@ void plan_free(struct plan *plan) {
         scene_free(plan->loaded[i]);
     free(plan->loaded);
     free(plan->subjects);
-    free(plan->notes);
     free(plan->cases);
+    free(plan->memo);
 }

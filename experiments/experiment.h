@@ -36,7 +36,7 @@ struct plan {
     int loaded_count;
     struct subject *subjects; /* owned; see plan_subjects */
     int subject_count;
-    void *notes;              /* of the experiment, from stage to stage; freed with the plan */
+    void *memo;               /* the experiment's own, from round to round; freed with the plan */
     char reason[REASON_SIZE]; /* of a failure */
 };
 
@@ -47,10 +47,11 @@ struct experiment {
     /* Fills the plan with plan_add. Returns 0, or -1 with plan->reason. */
     int (*plan)(struct plan *plan);
 
-    /* Adds runs that depend on what those before have shown, once these are all there. Returns 0
-     * to be called again if it added any, 1 after the last stage, or -1 with plan->reason. NULL:
-     * there is only one stage. */
-    int (*plan_more)(struct plan *plan);
+    /* Called when the plan's runs are there, and again as long as it adds some: the runs that those
+     * before call for, as in a search. From equal runs it must name equal ones, so that an
+     * interrupted experiment goes on where it was. NULL where the plan is all. Returns 0, or -1
+     * with plan->reason. */
+    int (*refine)(struct plan *plan);
 
     /* Writes the tables into `folder` from the run folders, and prints the answer in a few lines.
      * Returns 0, or -1 with plan->reason, or 1 with one where the runs left nothing to tabulate. */

@@ -62,6 +62,15 @@ struct cost run_cost(const struct run_files *run) {
 
 /* --- distance of a run from another --- */
 
+double mixed_error(const double *a, const double *b, int n, double floor) {
+    double worst = 0;
+    for (int i = 0; i < n; i++) {
+        const double error = fabs(a[i] - b[i]) / (floor + fabs(b[i]));
+        worst = error <= worst ? worst : error;
+    }
+    return worst;
+}
+
 enum { WISP = 1, NODE, POSITION, VELOCITY = 6, SAMPLES = 9 }; /* columns of states.tsv */
 
 static double distance(const double *a, const double *b) {
@@ -151,13 +160,6 @@ static void add_samples(struct sums *sums, const struct table *run, const double
     }
 }
 
-static void add_components(struct sums *sums, const double *a, const double *b, int from, int to,
-                           double floor) {
-    for (int i = from; i < to && b[NODE] >= 2; i++)
-        sums->worst_component =
-            fmax(sums->worst_component, fabs(a[i] - b[i]) / (floor + fabs(b[i])));
-}
-
 static void finish(const struct sums *sums, struct deviation *d) {
     d->rms = sqrt(sums->free / sums->free_rows);
     d->rms_all = sqrt(sums->all / sums->rows);
@@ -187,8 +189,11 @@ static void add_frame(struct sums *sums, struct deviation *d, const struct table
         add_row(sums, d, a, b, length, at_end);
         if (samples)
             add_samples(sums, run, a, reference, b);
-        if (at_end)
-            add_components(sums, a, b, POSITION, samples ? run->column_count : SAMPLES, floor);
+        if (at_end && b[NODE] >= 2)
+            sums->worst_component =
+                fmax(sums->worst_component,
+                     mixed_error(a + POSITION, b + POSITION,
+                                 (samples ? run->column_count : SAMPLES) - POSITION, floor));
     }
 }
 

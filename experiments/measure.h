@@ -14,6 +14,7 @@ struct contestant {
     const char *options[3]; /* "key=value"; NULL-terminated */
     double finest;          /* tolerance of an adaptive method that is worth trying */
     int order;              /* with which its steps follow the tolerance */
+    double cost;            /* CPU time of a fixed step, s per unknown, roughly */
 };
 
 int contestant_is_adaptive(const struct contestant *contestant);
@@ -53,6 +54,10 @@ struct deviation {
     double parted; /* of the first frame at which the runs have not the same wisps, for these
                       split at other ticks, s; NaN: there is none */
 };
+
+/* The largest |a_i - b_i| / (floor + |b_i|) of n numbers, NaN where there is one. -log10 of it is
+ * the scd of the Test Set for IVP Solvers with a floor of 0, and its mescd with atol/rtol. */
+double mixed_error(const double *a, const double *b, int n, double floor);
 
 /* Compares run and reference, tables of states of `scene`; samples, where both have the same ones.
  * The reference may go on for longer. `floor` is atol/rtol of the mescd. Where they part, frames

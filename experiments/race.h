@@ -65,16 +65,17 @@ struct field {
  * more stiffly than by their own springs, which still is softer than stretching. */
 #define EXACT_RATIO "3000"
 
-/* Everything that a plan of such an experiment keeps from stage to stage: plan->notes. */
+/* Everything that a plan of such an experiment keeps from stage to stage: plan->memo. */
 struct race_notes {
     const struct race *race;
+    int laddered; /* the second round is planned */
     int field_count;
     struct field fields[];
 };
 
 /* The stages of struct experiment. */
 int race_plan(struct plan *plan, const struct race *race);
-int race_plan_more(struct plan *plan);
+int race_refine(struct plan *plan);
 int race_tabulate(struct plan *plan, const char *folder);
 
 /* --- between the files of a race --- */

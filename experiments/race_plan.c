@@ -151,7 +151,7 @@ int race_plan(struct plan *plan, const struct race *race) {
         return -1;
     const size_t fields = 3 * (size_t)plan->subject_count;
     struct race_notes *notes = calloc(1, sizeof *notes + fields * sizeof *notes->fields);
-    plan->notes = notes;
+    plan->memo = notes;
     if (!notes) {
         snprintf(plan->reason, REASON_SIZE, "out of memory");
         return -1;
@@ -408,8 +408,11 @@ static int fit_fields(struct plan *plan, struct race_notes *notes) {
     return 0;
 }
 
-int race_plan_more(struct plan *plan) {
-    struct race_notes *notes = plan->notes;
+int race_refine(struct plan *plan) {
+    struct race_notes *notes = plan->memo;
+    if (notes->laddered)
+        return 0;
+    notes->laddered = 1;
     for (int f = 0; f < notes->field_count; f++)
         if (read_first_stage(plan, &notes->fields[f]))
             return -1;
@@ -419,5 +422,5 @@ int race_plan_more(struct plan *plan) {
         for (int i = 0; i < notes->fields[f].entry_count; i++)
             if (plan_entry(plan, &notes->fields[f], &notes->fields[f].entries[i]))
                 return -1;
-    return 1;
+    return 0;
 }

@@ -206,7 +206,7 @@ static int close_tables(struct atomic_file *files, int code, char *reason) {
  * -1. */
 static int tabulate_subject(struct plan *plan, const struct subject *subject, const char *folder,
                             struct point *points) {
-    struct race_notes *notes = plan->notes;
+    struct race_notes *notes = plan->memo;
     struct atomic_file files[TABLES];
     int code = open_tables(files, subject, folder, plan->reason), there = 0;
     if (code)
@@ -264,7 +264,7 @@ static int tabulate_all(struct plan *plan, const char *folder, FILE *list, struc
         const int there = tabulate_subject(plan, subject, folder, points);
         if (there < 0)
             return -1;
-        say_cuts(plan->notes, subject);
+        say_cuts(plan->memo, subject);
         drawn += there > 0;
         if (there > 0)
             fprintf(list, "%s\t%s\t%d\t%.17g\n", subject->name, subject->scene->name,

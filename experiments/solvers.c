@@ -74,6 +74,6 @@ const struct experiment solvers_experiment = {
     .name = "solvers",
     .question = "what do an implicit method's solver, Jacobian, order and iterations cost and buy?",
     .plan = plan,
-    .plan_more = race_plan_more,
+    .refine = race_refine,
     .tabulate = race_tabulate,
 };

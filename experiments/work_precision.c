@@ -43,6 +43,6 @@ const struct experiment work_precision_experiment = {
     .name = "work-precision",
     .question = "what does accuracy cost, by stepper, treatment and scene?",
     .plan = plan,
-    .plan_more = race_plan_more,
+    .refine = race_refine,
     .tabulate = race_tabulate,
 };

@@ -36,6 +36,7 @@ struct manner {
     int shard, shards, jobs;
     int fresh, show_progress;
     struct run_limits limits;
+    int runs, new_runs; /* of this shard so far */
 };
 
 /* Returns 0, or -1 having said why. */
@@ -53,15 +54,14 @@ static int read_manner(const struct arguments *arguments, struct manner *manner)
     return 0;
 }
 
-/* Runs this shard's cases from `first` on. Returns 0 or an exit code. */
-static int do_runs(const struct plan *plan, int first, const struct manner *manner, char *reason) {
-    struct run_case *cases = calloc((size_t)plan->case_count + 1, sizeof *cases);
+/* Runs this shard's cases from the first one given; leaves in *missing how many of these others
+ * have not done yet. Returns 0 or an exit code. */
+static int do_runs(const struct plan *plan, int first, struct manner *manner, int *missing,
+                   char *reason) {
+    struct run_case *cases = calloc((size_t)(plan->case_count - first) + 1, sizeof *cases);
     int count = 0;
     if (!cases)
         return complain(2, "out of memory");
-    struct run_limits limits = manner->limits;
-    if (limits.seconds == 0)
-        limits.seconds = plan->run_seconds > 0 ? plan->run_seconds : 60;
     for (int i = first; i < plan->case_count; i++) {
         const struct run_case *run = &plan->cases[i].run;
         char path[PATH_SIZE];
@@ -71,12 +71,36 @@ static int do_runs(const struct plan *plan, int first, const struct manner *mann
         if (manner->fresh && path_format(path, "%s/run.json", run->folder) == 0)
             unlink(path);
     }
-    const int ran = runs_do_all(cases, count, &limits, manner->jobs, manner->show_progress, reason);
+    const int ran =
+        runs_do_all(cases, count, &manner->limits, manner->jobs, manner->show_progress, reason);
     free(cases);
     if (ran < 0)
         return complain(outcome_exit_code((enum outcome) - ran), "%s", reason);
-    if (count > 0)
-        printf("%s: %d runs, %d of them new\n", plan->experiment->name, count, ran);
+    *missing = 0;
+    for (int i = first; i < plan->case_count; i++)
+        *missing += !run_is_complete(plan->cases[i].run.folder);
+    manner->runs += count;
+    manner->new_runs += ran;
+    return 0;
+}
+
+/* The plan's runs, and then those that they call for, round by round. */
+static int do_rounds(struct plan *plan, struct manner *manner, int *missing) {
+    const struct experiment *experiment = plan->experiment;
+    if (manner->limits.seconds == 0)
+        manner->limits.seconds = plan->run_seconds > 0 ? plan->run_seconds : 60;
+    for (int first = 0, next; first < plan->case_count; first = next) {
+        next = plan->case_count;
+        const int code = do_runs(plan, first, manner, missing, plan->reason);
+        if (code)
+            return code;
+        if (*missing > 0)
+            break;
+        if (experiment->refine && experiment->refine(plan))
+            return complain(2, "%s", plan->reason);
+    }
+    if (manner->runs > 0)
+        printf("%s: %d runs, %d of them new\n", experiment->name, manner->runs, manner->new_runs);
     return 0;
 }
 
@@ -152,42 +176,16 @@ static int tabulate_and_draw(struct plan *plan) {
     return 0;
 }
 
-static int count_missing(const struct plan *plan) {
-    int missing = 0;
-    for (int i = 0; i < plan->case_count; i++)
-        missing += !run_is_complete(plan->cases[i].run.folder);
-    return missing;
-}
-
-/* Stage by stage. The runs that the rest of the plan depends on are every shard's; shards that
- * share a folder do not do them twice. */
-static int do_all_runs(struct plan *plan, const struct manner *manner) {
-    const struct experiment *experiment = plan->experiment;
-    struct manner whole = *manner;
-    int first = 0, last_stage = experiment->plan_more == NULL;
-    whole.shard = whole.shards = 1;
-    if (experiment->plan(plan))
-        return complain(1, "%s", plan->reason);
-    for (;;) {
-        const int code = do_runs(plan, first, last_stage ? manner : &whole, plan->reason);
-        if (code || last_stage)
-            return code;
-        first = plan->case_count;
-        const int more = experiment->plan_more(plan);
-        if (more < 0)
-            return complain(2, "%s", plan->reason);
-        last_stage = more > 0 || plan->case_count == first;
-    }
-}
-
 static int carry_out(struct plan *plan, const struct arguments *arguments) {
-    struct manner manner;
+    struct manner manner = {.runs = 0};
+    int missing = 0;
     if (read_manner(arguments, &manner))
         return 1;
-    const int code = do_all_runs(plan, &manner);
+    if (plan->experiment->plan(plan))
+        return complain(1, "%s", plan->reason);
+    const int code = do_rounds(plan, &manner, &missing);
     if (code)
         return code;
-    const int missing = count_missing(plan);
     if (missing > 0) {
         printf("%s: %d runs of other shards are missing; figures when they are there\n",
                plan->experiment->name, missing);

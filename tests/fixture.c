@@ -164,11 +164,10 @@ static const struct system_ops with_projection = {
     .assemble = assemble,
 };
 
-/* A tridiagonal pattern; full where n < 3 anyway. */
-static void begin(struct fixture *f, const char *name, int n, unsigned matrix) {
+void fixture_begin(struct fixture *f, const char *name, int n, int band, unsigned matrix) {
     *f = (struct fixture){.n = n, .reports_to = &f->system};
     for (int j = 0, used = 0; j < n; j++) {
-        for (int i = j > 0 ? j - 1 : 0; i <= j + 1 && i < n; i++)
+        for (int i = j > band ? j - band : 0; i <= j + band && i < n; i++)
             f->row[used++] = i;
         f->column_start[j + 1] = used;
     }
@@ -219,8 +218,8 @@ static void add_link(double *matrix, int n, int i, int j, double strength) {
 }
 
 void fixture_chain(struct fixture *f, int n, unsigned seed, int symmetric) {
-    begin(f, symmetric ? "the chain" : "the skew chain", n,
-          MATRIX_AVAILABLE | (symmetric ? MATRIX_SYMMETRIC | MATRIX_DEFINITE : 0));
+    fixture_begin(f, symmetric ? "the chain" : "the skew chain", n, 1,
+                  MATRIX_AVAILABLE | (symmetric ? MATRIX_SYMMETRIC | MATRIX_DEFINITE : 0));
     f->system.matrix_note = symmetric ? NULL : "made so";
     for (int i = 0; i < n; i++) {
         add_link(f->m, n, i, i - 1, random_number(&seed));
@@ -243,7 +242,7 @@ static void dahlquist_rate(const struct fixture *f, double t, const double *q, c
 }
 
 void fixture_dahlquist(struct fixture *f, double complex z) {
-    begin(f, "u' = z u", 2, MATRIX_AVAILABLE);
+    fixture_begin(f, "u' = z u", 2, 1, MATRIX_AVAILABLE);
     f->d[0] = f->d[3] = creal(z);
     f->d[1] = -cimag(z);
     f->d[2] = cimag(z);
@@ -258,7 +257,7 @@ static void quadrature_rate(const struct fixture *f, double t, const double *q, 
 }
 
 void fixture_quadrature(struct fixture *f) {
-    begin(f, "u' = cos t", 1, MATRIX_AVAILABLE | MATRIX_SYMMETRIC | MATRIX_DEFINITE);
+    fixture_begin(f, "u' = cos t", 1, 0, MATRIX_AVAILABLE | MATRIX_SYMMETRIC | MATRIX_DEFINITE);
     f->rate = quadrature_rate;
     f->jacobians = no_jacobian_changes;
 }
@@ -280,7 +279,7 @@ static void manufactured_jacobians(struct fixture *f, double t, const double *q,
 }
 
 void fixture_manufactured(struct fixture *f) {
-    begin(f, "the made-up oscillator", 1, MATRIX_AVAILABLE | MATRIX_SYMMETRIC);
+    fixture_begin(f, "the made-up oscillator", 1, 0, MATRIX_AVAILABLE | MATRIX_SYMMETRIC);
     f->rate = manufactured_rate;
     f->jacobians = manufactured_jacobians;
 }

@@ -42,6 +42,11 @@ struct fixture {
     int failures; /* so far */
 };
 
+/* n unknowns without motion yet: M = 1, D = K = 0, with room in the sparse pattern for entries so
+ * far from the diagonal. The caller sets rate and jacobians. `matrix` is what M - alpha D - beta K
+ * is, enum matrix_property; all are factorable. */
+void fixture_begin(struct fixture *fixture, const char *name, int n, int band, unsigned matrix);
+
 /* M v' = K q + D v + (1, ..., 1) cos t with M symmetric positive definite and not diagonal, -D and
  * -K positive semidefinite: a chain of springs and dampers of random strength, fixed at one end.
  * The smallest eigenvalue of M is 1 or more. Not symmetric: D and K get random entries of up to 0.3

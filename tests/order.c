@@ -1,7 +1,7 @@
 /* Orders of accuracy, observed; stage times; the effect of tolerances. */
+#include "order.h"
+
 #include "circle.h"
-#include "fixture.h"
-#include "support.h"
 
 #include <complex.h>
 #include <criterion/criterion.h>
@@ -10,17 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A problem with a solution: integrates it to the end with a variant in so many steps and gives
- * the error vector, of `size` numbers. */
-struct yardstick {
-    const char *name;
-    int size;
-    void (*error)(const struct variant *variant, int steps, double rtol, double *error);
-};
-
-/* Integrates a fixture; the error of (q, v) is left in q and v once the solution is taken off. */
-static void integrate_fixture(struct fixture *fixture, const struct variant *variant, double to,
-                              int steps, double rtol, double *q, double *v) {
+void integrate_fixture(struct fixture *fixture, const struct variant *variant, double to, int steps,
+                       double rtol, double *q, double *v) {
     const struct stepper_settings settings = variant_settings(variant, rtol, rtol);
     struct stepper *stepper = stepper_create(variant->method, &settings, &fixture->system);
     cr_assert(stepper, "%s on %s cannot be made", variant->name, fixture->system.name);
@@ -30,6 +21,7 @@ static void integrate_fixture(struct fixture *fixture, const struct variant *var
     variant->method->free(stepper);
 }
 
+/* The error of (q, v) is left in q and v once the solution is taken off. */
 static void oscillator_error(const struct variant *variant, int steps, double rtol, double *error) {
     static struct fixture fixture;
     const double to = 1.7;
@@ -86,45 +78,70 @@ static void circle_error(const struct variant *variant, int steps, double rtol, 
     error[1] = orbit.y - exact[1];
 }
 
-static const struct yardstick yardsticks[] = {
-    {"the circle", 2, circle_error},
-    {"the made-up oscillator", 2, oscillator_error},
-    {"u' = z u", 2, dahlquist_error},
-    {"quadrature", 2, quadrature_error},
+const struct yardstick small_yardsticks[SMALL_YARDSTICKS] = {
+    [OSCILLATOR] = {"the made-up oscillator", 2, oscillator_error},
+    [DAHLQUIST] = {"u' = z u", 2, dahlquist_error},
+    [QUADRATURE] = {"quadrature", 2, quadrature_error},
 };
-enum { YARDSTICKS = sizeof yardsticks / sizeof *yardsticks };
+static const struct yardstick circle = {"the circle", 2, circle_error};
 
-static double norm(const double *x) {
-    return hypot(x[0], x[1]);
+static void each_yardstick(void (*use)(const struct variant *, const struct yardstick *),
+                           const struct variant *variant) {
+    use(variant, &circle);
+    for (int y = 0; y < SMALL_YARDSTICKS; y++)
+        use(variant, &small_yardsticks[y]);
+}
+
+static double dot(const struct yardstick *yardstick, const double *x, const double *y) {
+    double sum = 0;
+    for (int i = 0; i < yardstick->size; i++)
+        sum += x[i] * y[i];
+    return sum;
+}
+
+static double norm(const struct yardstick *yardstick, const double *x) {
+    return sqrt(dot(yardstick, x, x));
 }
 
 /* e(h) = C h^p + O(h^(p+1)): halving h twice must give log2 |e(h)| / |e(h/2)| = p both times (the
  * asymptotic range), and errors of the same direction (the sign: two errors that cancel or a C
  * that changes its sign give any number). The finest error must be far above rounding. */
+struct order_seen see_order(const struct variant *variant, const struct yardstick *yardstick,
+                            int coarsest) {
+    struct order_seen seen = {.fault = ""};
+    double error[3][YARDSTICK_SIZE_MAX];
+    const int order = variant->method->order;
+    int turns = 0;
+    for (int k = 0; k < 3; k++)
+        yardstick->error(variant, coarsest << k, 0, error[k]);
+    for (int k = 0; k < 2; k++) {
+        const double coarse = norm(yardstick, error[k]), fine = norm(yardstick, error[k + 1]);
+        seen.order[k] = log2(coarse / fine);
+        turns |= !(dot(yardstick, error[k], error[k + 1]) > 0.99 * coarse * fine);
+    }
+    const double finest = norm(yardstick, error[2]);
+    const int holds = fabs(seen.order[0] - order) <= 0.05 && fabs(seen.order[1] - order) <= 0.05;
+    if (turns)
+        snprintf(seen.fault, sizeof seen.fault, "the error turns when the step is halved");
+    else if (!(finest > 1e4 * DBL_EPSILON))
+        snprintf(seen.fault, sizeof seen.fault, "an error of %.1e is rounding; use fewer steps",
+                 finest);
+    else if (!holds)
+        snprintf(seen.fault, sizeof seen.fault, "observed orders %.3f and %.3f, not %d",
+                 seen.order[0], seen.order[1], order);
+    return seen;
+}
+
+static void check_yardstick(const struct variant *variant, const struct yardstick *yardstick) {
+    const int order = variant->method->order;
+    const struct order_seen seen = see_order(variant, yardstick, 1024 / (order * order));
+    cr_assert_str_empty(seen.fault, "%s on %s: %s", variant->name, yardstick->name, seen.fault);
+}
+
 static void check_order(const struct variant *variant, void *ctx) {
     (void)ctx;
-    const int order = variant->method->order;
-    if (variant->method->capabilities & STEPPER_ADAPTIVE)
-        return;
-    for (int y = 0; y < YARDSTICKS; y++) {
-        double error[3][2], observed[2];
-        const int coarsest = 1024 / (order * order);
-        for (int k = 0; k < 3; k++)
-            yardsticks[y].error(variant, coarsest << k, 0, error[k]);
-        for (int k = 0; k < 2; k++) {
-            const double *coarse = error[k], *fine = error[k + 1];
-            observed[k] = log2(norm(coarse) / norm(fine));
-            cr_assert(coarse[0] * fine[0] + coarse[1] * fine[1] > 0.99 * norm(coarse) * norm(fine),
-                      "%s on %s: the error turns when the step is halved", variant->name,
-                      yardsticks[y].name);
-        }
-        cr_assert(norm(error[2]) > 1e4 * DBL_EPSILON,
-                  "%s on %s: an error of %.1e is rounding; use fewer steps", variant->name,
-                  yardsticks[y].name, norm(error[2]));
-        cr_assert(fabs(observed[0] - order) <= 0.05 && fabs(observed[1] - order) <= 0.05,
-                  "%s on %s: observed orders %.3f and %.3f, not %d", variant->name,
-                  yardsticks[y].name, observed[0], observed[1], order);
-    }
+    if (!(variant->method->capabilities & STEPPER_ADAPTIVE))
+        each_yardstick(check_yardstick, variant);
 }
 
 Test(order, fixed_steps_have_the_order_they_claim) {
@@ -134,23 +151,26 @@ Test(order, fixed_steps_have_the_order_they_claim) {
 /* Local errors are kept at rtol, and the global error of a method of order p follows as
  * rtol^(p/(p+1)): over six decades even order 1 must gain three. Not decade by decade: a single
  * adaptive run is a draw from a distribution. */
+static void check_errors_fall(const struct variant *variant, const struct yardstick *yardstick) {
+    static const double rtol[] = {1e-4, 1e-7, 1e-10};
+    double off[3];
+    for (int k = 0; k < 3; k++) {
+        double error[YARDSTICK_SIZE_MAX];
+        yardstick->error(variant, 0, rtol[k], error);
+        off[k] = norm(yardstick, error);
+    }
+    cr_assert(off[2] < off[1] && off[1] < off[0] && off[2] <= 1e-3 * off[0],
+              "%s on %s: errors %.1e, %.1e, %.1e at rtol 1e-4, 1e-7, 1e-10", variant->name,
+              yardstick->name, off[0], off[1], off[2]);
+    /* and the rough one is of the size that was asked for, far from no answer at all */
+    cr_assert(off[0] < 0.1, "%s on %s: error %.1e at rtol 1e-4", variant->name, yardstick->name,
+              off[0]);
+}
+
 static void check_tolerance(const struct variant *variant, void *ctx) {
     (void)ctx;
-    if (!(variant->method->capabilities & STEPPER_ADAPTIVE))
-        return;
-    for (int y = 0; y < YARDSTICKS; y++) {
-        double rough[2], middle[2], tight[2];
-        yardsticks[y].error(variant, 0, 1e-4, rough);
-        yardsticks[y].error(variant, 0, 1e-7, middle);
-        yardsticks[y].error(variant, 0, 1e-10, tight);
-        cr_assert(norm(tight) < norm(middle) && norm(middle) < norm(rough) &&
-                      norm(tight) <= 1e-3 * norm(rough),
-                  "%s on %s: errors %.1e, %.1e, %.1e at rtol 1e-4, 1e-7, 1e-10", variant->name,
-                  yardsticks[y].name, norm(rough), norm(middle), norm(tight));
-        /* and the rough one is of the size that was asked for, far from no answer at all */
-        cr_assert(norm(rough) < 0.1, "%s on %s: error %.1e at rtol 1e-4", variant->name,
-                  yardsticks[y].name, norm(rough));
-    }
+    if (variant->method->capabilities & STEPPER_ADAPTIVE)
+        each_yardstick(check_errors_fall, variant);
 }
 
 Test(order, errors_of_adaptive_methods_fall_with_the_tolerance) {

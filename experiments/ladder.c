@@ -1,0 +1,621 @@
+/* Where do the curves cross? What it costs each method to be a millimetre from the truth, along
+ * stretch stiffness and damping: explicit methods pay for stability with steps that shrink as
+ * 1/sqrt(stiffness), implicit ones for accuracy and for solves, whatever the stiffness.
+ *
+ * In each cell, a stiffness and a damping, each method gets the largest setting that reaches the
+ * target: from coarse to fine until one does, then between it and the last that did not, by halves.
+ * The runs that are next depend on those before; refine() names them, round by round. */
+#include "measure.h"
+#include "model.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double target = 1e-3; /* m, rms over the free nodes and all frames */
+static const double stiffnesses[] = {15, 90, 1500, 16800}; /* EA, N; the last is real hair's */
+static const double dampings[] = {0.02, 0.1, 0.5};         /* of the highest stretch mode */
+enum {
+    STIFFNESSES = sizeof stiffnesses / sizeof *stiffnesses,
+    DAMPINGS = sizeof dampings / sizeof *dampings,
+    CELLS = STIFFNESSES * DAMPINGS,
+};
+
+/* Costs only bound the search: they are good to a factor of two. */
+static const struct contestant contestants[] = {
+    {.name = "euler", .stepper = "euler", .cost = 12e-9},
+    {.name = "midpoint", .stepper = "midpoint", .cost = 24e-9},
+    {.name = "rk4", .stepper = "rk4", .cost = 40e-9},
+    {.name = "implicit-euler direct",
+     .stepper = "implicit-euler",
+     .linear = "direct",
+     .cost = 80e-9},
+    {.name = "implicit-euler direct newton",
+     .stepper = "implicit-euler",
+     .linear = "direct",
+     .options = {"newton.iterations=30"},
+     .cost = 400e-9},
+    {.name = "implicit-euler cg", .stepper = "implicit-euler", .linear = "cg", .cost = 180e-9},
+    {.name = "implicit-euler cg newton",
+     .stepper = "implicit-euler",
+     .linear = "cg",
+     .options = {"newton.iterations=30"},
+     .cost = 800e-9},
+    {.name = "cvode", .stepper = "cvode", .finest = 1e-10},
+    {.name = "cvode order 5", .stepper = "cvode", .options = {"max_order=5"}, .finest = 1e-10},
+    {.name = "reference", .stepper = "reference", .finest = 1e-10},
+};
+enum { CONTESTANTS = sizeof contestants / sizeof *contestants };
+
+/* Settings are places on a geometric scale, 0 the coarsest. A stride leads to the next rung of the
+ * first descent: an octave of steps, a decade of tolerances. */
+enum { STEPS_STRIDE = 16, TOLERANCES_STRIDE = 8, JITTERED = 9, JITTERED_QUICK = 3 };
+
+/* What a search waits for: a run at a place, more that confirm it, the timing of the best. */
+enum phase { TRYING, CONFIRMING, TIMING, DONE };
+
+/* The search of one contestant in one cell. */
+struct search {
+    const struct contestant *contestant;
+    int cell;
+    enum phase phase;
+    int at;              /* the place that is tried */
+    double first_error;  /* of its first run, while others confirm it */
+    int first, count;    /* its runs in the plan */
+    int missed, reached; /* places: the finest known to miss, the coarsest known to reach; or -1 */
+    double missed_error, error;  /* there, m; of adaptive methods the worst of the jittered runs */
+    enum outcome missed_outcome; /* of the run that missed */
+    double missed_time;          /* of a failure: when, s */
+    struct cost cost;            /* of the timed run */
+    char note[REASON_SIZE];
+};
+
+/* The plan's memo. */
+struct ladder {
+    int count;
+    struct search search[CELLS * CONTESTANTS];
+};
+
+static double damping_of(int cell) {
+    return dampings[cell / STIFFNESSES];
+}
+
+static double stiffness_of(int cell) {
+    return stiffnesses[cell % STIFFNESSES];
+}
+
+/* --quick leaves out real hair, which is the dearest, and all dampings but the middle one. */
+static int is_in(const struct plan *plan, int cell) {
+    return !plan->quick || (cell / STIFFNESSES == 1 && cell % STIFFNESSES < 3);
+}
+
+static void name_cell(char *name, size_t size, int cell) {
+    snprintf(name, size, "EA %g N, zeta %g", stiffness_of(cell), damping_of(cell));
+}
+
+/* --- settings --- */
+
+static int stride_of(const struct contestant *contestant) {
+    return contestant_is_adaptive(contestant) ? TOLERANCES_STRIDE : STEPS_STRIDE;
+}
+
+/* How close the two sides of the bracket must come: 4 % of a step, a third of a tolerance; with
+ * --quick a fifth and three quarters. */
+static int resolution(const struct plan *plan, const struct contestant *contestant) {
+    return !plan->quick ? 1 : contestant_is_adaptive(contestant) ? 2 : 4;
+}
+
+/* The step, s, which divides the time between frames, or the tolerance. */
+static double setting_at(const struct scene *scene, const struct contestant *contestant,
+                         int place) {
+    if (contestant_is_adaptive(contestant))
+        return pow(10, -1 - (double)place / TOLERANCES_STRIDE);
+    return 1 / scene->frame_rate / round(exp2((double)place / STEPS_STRIDE));
+}
+
+/* CPU time of one run with fixed steps, s, roughly. */
+static double estimated_cost(const struct scene *scene, const struct contestant *contestant,
+                             double step) {
+    int unknowns = 0;
+    for (int i = 0; i < scene->wisp_count; i++)
+        unknowns +=
+            (scene->wisps[i].nodes - 2) * wisp_node_unknowns(&scene->wisps[i], WISP_GENERALISED);
+    return contestant->cost * unknowns * scene->duration / step;
+}
+
+/* Whether a place is finer than is worth trying, and why in the search's note. */
+static int is_beyond(struct search *s, const struct scene *scene) {
+    const double setting = setting_at(scene, s->contestant, s->at), longest = 3;
+    const double cost = estimated_cost(scene, s->contestant, setting);
+    const int adaptive = contestant_is_adaptive(s->contestant);
+    const int beyond = adaptive ? setting < 0.99 * s->contestant->finest : cost > longest;
+    if (beyond && adaptive)
+        snprintf(s->note, sizeof s->note, "tolerances end at %g", s->contestant->finest);
+    else if (beyond)
+        snprintf(s->note, sizeof s->note, "a run of shorter steps would take more than %g s",
+                 longest);
+    return beyond;
+}
+
+/* Explicit methods begin at the first octave that is less than four times too long by linear
+ * theory: it is surely unstable, and longer ones are no news. */
+static int first_place(const struct scene *scene, const struct contestant *contestant) {
+    const struct butcher_table *table = stepper_find(contestant->stepper)->table;
+    const struct mode mode = stiffest_mode(scene);
+    int place = 0;
+    if (!contestant_is_adaptive(contestant))
+        while (!is_stable(table, &mode, setting_at(scene, contestant, place) / 4))
+            place += STEPS_STRIDE;
+    return place;
+}
+
+/* --- the plan --- */
+
+static int add_run(struct plan *plan, struct search *s, int jitter, int timings) {
+    const struct scene *scene = plan->subjects[s->cell].scene;
+    const double setting = setting_at(scene, s->contestant, s->at) * (1 + 1e-12 * jitter);
+    struct run_request request =
+        contestant_request(s->contestant, setting, scene->run.atol / scene->run.rtol);
+    char cell[64];
+    name_cell(cell, sizeof cell, s->cell);
+    request.treatment = wisp_problem.treatments[WISP_GENERALISED].name;
+    request.timings = timings;
+    s->count++;
+    return plan_add(plan, scene, &request, cell, "%s, %s %.4g, j = %d", s->contestant->name,
+                    contestant_is_adaptive(s->contestant) ? "rtol" : "step", setting, jitter);
+}
+
+/* From here on the search waits for runs that are added next to each other. */
+static void await(const struct plan *plan, struct search *s, enum phase phase) {
+    s->phase = phase;
+    s->first = plan->case_count;
+    s->count = 0;
+}
+
+static int try_place(struct plan *plan, struct search *s) {
+    await(plan, s, TRYING);
+    return add_run(plan, s, 0, 0);
+}
+
+/* A tolerance that reached the target, again with ones that differ in the twelfth digit: where not
+ * all do the tolerance does not, for one adaptive run is a draw from a distribution. */
+static int confirm_place(struct plan *plan, struct search *s, double first_error) {
+    s->first_error = first_error;
+    await(plan, s, CONFIRMING);
+    for (int jitter = 1; jitter < (plan->quick ? JITTERED_QUICK : JITTERED); jitter++)
+        if (add_run(plan, s, jitter, 0))
+            return -1;
+    return 0;
+}
+
+static int time_place(struct plan *plan, struct search *s) {
+    const double setting = setting_at(plan->subjects[s->cell].scene, s->contestant, s->reached);
+    const double cost = estimated_cost(plan->subjects[s->cell].scene, s->contestant, setting);
+    s->at = s->reached;
+    await(plan, s, TIMING);
+    return add_run(plan, s, 0, plan->quick || cost > 0.5 ? 3 : 5);
+}
+
+/* The scene of a cell: the one asked for, with another stiffness and damping. */
+static int plan_cell(struct plan *plan, const struct subject *subject, int cell,
+                     struct subject *to) {
+    char rate[64], stiffness[64], damping[64];
+    const char *const sets[] = {rate, stiffness, damping};
+    snprintf(rate, sizeof rate, "frame_rate=%.17e", subject->scene->frame_rate);
+    snprintf(stiffness, sizeof stiffness, "material.stretch_stiffness=%.17e", stiffness_of(cell));
+    const struct scene *scene = plan_scene(plan, subject->source, sets, 2);
+    if (!scene)
+        return -1;
+    /* On a mode of frequency w a damper of tau times the spring is zeta = tau w / 2 of critical. */
+    snprintf(damping, sizeof damping, "material.stretch_time=%.17e",
+             2 * damping_of(cell) / stiffest_mode(scene).frequency);
+    scene = plan_scene(plan, subject->source, sets, 3);
+    if (!scene)
+        return -1;
+    *to = (struct subject){.scene = scene, .source = subject->source};
+    name_cell(to->name, sizeof to->name, cell);
+    return 0;
+}
+
+static int plan_cells(struct plan *plan) {
+    static const char *const own[] = {"swing"};
+    if (plan_subjects(plan, own, 1))
+        return -1;
+    if (plan->subject_count > 1) {
+        snprintf(plan->reason, REASON_SIZE, "experiment ladder is of one scene, not of %d",
+                 plan->subject_count);
+        return -1;
+    }
+    const struct subject base = plan->subjects[0];
+    struct subject *cells = calloc(CELLS, sizeof *cells);
+    if (!cells) {
+        snprintf(plan->reason, REASON_SIZE, "out of memory");
+        return -1;
+    }
+    free(plan->subjects);
+    plan->subjects = cells;
+    plan->subject_count = CELLS;
+    for (int cell = 0; cell < CELLS; cell++)
+        if (plan_cell(plan, &base, cell, &cells[cell]))
+            return -1;
+    return 0;
+}
+
+static int begin_search(struct plan *plan, struct ladder *ladder, int cell,
+                        const struct contestant *contestant) {
+    struct search *s = &ladder->search[ladder->count++];
+    *s = (struct search){.contestant = contestant,
+                         .cell = cell,
+                         .at = first_place(plan->subjects[cell].scene, contestant),
+                         .missed = -1,
+                         .reached = -1,
+                         .missed_error = NAN,
+                         .error = NAN,
+                         .missed_time = NAN,
+                         .cost = {REFUSED, NAN, NAN, NAN, {NAN, NAN, NAN}}};
+    if (!is_beyond(s, plan->subjects[cell].scene))
+        return try_place(plan, s);
+    s->phase = DONE;
+    return 0;
+}
+
+/* The tight solutions are the first runs of the plan, in the order of the cells. */
+static int ladder_plan(struct plan *plan) {
+    plan->run_seconds = 20;
+    struct ladder *ladder = plan->memo = calloc(1, sizeof *ladder);
+    if (!ladder) {
+        snprintf(plan->reason, REASON_SIZE, "out of memory");
+        return -1;
+    }
+    if (plan_cells(plan))
+        return -1;
+    for (int cell = 0; cell < CELLS; cell++) {
+        const struct run_request tight = {.stepper = "reference"};
+        if (is_in(plan, cell) &&
+            plan_add(plan, plan->subjects[cell].scene, &tight, plan->subjects[cell].name, "tight"))
+            return -1;
+    }
+    for (int cell = 0; cell < CELLS; cell++)
+        for (int c = 0; c < CONTESTANTS && is_in(plan, cell); c++)
+            if (plan_wants(plan, contestants[c].stepper) &&
+                begin_search(plan, ladder, cell, &contestants[c]))
+                return -1;
+    return 0;
+}
+
+/* --- from round to round --- */
+
+/* What the runs of a place have shown. */
+struct verdict {
+    double error; /* the worst; NaN: one did not finish */
+    enum outcome outcome;
+    double failure_time;
+};
+
+static int judge(struct plan *plan, const struct search *s, const struct run_files *tight,
+                 struct verdict *verdict) {
+    const struct scene *scene = plan->subjects[s->cell].scene;
+    *verdict = (struct verdict){0, FINISHED, NAN};
+    for (int i = s->first; i < s->first + s->count && verdict->outcome == FINISHED; i++) {
+        struct run_files run;
+        struct deviation deviation;
+        int code = run_read(&run, plan->cases[i].run.folder, plan->reason);
+        if (code)
+            return -1;
+        if (run.outcome == FINISHED) {
+            code =
+                measure_deviation(scene, &run.states, &tight->states, 1, &deviation, plan->reason);
+            verdict->error = fmax(verdict->error, deviation.rms);
+        } else {
+            *verdict = (struct verdict){NAN, run.outcome, run_number(&run, "failure_time")};
+        }
+        run_free(&run);
+        if (code)
+            return -1;
+    }
+    return 0;
+}
+
+static int read_timing(struct plan *plan, struct search *s) {
+    struct run_files run;
+    if (run_read(&run, plan->cases[s->first].run.folder, plan->reason))
+        return -1;
+    s->cost = run_cost(&run);
+    s->phase = DONE;
+    run_free(&run);
+    return 0;
+}
+
+/* The next place after `at` has been judged, or the timing of the best. */
+static int go_on(struct plan *plan, struct search *s) {
+    if (s->reached < 0) {
+        s->at = s->missed + stride_of(s->contestant);
+        if (!is_beyond(s, plan->subjects[s->cell].scene))
+            return try_place(plan, s);
+        s->phase = DONE;
+        return 0;
+    }
+    if (s->missed < 0)
+        snprintf(s->note, sizeof s->note, "the coarsest that was tried");
+    if (s->missed < 0 || s->reached - s->missed <= resolution(plan, s->contestant))
+        return time_place(plan, s);
+    s->at = (s->missed + s->reached) / 2;
+    return try_place(plan, s);
+}
+
+static int step_search(struct plan *plan, struct search *s, const struct run_files *tight) {
+    struct verdict verdict;
+    if (s->phase == TIMING)
+        return read_timing(plan, s);
+    if (judge(plan, s, tight, &verdict))
+        return -1;
+    if (s->phase == CONFIRMING && verdict.outcome == FINISHED)
+        verdict.error = fmax(verdict.error, s->first_error);
+    const int reached = verdict.outcome == FINISHED && verdict.error <= target;
+    if (reached && contestant_is_adaptive(s->contestant) && s->phase == TRYING)
+        return confirm_place(plan, s, verdict.error);
+    if (reached) {
+        s->reached = s->at;
+        s->error = verdict.error;
+    } else {
+        s->missed = s->at;
+        s->missed_error = verdict.error;
+        s->missed_outcome = verdict.outcome;
+        s->missed_time = verdict.failure_time;
+    }
+    return go_on(plan, s);
+}
+
+/* The searches of a cell; without a truth there is nothing to search for. */
+static int refine_cell(struct plan *plan, int cell, const struct run_files *tight) {
+    struct ladder *ladder = plan->memo;
+    for (int i = 0; i < ladder->count; i++) {
+        struct search *s = &ladder->search[i];
+        if (s->cell != cell || s->phase == DONE)
+            continue;
+        if (tight->outcome != FINISHED) {
+            s->phase = DONE;
+            snprintf(s->note, sizeof s->note, "no tight solution: %s",
+                     outcome_name(tight->outcome));
+        } else if (step_search(plan, s, tight)) {
+            return -1;
+        }
+    }
+    return 0;
+}
+
+static int ladder_refine(struct plan *plan) {
+    for (int cell = 0, tight_case = 0; cell < CELLS; cell++) {
+        struct run_files tight;
+        if (!is_in(plan, cell))
+            continue;
+        if (run_read(&tight, plan->cases[tight_case++].run.folder, plan->reason))
+            return -1;
+        const int code = refine_cell(plan, cell, &tight);
+        run_free(&tight);
+        if (code)
+            return -1;
+    }
+    return 0;
+}
+
+/* --- the tables --- */
+
+static double place_setting(const struct plan *plan, const struct search *s, int place) {
+    return place < 0 ? NAN : setting_at(plan->subjects[s->cell].scene, s->contestant, place);
+}
+
+/* What keeps a method from coarser settings: where it is stability, they fail, or are finite and
+ * wrong by orders of magnitude; an error that follows from the order grows by no more than the
+ * fourth power of a step that is a few per cent longer. */
+static const char *limit_of(const struct search *s) {
+    if (s->reached < 0 || s->missed < 0)
+        return "none";
+    return s->missed_outcome != FINISHED || s->missed_error > 100 * s->error ? "failure"
+                                                                             : "accuracy";
+}
+
+static void write_search(FILE *stream, const struct plan *plan, const struct search *s) {
+    const double numbers[] = {place_setting(plan, s, s->reached),
+                              place_setting(plan, s, s->missed),
+                              s->error,
+                              s->missed_error,
+                              s->cost.cpu.median,
+                              s->cost.cpu.least,
+                              s->cost.cpu.greatest,
+                              s->cost.evaluations,
+                              s->cost.steps};
+    fprintf(stream, "%g\t%g\t%s", stiffness_of(s->cell), damping_of(s->cell), s->contestant->name);
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+        fprintf(stream, "\t%.17g", numbers[i]);
+    fprintf(stream, "\t%s\t%s\t%s\t%.17g\t%s\n", s->reached >= 0 ? "reached" : "never", limit_of(s),
+            s->missed >= 0 ? outcome_name(s->missed_outcome) : "none", s->missed_time, s->note);
+}
+
+/* Rows of a method along the stiffness, of one damping; blocks are parted by two blank lines. */
+static int write_ladder(const struct plan *plan, const char *folder, char *reason) {
+    const struct ladder *ladder = plan->memo;
+    struct atomic_file file;
+    char what[768];
+    snprintf(what, sizeof what,
+             "the largest step, s, or rtol that reaches %g m rms over free nodes and all frames "
+             "(setting), the next one tried that does not (missed: its error, outcome and time of "
+             "failure), and what the first costs: CPU time, s, of repeated runs, force "
+             "evaluations, steps; errors of adaptive methods: the worst of %d tolerances "
+             "rtol(1 + j 1e-12), of which j = 0 is timed; limit: failure where the missed one "
+             "fails or is 100 times as wrong; nan: there is no number, see status and note%s",
+             target, plan->quick ? JITTERED_QUICK : JITTERED,
+             plan->quick ? "; --quick: one damping, no real hair, coarser brackets" : "");
+    if (open_table(&file, folder, "ladder", what, plan->subjects[0].scene,
+                   "stretch_stiffness\tzeta\tmethod\tsetting\tmissed_setting\terror\tmissed_error"
+                   "\tcpu_median\tcpu_least\tcpu_greatest\tforce_evaluations\tsteps\tstatus\tlimit"
+                   "\tmissed_outcome\tmissed_time\tnote",
+                   reason))
+        return -1;
+    for (int d = 0; d < DAMPINGS; d++)
+        for (int c = 0; c < CONTESTANTS; c++) {
+            for (int i = 0; i < ladder->count; i++)
+                if (ladder->search[i].contestant == &contestants[c] &&
+                    ladder->search[i].cell / STIFFNESSES == d)
+                    write_search(file.stream, plan, &ladder->search[i]);
+            fprintf(file.stream, "\n\n");
+        }
+    return atomic_commit(&file, reason);
+}
+
+static const struct search *search_of(const struct ladder *ladder, int cell,
+                                      const struct contestant *contestant) {
+    for (int i = 0; i < ladder->count; i++)
+        if (ladder->search[i].cell == cell && ladder->search[i].contestant == contestant)
+            return &ladder->search[i];
+    return NULL;
+}
+
+static int has_cost(const struct search *s) {
+    return s && s->phase == DONE && s->cost.cpu.median > 0;
+}
+
+/* Where two costs that are straight lines in logarithms are equal, between two stiffnesses of which
+ * `low` is the first; NaN where they keep their order. */
+static double crossing(int low, const double a[2], const double b[2]) {
+    const double gap = log(a[0] / b[0]), next_gap = log(a[1] / b[1]);
+    if (!(gap * next_gap < 0))
+        return NAN;
+    const double share = gap / (gap - next_gap);
+    return stiffnesses[low] * pow(stiffnesses[low + 1] / stiffnesses[low], share);
+}
+
+static int is_apart(const struct search *a, const struct search *b) {
+    return a->cost.cpu.greatest < b->cost.cpu.least || b->cost.cpu.greatest < a->cost.cpu.least;
+}
+
+static void write_crossing(FILE *stream, const struct ladder *ladder, int cell,
+                           const struct contestant *one, const struct contestant *other) {
+    const struct search *a[2], *b[2];
+    double cost_a[2], cost_b[2];
+    for (int k = 0; k < 2; k++) {
+        a[k] = search_of(ladder, cell + k, one);
+        b[k] = search_of(ladder, cell + k, other);
+        if (!has_cost(a[k]) || !has_cost(b[k]))
+            return;
+        cost_a[k] = a[k]->cost.cpu.median;
+        cost_b[k] = b[k]->cost.cpu.median;
+    }
+    const int low = cell % STIFFNESSES, first = cost_a[0] < cost_b[0];
+    const double at = crossing(low, cost_a, cost_b);
+    if (!isnan(at))
+        fprintf(stream, "%g\t%s\t%s\t%g\t%g\t%.17g\t%d\n", damping_of(cell),
+                (first ? one : other)->name, (first ? other : one)->name, stiffnesses[low],
+                stiffnesses[low + 1], at, is_apart(a[0], b[0]) && is_apart(a[1], b[1]));
+}
+
+static int write_crossings(const struct plan *plan, const char *folder, char *reason) {
+    struct atomic_file file;
+    if (open_table(
+            &file, folder, "crossings",
+            "pairs of methods of which one is cheaper (CPU time for the target of ladder) at "
+            "a stiffness, N, and the other at the next; crossing: where lines through both, "
+            "in logarithms, meet; clear: at neither end do the repeated times overlap",
+            plan->subjects[0].scene,
+            "zeta\tcheaper_below\tcheaper_above\tbelow\tabove\tcrossing\tclear", reason))
+        return -1;
+    for (int cell = 0; cell < CELLS; cell++)
+        for (int a = 0; a < CONTESTANTS && cell % STIFFNESSES < STIFFNESSES - 1; a++)
+            for (int b = a + 1; b < CONTESTANTS; b++)
+                write_crossing(file.stream, plan->memo, cell, &contestants[a], &contestants[b]);
+    return atomic_commit(&file, reason);
+}
+
+/* --- the answer --- */
+
+/* The cheapest search of a cell, of all, of explicit methods or of implicit ones, besides one; or
+ * NULL. */
+enum { ALL, EXPLICIT, IMPLICIT };
+static const struct search *cheapest(const struct ladder *ladder, int cell, int kind,
+                                     const struct search *besides) {
+    const struct search *best = NULL;
+    for (int i = 0; i < ladder->count; i++) {
+        const struct search *s = &ladder->search[i];
+        const struct stepper_method *method = stepper_find(s->contestant->stepper);
+        const int wanted =
+            kind == ALL || ((method->capabilities & STEPPER_IMPLICIT) != 0) == (kind == IMPLICIT);
+        if (s->cell == cell && wanted && s != besides && has_cost(s) &&
+            (!best || s->cost.cpu.median < best->cost.cpu.median))
+            best = s;
+    }
+    return best;
+}
+
+static double least_cost(const struct ladder *ladder, int cell, int kind) {
+    const struct search *s = cheapest(ladder, cell, kind, NULL);
+    return s ? s->cost.cpu.median : NAN;
+}
+
+/* Where the cheapest explicit and the cheapest implicit method of a damping change places. */
+static void print_order(const struct ladder *ladder, int damping) {
+    int explicit_first = 0, implicit_first = 0;
+    for (int k = 0; k < STIFFNESSES; k++) {
+        const int cell = damping * STIFFNESSES + k;
+        const double costs[2] = {least_cost(ladder, cell, EXPLICIT),
+                                 least_cost(ladder, cell, IMPLICIT)};
+        explicit_first += costs[0] < costs[1];
+        implicit_first += costs[1] < costs[0];
+        if (k + 1 == STIFFNESSES)
+            break;
+        const double ahead[2] = {least_cost(ladder, cell + 1, EXPLICIT),
+                                 least_cost(ladder, cell + 1, IMPLICIT)};
+        const double at =
+            crossing(k, (double[]){costs[0], ahead[0]}, (double[]){costs[1], ahead[1]});
+        if (!isnan(at))
+            printf("    the best explicit and the best implicit method cross at EA = %.2g N\n", at);
+    }
+    if (explicit_first + implicit_first > 0 && (explicit_first == 0 || implicit_first == 0))
+        printf("    %s methods are cheaper at every stiffness tried\n",
+               explicit_first ? "explicit" : "implicit");
+}
+
+static void print_cell(const struct plan *plan, int cell) {
+    const struct search *best = cheapest(plan->memo, cell, ALL, NULL);
+    const struct search *next = best ? cheapest(plan->memo, cell, ALL, best) : NULL;
+    printf("  %-4g  %6g  ", damping_of(cell), stiffness_of(cell));
+    if (!best) {
+        printf("none\n");
+        return;
+    }
+    printf("%-29s %4s %-9.3g %8.2f", best->contestant->name,
+           contestant_is_adaptive(best->contestant) ? "rtol" : "h",
+           place_setting(plan, best, best->reached), 1e3 * best->cost.cpu.median);
+    if (next)
+        printf("   %s %.2f%s", next->contestant->name, 1e3 * next->cost.cpu.median,
+               is_apart(best, next) ? "" : " (times overlap)");
+    printf("\n");
+}
+
+static void print_answer(const struct plan *plan) {
+    printf("  %-4s  %6s  %-29s %4s %-9s %8s   %s\n", "zeta", "EA, N", "cheapest to a millimetre",
+           "", "setting", "CPU ms", "next, CPU ms");
+    for (int cell = 0; cell < CELLS; cell++) {
+        if (is_in(plan, cell))
+            print_cell(plan, cell);
+        if (cell % STIFFNESSES == STIFFNESSES - 1)
+            print_order(plan->memo, cell / STIFFNESSES);
+    }
+    if (plan->quick)
+        printf("  --quick: one damping, not the stiffness of real hair (16800 N), coarser "
+               "brackets\n");
+}
+
+static int ladder_tabulate(struct plan *plan, const char *folder) {
+    if (write_ladder(plan, folder, plan->reason) || write_crossings(plan, folder, plan->reason))
+        return -1;
+    print_answer(plan);
+    return 0;
+}
+
+const struct experiment ladder_experiment = {
+    .name = "ladder",
+    .question = "which stepper is cheapest for a millimetre, by stiffness and damping?",
+    .plan = ladder_plan,
+    .refine = ladder_refine,
+    .tabulate = ladder_tabulate,
+};

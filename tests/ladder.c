@@ -1,0 +1,272 @@
+/* The experiment that searches: its brackets, its costs' crossings, and that a search over rounds
+ * of runs goes on where it was, whoever did the runs. */
+#include "support.h"
+#include "wisp_support.h"
+
+#include <criterion/criterion.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A shorter swing of fewer nodes. Spacing 0.075 m, node mass 1000 * 5.7e-6 * 0.075 kg. */
+#define SCENE(duration)                                                                            \
+    "name = \"short\"; duration = " duration "; frame_rate = 30.0; gravity = [0.0, -9.81, 0.0];\n" \
+    "material = { hair_count = 1000.0; hair_density = 5.7e-6; bending = \"skip\";\n"               \
+    "             bending_stiffness = 1.0e-5; bending_angle = 0.3; bending_time = 1.0e-3;\n"       \
+    "             drag_rate = 4.0; };\n"                                                           \
+    "wisps = ( { root = [0.0, 0.0, 0.0]; direction = [1.0, 0.0, 0.0]; length = 0.30;\n"            \
+    "            nodes = 5; } );\n"                                                                \
+    "run = { step = 1.0e-4; rtol = 1.0e-6; atol = 1.0e-9; };\n"
+static const char scene_text[] = SCENE("0.2"), one_frame[] = SCENE("0.03333333333333333");
+static const double spacing = 0.075, node_mass = 1000 * 5.7e-6 * 0.075;
+
+/* --- the tables --- */
+
+struct ladder_row {
+    double stiffness, zeta, setting, missed_setting, error, missed_error, cpu[3], evaluations;
+    char method[64], status[32], limit[32], missed_outcome[32];
+};
+
+enum { ROWS_MAX = 64 };
+struct ladder_table {
+    int count;
+    struct ladder_row row[ROWS_MAX];
+};
+
+static void read_ladder(const char *folder, struct ladder_table *table) {
+    char path[PATH_SIZE];
+    path_format(path, "%s/ladder/ladder.tsv", folder);
+    char *text = file_read(path);
+    cr_assert(text, "no table");
+    table->count = 0;
+    for (char *rest = text, *line; (line = strsep(&rest, "\n")) != NULL;) {
+        struct ladder_row *r = &table->row[table->count];
+        double steps;
+        if (line[0] == '#' || line[0] == '\0' || strncmp(line, "stretch", 7) == 0)
+            continue;
+        cr_assert(table->count < ROWS_MAX &&
+                      sscanf(line,
+                             "%lf\t%lf\t%63[^\t]\t%lf\t%lf\t%lf\t%lf\t%lf\t%lf\t%lf\t%lf\t%lf"
+                             "\t%31[^\t]\t%31[^\t]\t%31[^\t]",
+                             &r->stiffness, &r->zeta, r->method, &r->setting, &r->missed_setting,
+                             &r->error, &r->missed_error, &r->cpu[0], &r->cpu[1], &r->cpu[2],
+                             &r->evaluations, &steps, r->status, r->limit, r->missed_outcome) == 15,
+                  "cannot read '%s'", line);
+        table->count++;
+    }
+    free(text);
+}
+
+/* --- the program --- */
+
+static char folder[PATH_SIZE], scene_path[PATH_SIZE];
+
+static void set_up(void) {
+    folder_make(folder);
+    file_write(folder, "short.cfg", scene_text, scene_path);
+}
+
+static void clean_up(void) {
+    folder_remove(folder);
+}
+
+static void run_ladder(struct finished *f, const char *out, const char *shard) {
+    if (shard)
+        PROGRAM(f, NULL, "experiment", "ladder", "--quick", "--scene", scene_path, "--stepper",
+                "rk4", "--stepper", "implicit-euler", "--stepper", "cvode", "--out", out, "--shard",
+                shard);
+    else
+        PROGRAM(f, NULL, "experiment", "ladder", "--quick", "--scene", scene_path, "--stepper",
+                "rk4", "--stepper", "implicit-euler", "--stepper", "cvode", "--out", out);
+    cr_assert_eq(f->code, 0, "exit code %d: %s", f->code, f->err);
+}
+
+/* --- what the table says, done again in this process --- */
+
+/* The scene of a row: the highest stretch mode of a long chain is 2 sqrt(k/m), k = EA/spacing, and
+ * a damper of tau k makes it tau w / 2 of critical. */
+static struct scene *scene_of(const struct ladder_row *row) {
+    char stiffness[80], time[80];
+    const double w = 2 * sqrt(row->stiffness / spacing / node_mass);
+    snprintf(stiffness, sizeof stiffness, "material.stretch_stiffness=%.17e", row->stiffness);
+    snprintf(time, sizeof time, "material.stretch_time=%.17e", 2 * row->zeta / w);
+    return LAB_LOAD(scene_path, stiffness, time);
+}
+
+/* rms over free nodes and all frames; infinite where the run did not finish. */
+static double error_of(const struct scene *scene, const struct ladder_row *row, double setting,
+                       const struct lab_run *tight, double *evaluations) {
+    const int adaptive = strncmp(row->method, "cvode", 5) == 0;
+    const char *option = strstr(row->method, "newton")    ? "newton.iterations=30"
+                         : strstr(row->method, "order 5") ? "max_order=5"
+                                                          : NULL;
+    const char *linear = strstr(row->method, "cg")       ? "cg"
+                         : strstr(row->method, "direct") ? "direct"
+                                                         : NULL;
+    char stepper[32];
+    snprintf(stepper, sizeof stepper, "%.*s", (int)strcspn(row->method, " "), row->method);
+    const struct run_request request = {.stepper = stepper,
+                                        .treatment = "generalised",
+                                        .linear = linear,
+                                        .step = adaptive ? 0 : setting,
+                                        .rtol = adaptive ? setting : 0,
+                                        .atol = adaptive ? setting * 1e-3 : 0,
+                                        .options = &option,
+                                        .option_count = option != NULL};
+    struct lab_run run;
+    lab_run(scene, &request, &run);
+    const double error =
+        run.result.outcome == FINISHED ? lab_distance(&run, tight, 0, 2).rms : INFINITY;
+    *evaluations = (double)run.result.counters.force_evaluations;
+    lab_run_free(&run);
+    return error;
+}
+
+/* Apart by a quarter of an octave of steps or of a decade of tolerances at most. What reached a
+ * millimetre does so again, and what missed it misses: of tolerances, the worst of three. */
+static void check_row(const struct ladder_row *row) {
+    const int adaptive = strncmp(row->method, "cvode", 5) == 0;
+    struct scene *scene = scene_of(row);
+    struct lab_run tight;
+    double worst = 0, evaluations, first_evaluations = NAN, missed = 0;
+    cr_assert_str_eq(row->status, "reached", "%s at %g N", row->method, row->stiffness);
+    if (adaptive)
+        cr_assert(row->missed_setting <= 1.0001 * pow(10, 0.25) * row->setting, "%s: %g and %g",
+                  row->method, row->setting, row->missed_setting);
+    else /* whole steps between frames, to the nearest on either side */
+        cr_assert(1 / (30 * row->missed_setting) >= pow(2, -0.25) / (30 * row->setting) - 1,
+                  "%s: %g and %g", row->method, row->setting, row->missed_setting);
+    cr_assert(row->missed_setting > row->setting, "%s at %g N", row->method, row->stiffness);
+    lab_run(scene, &(struct run_request){.stepper = "reference"}, &tight);
+    for (int j = 0; j < (adaptive ? 3 : 1); j++) {
+        const double jitter = 1 + 1e-12 * j;
+        worst = fmax(worst, error_of(scene, row, row->setting * jitter, &tight, &evaluations));
+        first_evaluations = j == 0 ? evaluations : first_evaluations;
+        missed =
+            fmax(missed, error_of(scene, row, row->missed_setting * jitter, &tight, &evaluations));
+    }
+    cr_assert(fabs(worst - row->error) <= 1e-9 * worst && worst <= 1e-3,
+              "%s at %g N: error %.17g, and the table has %.17g", row->method, row->stiffness,
+              worst, row->error);
+    cr_assert(missed > 1e-3, "%s at %g N: %g reaches it too", row->method, row->stiffness,
+              row->missed_setting);
+    cr_assert_eq(first_evaluations, row->evaluations, "%s: %g evaluations, not %g", row->method,
+                 first_evaluations, row->evaluations);
+    const int fails = !isfinite(missed) || missed > 100 * worst;
+    cr_assert_str_eq(row->limit, fails ? "failure" : "accuracy", "%s at %g N", row->method,
+                     row->stiffness);
+    lab_run_free(&tight);
+    scene_free(scene);
+}
+
+/* Of pairs that change places from one stiffness to the next, the lines through both meet where
+ * the table says. */
+static int count_crossings(const struct ladder_table *t, const char *text) {
+    int count = 0;
+    for (int i = 0; i + 1 < t->count; i++)
+        for (int k = i + 1; k + 1 < t->count; k++) {
+            const struct ladder_row *a = &t->row[i], *b = &t->row[k];
+            if (a->stiffness != b->stiffness || a[1].stiffness <= a->stiffness ||
+                (a->cpu[0] < b->cpu[0]) == (a[1].cpu[0] < b[1].cpu[0]))
+                continue;
+            const double first = log(a->cpu[0] / b->cpu[0]), last = log(a[1].cpu[0] / b[1].cpu[0]);
+            const double slope = (last - first) / log(a[1].stiffness / a->stiffness);
+            const double at = a->stiffness * exp(-first / slope);
+            char line[256];
+            const int below = a->cpu[0] < b->cpu[0];
+            snprintf(line, sizeof line, "\n%g\t%s\t%s\t%g\t%g\t", a->zeta, (below ? a : b)->method,
+                     (below ? b : a)->method, a->stiffness, a[1].stiffness);
+            const char *found = strstr(text, line);
+            cr_assert(found, "no crossing of %s and %s", a->method, b->method);
+            cr_assert_float_eq(strtod(found + strlen(line), NULL), at, 1e-6 * at);
+            count++;
+        }
+    return count;
+}
+
+Test(ladder, slow_brackets_hold_and_crossings_follow, .init = set_up, .fini = clean_up) {
+    static struct ladder_table table;
+    static struct finished f;
+    char path[PATH_SIZE];
+    run_ladder(&f, folder, NULL);
+    read_ladder(folder, &table);
+    cr_assert_eq(table.count, 3 * 7, "%d rows", table.count);
+    for (int i = 0; i < table.count; i++)
+        check_row(&table.row[i]);
+    path_format(path, "%s/ladder/crossings.tsv", folder);
+    char *text = file_read(path);
+    const int lines = count_lines(strstr(text, "\nzeta") + 1) - 1;
+    const int crossings = count_crossings(&table, text);
+    cr_assert_eq(lines, crossings, "%d crossings, and %d in the table", crossings, lines);
+    free(text);
+    cr_assert(strstr(f.out, "(16800 N)"), "--quick does not say what it leaves out");
+}
+
+/* In a single frame an instability has no time to overflow: what is finite then is a failure by
+ * being wrong. */
+Test(ladder, what_is_finite_and_wrong_is_a_failure_too, .init = set_up, .fini = clean_up) {
+    static struct ladder_table table;
+    static struct finished f;
+    int finite = 0;
+    file_write(folder, "frame.cfg", one_frame, scene_path);
+    PROGRAM(&f, NULL, "experiment", "ladder", "--quick", "--scene", scene_path, "--stepper",
+            "midpoint", "--out", folder);
+    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
+    read_ladder(folder, &table);
+    for (int i = 0; i < table.count; i++) {
+        check_row(&table.row[i]);
+        finite += strcmp(table.row[i].missed_outcome, "finished") == 0 &&
+                  strcmp(table.row[i].limit, "failure") == 0;
+    }
+    cr_assert(finite > 0, "no such failure among %d rows", table.count);
+}
+
+/* Two shares, each of which can only go on when the other has done its round, come to the same
+ * search as one; and then nothing is left to do. */
+Test(ladder, slow_shards_take_rounds, .init = set_up, .fini = clean_up) {
+    static struct ladder_table whole, shared;
+    static struct finished f;
+    char other[PATH_SIZE];
+    int turns = 0;
+    run_ladder(&f, folder, NULL);
+    read_ladder(folder, &whole);
+    run_ladder(&f, folder, NULL);
+    cr_assert(strstr(f.out, " 0 of them new"), "a complete search does more: %s", f.out);
+    path_format(other, "%s/other", folder);
+    do
+        run_ladder(&f, other, turns % 2 ? "2/2" : "1/2");
+    while (strstr(f.out, "missing") && ++turns < 100);
+    cr_assert(turns > 4 && turns < 100, "%d turns", turns);
+    read_ladder(other, &shared);
+    cr_assert_eq(shared.count, whole.count);
+    for (int i = 0; i < whole.count; i++)
+        cr_assert(shared.row[i].setting == whole.row[i].setting &&
+                      shared.row[i].error == whole.row[i].error,
+                  "%s: %g, and by shares %g", whole.row[i].method, whole.row[i].setting,
+                  shared.row[i].setting);
+}
+
+/* Failure is a result: without truths there is a table that says so. */
+Test(ladder, without_tight_solutions_every_row_says_why, .init = set_up, .fini = clean_up) {
+    static struct finished f;
+    char path[PATH_SIZE];
+    PROGRAM(&f, NULL, "experiment", "ladder", "--quick", "--scene", scene_path, "--stepper",
+            "euler", "--out", folder, "--time-limit", "0.0001");
+    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
+    path_format(path, "%s/ladder/ladder.tsv", folder);
+    char *text = file_read(path);
+    int rows = 0;
+    for (const char *at = text; (at = strstr(at, "no tight solution: out of time")); at++)
+        rows++;
+    free(text);
+    cr_assert_eq(rows, 3, "%d rows", rows);
+    cr_assert_eq(count_files(folder, "ladder.svg"), 1, "no figure");
+}
+
+Test(ladder, is_of_one_scene, .init = set_up, .fini = clean_up) {
+    static struct finished f;
+    PROGRAM(&f, NULL, "experiment", "ladder", "--scene", scene_path, "--scene", "swing", "--out",
+            folder);
+    cr_assert(f.code == 1 && count_lines(f.err) == 1 && strstr(f.err, "one scene"), "%d: '%s'",
+              f.code, f.err);
+}
