@@ -8,15 +8,15 @@
 #include <string.h>
 
 extern const struct experiment circle_experiment, treatments_experiment, work_precision_experiment,
-    kernel_experiment;
+    kernel_experiment, radii_experiment, interactions_experiment, viscosity_experiment,
+    sphere_experiment, subdivision_experiment, wind_experiment, shake_experiment;
 
 /* A new experiment is one file and one line here. */
 const struct experiment *const experiments[] = {
-    &circle_experiment,
-    &treatments_experiment,
-    &work_precision_experiment,
-    &kernel_experiment,
-    NULL,
+    &circle_experiment,    &treatments_experiment, &work_precision_experiment,
+    &kernel_experiment,    &radii_experiment,      &interactions_experiment,
+    &viscosity_experiment, &sphere_experiment,     &subdivision_experiment,
+    &wind_experiment,      &shake_experiment,      NULL,
 };
 
 const struct experiment *experiment_find(const char *name) {
