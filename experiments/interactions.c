@@ -37,6 +37,23 @@ static void state_crossings(struct hair_study *study, const struct hair_run *run
                    "%s: the wisps do not pass through each other", run->variant->label);
 }
 
+/* How far a response takes the wisps from where they would be without any. */
+static void state_influence(struct hair_study *study, const struct hair_run *run) {
+    const struct hair *free = &study->runs[0].hair;
+    double most = 0, t = 0;
+    char name[64];
+    snprintf(name, sizeof name, "influence, %.50s", run->variant->label);
+    for (int f = 0; f < run->hair.frame_count; f++) {
+        const double here = 1e3 * hair_distance(&run->hair, free, f);
+        t = here > most ? run->hair.frames[f].t : t;
+        most = here > most ? here : most;
+    }
+    hair_state(study, name, most, "mm", NO_CLAIM,
+               "%s: nodes are %.1f mm (rms) from where they are without interaction, at most, at "
+               "%.2f s",
+               run->variant->label, most, t);
+}
+
 static void state_cost(struct hair_study *study) {
     const struct spread first = hair_cpu_per_frame(&study->runs[0]);
     int dearer = 1;
@@ -54,6 +71,8 @@ static void state_cost(struct hair_study *study) {
 static void state(struct hair_study *study) {
     for (int i = 0; i < study->count; i++)
         state_crossings(study, &study->runs[i], i == 0);
+    for (int i = 1; i < study->count; i++)
+        state_influence(study, &study->runs[i]);
     state_cost(study);
 }
 
