@@ -22,6 +22,11 @@ static int is_named(const struct stepper_method *method, const char *name) {
     return strcmp(method->name, name) == 0;
 }
 
+/* Runs that take seconds are repeated less often; their times spread less, too. */
+static int is_large(const struct scene *scene) {
+    return scene->wisp_count * scene->duration > 60;
+}
+
 /* 1/Hz. The highest mode decides. */
 static double stable_step(const struct scene *scene, const struct butcher_table *table) {
     const struct mode mode = stiffest_mode(scene);
@@ -41,7 +46,7 @@ struct run_request hair_request(const struct scene *scene, const struct stepper_
         request.atol = request.rtol * scene->run.atol / scene->run.rtol;
         return request;
     }
-    request.timings = 1;
+    request.timings = !is_large(scene);
     if (is & STEPPER_IMPLICIT)
         request.linear = "direct"; /* the matrix of this treatment is not symmetric */
     request.step = is_named(method, "euler")                   ? 1 / 9000.
@@ -75,7 +80,7 @@ static int plan_variant(struct plan *plan, const struct hair_question *question,
     if (!scene)
         return -1;
     struct run_request request = hair_request(scene, method);
-    request.timings = plan->quick ? 1 : method->advance ? 2 : 7;
+    request.timings = plan->quick ? 1 : is_large(scene) || method->advance ? 3 : 7;
     if (plan_add(plan, scene, &request, "variants", "%s", variant->label))
         return -1;
     if (question->watch_rate == 0)
