@@ -74,7 +74,7 @@ static void state(struct hair_study *study) {
 static const struct hair_question question = {
     .scene = "subdivision",
     .variants = {{.label = "without",
-                  .sets = {"subdivision.limit=1"}, /* the test is made, and nothing follows */
+                  .sets = {"subdivision.ratio=1e-6"}, /* the test is made, and nothing follows */
                   .thesis = 0.88,
                   .pictures = {1, 6, 8, 10}},
                  {.label = "with", .thesis = 1.66, .pictures = {1, 6, 8, 10}}},
