@@ -168,8 +168,9 @@ set multiplot
 eval heading(STORY, WHAT)
 is_here(v) = strcol(1) eq word(variants_here, v)
 do for [k = 1:SERIES] {
-    eval panel(80, 80 + 235 * (k - 1), 790, 180)
-    set autoscale; set offsets 0, 0, graph 0.06, graph 0.03
+    eval panel(90, 80 + 235 * (k - 1), 780, 180)
+    set autoscale; set autoscale xfix; set offsets 0, 0, graph 0.06, 0
+    set ytics nomirror out scale 0.6 font ',11'
     set xlabel k == SERIES ? 't (s)' : '' offset 0, 0.4
     set ylabel word(NAMES, k).(word(UNITS, k) eq '-' ? '' : ' ('.word(UNITS, k).')') offset 0.5, 0
     plot for [v = 1:VARIANTS_HERE] table('series') using (is_here(v) ? $2 : NaN):(column(2 + k)) \
