@@ -333,26 +333,33 @@ Test(crossing, at_a_node_it_is_one_and_not_two) {
     cr_assert_eq(before.count + after.count, 1, "%d and %d", before.count, after.count);
 }
 
-/* Two motions that meet twice at one time: a segment that turns until it lies across the other, and
- * further; the volume has a double root where its ends go up and down again. In one plane nothing
- * crosses. */
-Test(crossing, a_double_root_is_a_touch_and_one_plane_is_nothing) {
-    struct segment_pair touch = passing(0, 0, 1, 1), plane = passing(0, 0, 0, 0);
-    segment_side side = 0;
-    /* cd's middle is at height (1 - 2 s)^2 where its ends are at 1 - 2 s and ab scales with it */
-    for (int i = 0; i < 2; i++) {
-        touch.before[2 + i][1] = 1;
-        touch.after[2 + i][1] = -1;
-        touch.before[i][0] = i ? 1 : -1;
-        touch.after[i][0] = i ? -1 : 1;
+/* The line of cd swings up to ab, meets it at time s and swings away on the same side: with ac_z =
+ * t - q, cd = (0, t - p, 1) and ac_y as below the volume is 2 (t - s)^2. In rounding the double
+ * root is none, one or two. */
+Test(crossing, a_double_root_is_a_touch) {
+    for (double s = 0.1; s < 0.9; s += 0.0013) {
+        const double p = s - 0.7, q = s + 0.5;
+        struct segment_pair touch = {{{-1, 0, 0}, {1, 0, 0}}, {{-1, 0, 0}, {1, 0, 0}}};
+        for (int t = 0; t < 2; t++) {
+            double(*at)[3] = t ? touch.after : touch.before;
+            at[2][1] = at[3][1] = t * (2 * s - p - q) + p * q - s * s;
+            at[2][2] = at[3][2] = t - q;
+            at[3][1] += t - p;
+            at[3][2] += 1;
+        }
+        segment_side side = 0;
+        const struct crossings found = segments_cross(&touch, &side);
+        cr_assert_eq(found.count, 0, "a touch at %g counts %d", s, found.count);
+        cr_assert_neq(side, 0, "it is on neither side");
     }
-    struct crossings found = segments_cross(&touch, &side);
-    cr_assert_eq(found.count, 0, "a touch counts %d", found.count);
-    side = 0;
+}
+
+Test(crossing, in_one_plane_nothing_crosses) {
+    struct segment_pair plane = passing(0, 0, 0, 0);
+    segment_side side = 0;
     for (int i = 0; i < 4; i++)
         plane.after[i][0] += 3 * i;
-    found = segments_cross(&plane, &side);
-    cr_assert_eq(found.count, 0, "in one plane %d", found.count);
+    cr_assert_eq(segments_cross(&plane, &side).count, 0);
 }
 
 /* The oracle: a thousand short intervals, in each of which the volume is nearly linear in time. */
