@@ -55,7 +55,6 @@ struct hair_study {
     struct hair_run runs[HAIR_VARIANTS];
     int count;
     struct atomic_file *statements;
-    int failed; /* sentences that do not hold */
 };
 
 /* Writes a statement into the table and prints it (printf): a value, and whether the thesis's claim
