@@ -8,13 +8,32 @@
 #include <stdlib.h>
 #include <string.h>
 
-extern const struct experiment circle_experiment, treatments_experiment, work_precision_experiment,
-    solvers_experiment, horizon_experiment, ladder_experiment, kernel_experiment;
-
 /* A new experiment is one file and one line here. */
+#define EXPERIMENTS(X) \
+    X(circle)          \
+    X(treatments)      \
+    X(work_precision)  \
+    X(solvers)         \
+    X(horizon)         \
+    X(ladder)          \
+    X(radii)           \
+    X(interactions)    \
+    X(viscosity)       \
+    X(sphere)          \
+    X(subdivision)     \
+    X(wind)            \
+    X(shake)           \
+    X(kernel)
+
+#define X(name) extern const struct experiment name##_experiment;
+EXPERIMENTS(X)
+#undef X
+
 const struct experiment *const experiments[] = {
-    &circle_experiment,  &treatments_experiment, &work_precision_experiment, &solvers_experiment,
-    &horizon_experiment, &ladder_experiment,     &kernel_experiment,         NULL,
+#define X(name) &name##_experiment,
+    EXPERIMENTS(X)
+#undef X
+        NULL,
 };
 
 const struct experiment *experiment_find(const char *name) {

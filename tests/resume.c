@@ -52,34 +52,12 @@ static int kept(const struct inventory *before, const struct inventory *after) {
     return same;
 }
 
-/* A gnuplot that does this and draws nothing, for tests whose subject is not the figures: drawing
- * takes longer than all the runs. */
-static char stub[PATH_SIZE];
-
-static void put_gnuplot(const char *action) {
-    char path[PATH_SIZE], text[80], all[2 * PATH_SIZE];
-    const char *before = getenv("PATH");
-    folder_make(stub);
-    snprintf(text, sizeof text, "#!/bin/sh\n%s\n", action);
-    file_write(stub, "gnuplot", text, path);
-    cr_assert(chmod(path, 0755) == 0 && before, "no %s", path);
-    snprintf(all, sizeof all, "%s:%s", stub, before);
-    setenv("PATH", all, 1);
-}
-
-static void no_drawing(void) {
-    put_gnuplot("exit 0");
-}
-
-static void remove_stub(void) {
-    folder_remove(stub);
-}
-
 static void nap(long milliseconds) {
     nanosleep(&(struct timespec){.tv_nsec = 1000000 * milliseconds}, NULL);
 }
 
-Test(resume, slow_an_experiment_goes_on_after_kill_9, .init = no_drawing, .fini = remove_stub) {
+Test(resume, slow_an_experiment_goes_on_after_kill_9, .init = gnuplot_stub_quiet,
+     .fini = gnuplot_stub_remove) {
     char folder[PATH_SIZE];
     const char *const words[] = {"experiment", "circle", "--quick", "--out", folder, NULL};
     struct finished f;
@@ -132,7 +110,8 @@ static int share(void) {
 }
 
 /* On a busy machine one may have done all before the other begins: that is no test. */
-Test(resume, slow_two_processes_share_a_folder, .init = no_drawing, .fini = remove_stub) {
+Test(resume, slow_two_processes_share_a_folder, .init = gnuplot_stub_quiet,
+     .fini = gnuplot_stub_remove) {
     int shared = 0;
     for (int i = 0; i < 5 && !shared; i++)
         shared = share();
@@ -140,7 +119,7 @@ Test(resume, slow_two_processes_share_a_folder, .init = no_drawing, .fini = remo
 }
 
 /* Shares for a cluster: 1/2 and 2/2 leave nothing to do, and neither does the work of the other. */
-Test(resume, slow_shards_add_up, .init = no_drawing, .fini = remove_stub) {
+Test(resume, slow_shards_add_up, .init = gnuplot_stub_quiet, .fini = gnuplot_stub_remove) {
     char folder[PATH_SIZE];
     struct finished f;
     int runs, halves[2], new;
@@ -176,12 +155,12 @@ Test(resume, slow_figures_are_drawn_again_without_runs) {
     char folder[PATH_SIZE], *path = strdup(getenv("PATH"));
     struct finished f;
     folder_make(folder);
-    no_drawing();
+    gnuplot_stub_quiet();
     PROGRAM(&f, NULL, "experiment", "circle", "--quick", "--out", folder);
     cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
     cr_assert_eq(count_files(folder, ".svg"), 0, "figures without gnuplot");
     const struct inventory before = look(folder);
-    remove_stub();
+    gnuplot_stub_remove();
     setenv("PATH", path, 1);
     PROGRAM(&f, NULL, "plot", "circle", "--out", folder);
     cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
@@ -210,13 +189,13 @@ Test(resume, a_gnuplot_that_fails_exits_2) {
     folder_make(folder);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         setenv("PATH", path, 1);
-        put_gnuplot(cases[i].action);
+        gnuplot_stub(cases[i].action);
         PROGRAM(&f, NULL, "experiment", "circle", "--quick", "--stepper", "rk4", "--out", folder);
         cr_assert_eq(f.code, 2, "%s: exit code %d, %s", cases[i].action, f.code, f.err);
         cr_assert(count_lines(f.err) == 1 && strstr(f.err, cases[i].says), "%s: '%s'",
                   cases[i].action, f.err);
         cr_assert_eq(count_files(folder, ".svg"), 0, "%s: half a figure is left", cases[i].action);
-        remove_stub();
+        gnuplot_stub_remove();
     }
     folder_remove(folder);
     free(path);

@@ -70,6 +70,12 @@ void program_wait(const struct process *process, struct finished *finished);
         program_wait(&process_, finished);                                   \
     } while (0)
 
+/* A gnuplot that does this, in the shell, or exits with 0 and draws nothing: for tests whose
+ * subject is not the figures, since drawing takes longer than all the runs. */
+void gnuplot_stub(const char *action);
+void gnuplot_stub_quiet(void);
+void gnuplot_stub_remove(void);
+
 /* Number of lines in a text, the last of which need not end. */
 int count_lines(const char *text);
 

@@ -1,0 +1,335 @@
+/* The experiments of the thesis's chapter 5 as a user starts them: their tables, and sentences that
+ * must turn with what they are about. */
+#include "support.h"
+
+#include <criterion/criterion.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Small scenes with what an experiment looks at. */
+#define COMMON                                                                            \
+    "name = \"small\"; frame_rate = 30.0; gravity = [0.0, -9.81, 0.0]; material = { };\n" \
+    "envelope = { };\n"
+#define HANGING                                                                                 \
+    "wisps = ( { root = [0.1, 0.0, 0.0]; direction = [0.0, -1.0, 0.0]; length = 0.30; nodes = " \
+    "6;\n"                                                                                      \
+    "            grid = [2, 2]; spacing = 0.03;\n"                                              \
+    "            across = ([1.0, 0.0, 0.0], [0.0, 0.0, 1.0]); } );\n"
+static const char radii[] = COMMON HANGING
+    "duration = 0.5; contacts = { };\n"
+    "wind = { kind = \"irregular\"; velocity = [1.0, 0.0, 0.3]; amplitudes = [0.5];\n"
+    "         frequencies = [2.0]; };\n";
+static const char gust[] = COMMON HANGING
+    "duration = 2.5;\n"
+    "wind = { kind = \"gust\"; velocity = [5.0, 0.0, 0.0]; hold = 0.4; decay = 0.05; };\n";
+static const char breath[] = COMMON HANGING
+    "duration = 2.5;\n"
+    "wind = { kind = \"gust\"; velocity = [0.1, 0.0, 0.0]; hold = 0.4; decay = 0.05; };\n";
+static const char long_gust[] = COMMON HANGING
+    "duration = 2.5;\n"
+    "wind = { kind = \"gust\"; velocity = [5.0, 0.0, 0.0]; hold = 2.4; decay = 0.05; };\n";
+static const char shaken[] = COMMON HANGING
+    "duration = 3.0;\n"
+    "head = { times = [0.0, 0.2, 0.6, 0.8]; positions = ([0.0, 0.0, 0.0], [0.0, 0.0, 0.0],\n"
+    "         [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]); rotations = ([0.0, 0.0, 0.0], [0.0, 0.7, 0.0],\n"
+    "         [0.0, -0.7, 0.0], [0.0, 0.0, 0.0]); };\n";
+static const char still[] = COMMON HANGING "duration = 0.5;\n";
+
+/* --- an experiment and its tables --- */
+
+struct answer {
+    char folder[PATH_SIZE];
+    struct finished f;
+    char *statement, *table, *steppers; /* the files; NULL: not there */
+};
+
+static char *table_of(const struct answer *answer, const char *experiment, const char *name) {
+    char path[PATH_SIZE];
+    path_format(path, "%s/%s/%s.tsv", answer->folder, experiment, name);
+    return file_read(path);
+}
+
+/* With explicit Euler alone, on a scene of the text or the experiment's own. */
+static void ask(struct answer *answer, const char *experiment, const char *scene) {
+    char path[PATH_SIZE] = "";
+    folder_make(answer->folder);
+    if (scene) {
+        file_write(answer->folder, "small.cfg", scene, path);
+        PROGRAM(&answer->f, NULL, "experiment", experiment, "--stepper", "euler", "--out",
+                answer->folder, "--scene", path);
+    } else {
+        PROGRAM(&answer->f, NULL, "experiment", experiment, "--stepper", "euler", "--out",
+                answer->folder);
+    }
+    cr_assert_eq(answer->f.code, 0, "%s: exit code %d: %s", experiment, answer->f.code,
+                 answer->f.err);
+    answer->statement = table_of(answer, experiment, "statement");
+    answer->table = table_of(answer, experiment, "table");
+    answer->steppers = table_of(answer, experiment, "steppers");
+    cr_assert(answer->statement && answer->table && answer->steppers, "%s: a table is missing",
+              experiment);
+}
+
+static void forget(struct answer *answer) {
+    free(answer->statement);
+    free(answer->table);
+    free(answer->steppers);
+    folder_remove(answer->folder);
+}
+
+/* The row of a table that begins with a name, or NULL. */
+static const char *row_named(const char *table, const char *name) {
+    char start[128];
+    snprintf(start, sizeof start, "\n%s\t", name);
+    const char *at = strstr(table, start);
+    return at ? at + 1 : NULL;
+}
+
+/* A column of a row as text. */
+static const char *field(const char *row, int column, char *text) {
+    for (int i = 0; i < column; i++)
+        row = strchr(row, '\t') + 1;
+    const size_t length = strcspn(row, "\t\n");
+    cr_assert(length < 400);
+    memcpy(text, row, length);
+    text[length] = '\0';
+    return text;
+}
+
+static int column_named(const char *table, const char *name) {
+    const char *line = table;
+    char text[400];
+    while (*line == '#')
+        line = strchr(line, '\n') + 1;
+    for (int i = 0;; i++)
+        if (strcmp(field(line, i, text), name) == 0)
+            return i;
+}
+
+static double number(const char *table, const char *name, const char *column) {
+    char text[400];
+    const char *row = row_named(table, name);
+    cr_assert(row, "no row %s in %s", name, table);
+    return strtod(field(row, column_named(table, column), text), NULL);
+}
+
+static void says(const struct answer *answer, const char *name, const char *verdict) {
+    char text[400];
+    const char *row = row_named(answer->statement, name);
+    cr_assert(row, "no statement '%s' in %s", name, answer->statement);
+    cr_assert_str_eq(field(row, 3, text), verdict, "%s: %s, not %s: %s", name, text, verdict, row);
+}
+
+static void ask_one(const char *experiment, const char *scene, const char *name,
+                    const char *verdict) {
+    struct answer answer;
+    ask(&answer, experiment, scene);
+    says(&answer, name, verdict);
+    forget(&answer);
+}
+
+#define QUIET .init = gnuplot_stub_quiet, .fini = gnuplot_stub_remove
+
+/* --- what they say --- */
+
+Test(chapter5, slow_interactions_tell_who_passes_through, QUIET) {
+    struct answer answer;
+    ask(&answer, "interactions", NULL);
+    says(&answer, "crossings, none", "holds");
+    says(&answer, "crossings, interpenetration", "does not hold");
+    says(&answer, "crossings, collision", "holds");
+    says(&answer, "crossings, all", "holds");
+    cr_assert_gt(number(answer.statement, "influence, all", "value"), 1);
+    forget(&answer);
+    ask_one("interactions", radii, "crossings, none", "does not hold");
+}
+
+Test(chapter5, slow_viscosity_tells_when_wisps_part, QUIET) {
+    struct answer answer;
+    ask(&answer, "viscosity", NULL);
+    says(&answer, "overlap at the start", "holds");
+    says(&answer, "parted", "holds");
+    says(&answer, "stuck", "holds");
+    cr_assert_float_eq(number(answer.statement, "parted", "value"), 16, 1e-9);
+    forget(&answer);
+    ask_one("viscosity", radii, "parted", "does not hold");
+}
+
+Test(chapter5, slow_the_sphere_keeps_hair_out, QUIET) {
+    struct answer answer;
+    ask(&answer, "sphere", NULL);
+    says(&answer, "touched", "holds");
+    says(&answer, "nodes left inside", "holds");
+    says(&answer, "deepest point", "holds");
+    says(&answer, "strain", "holds");
+    cr_assert_gt(number(answer.statement, "deepest segment", "value"), 0.1);
+    cr_assert_float_eq(number(answer.table, "sphere", "thesis_per_frame"), 21.6, 0);
+    forget(&answer);
+    ask_one("sphere", still, "touched", "does not hold");
+}
+
+Test(chapter5, slow_wind_lays_over_and_lets_fall, QUIET) {
+    struct answer answer;
+    ask(&answer, "wind", gust);
+    says(&answer, "laid over", "holds");
+    says(&answer, "in the gust", "holds");
+    says(&answer, "fallen back", "holds");
+    forget(&answer);
+    ask_one("wind", breath, "laid over", "does not hold");
+    ask_one("wind", long_gust, "fallen back", "does not hold");
+}
+
+Test(chapter5, slow_hair_lags_a_head_that_shakes, QUIET) {
+    struct answer answer;
+    ask(&answer, "shake", shaken);
+    says(&answer, "lag", "holds");
+    says(&answer, "returned", "holds");
+    const double lag = number(answer.statement, "lag", "value");
+    cr_assert(lag > 0.02 && lag < 0.5, "a lag of %g s", lag);
+    forget(&answer);
+    ask_one("shake", still, "lag", "does not hold");
+}
+
+Test(chapter5, slow_radii_are_compared_from_one_to_the_next, QUIET) {
+    struct answer answer;
+    ask(&answer, "radii", radii);
+    double angles[3];
+    for (int i = 0; i < 3; i++) {
+        char name[32];
+        snprintf(name, sizeof name, "largest, radius %d cm", i + 1);
+        angles[i] = number(answer.statement, name, "value");
+        cr_assert(angles[i] > 1 && angles[i] < 90, "%s: %g degrees", name, angles[i]);
+    }
+    const double less = fmin(angles[0], angles[1]) - angles[2];
+    cr_assert_float_eq(number(answer.statement, "largest", "value"), less, 1e-9);
+    says(&answer, "largest", less > 1 ? "holds" : "does not hold");
+    says(&answer, "contacts", "holds");
+    cr_assert_gt(number(answer.table, "radius 3 cm", "overlap_per_frame"),
+                 number(answer.table, "radius 1 cm", "overlap_per_frame"));
+    forget(&answer);
+}
+
+/* --- the tables --- */
+
+Test(chapter5, slow_costs_are_normalised_to_the_first_row, QUIET) {
+    static const char *const names[] = {"none", "interpenetration", "collision", "all"};
+    static const double thesis[] = {0.76, 0.86, 0.84, 0.91};
+    struct answer answer;
+    ask(&answer, "interactions", NULL);
+    const char *table = answer.table;
+    for (int i = 0; i < 4; i++) {
+        const double cpu = number(table, names[i], "cpu_per_frame"),
+                     least = number(table, names[i], "least"),
+                     greatest = number(table, names[i], "greatest"),
+                     ratio = number(table, names[i], "normalised"),
+                     low = number(table, names[i], "normalised_least"),
+                     high = number(table, names[i], "normalised_greatest"),
+                     theirs = number(table, names[i], "thesis_normalised");
+        char text[400];
+        const char *words =
+            field(row_named(table, names[i]), column_named(table, "comparison"), text);
+        cr_assert(0 < least && least <= cpu && cpu <= greatest, "%s: %g %g %g", names[i], least,
+                  cpu, greatest);
+        cr_assert_float_eq(ratio, cpu / number(table, "none", "cpu_per_frame"), 1e-12);
+        cr_assert(low <= ratio && ratio <= high, "%s: %g %g %g", names[i], low, ratio, high);
+        if (i > 0) {
+            cr_assert_float_eq(low, least / number(table, "none", "greatest"), 1e-12);
+            cr_assert_float_eq(high, greatest / number(table, "none", "least"), 1e-12);
+        }
+        cr_assert_float_eq(theirs, thesis[i] / thesis[0], 1e-12);
+        cr_assert_float_eq(number(table, names[i], "real_time"), 1 / (30 * cpu), 1e-6 / cpu);
+        cr_assert_float_eq(number(table, names[i], "wisps_at_end"), 2, 0);
+        cr_assert_eq(strstr(words, "within the spread") != NULL, low <= theirs && theirs <= high,
+                     "%s: %s", names[i], words);
+        cr_assert_eq(strstr(words, ": more") != NULL, low > theirs, "%s: %s", names[i], words);
+    }
+    forget(&answer);
+}
+
+/* Every stepper has a row, also one that fails; two are compared by their distance. */
+Test(chapter5, slow_every_stepper_has_a_row, QUIET) {
+    struct answer answer;
+    folder_make(answer.folder);
+    PROGRAM(&answer.f, NULL, "experiment", "viscosity", "--quick", "--out", answer.folder);
+    cr_assert_eq(answer.f.code, 0, "exit code %d: %s", answer.f.code, answer.f.err);
+    answer.steppers = table_of(&answer, "viscosity", "steppers");
+    for (int i = 0; stepper_methods[i]; i++) {
+        const char *name = stepper_methods[i]->name;
+        const double distance = number(answer.steppers, name, "distance"),
+                     strain = number(answer.steppers, name, "strain");
+        cr_assert(strain > 0 && strain < 0.1, "%s: strain %g", name, strain);
+        cr_assert(strcmp(name, "reference") == 0 ? isnan(distance)
+                                                 : distance > 0 && distance < 0.02,
+                  "%s is %g m away", name, distance);
+    }
+    cr_assert(number(answer.steppers, "rk4", "distance") <
+              number(answer.steppers, "euler", "distance"));
+    answer.statement = answer.table = NULL;
+    forget(&answer);
+    folder_make(answer.folder);
+    /* stiff beyond what 9000 Hz can do */
+    char path[PATH_SIZE];
+    file_write(answer.folder, "stiff.cfg",
+               "name = \"stiff\"; duration = 0.2; frame_rate = 30.0; gravity = [0.0, -9.81, 0.0];\n"
+               "material = { stretch_stiffness = 16800.0; }; envelope = { };\n"
+               "contacts = { };\n" HANGING,
+               path);
+    PROGRAM(&answer.f, NULL, "experiment", "viscosity", "--stepper", "euler", "--scene", path,
+            "--out", answer.folder);
+    cr_assert_eq(answer.f.code, 0, "exit code %d: %s", answer.f.code, answer.f.err);
+    answer.steppers = table_of(&answer, "viscosity", "steppers");
+    cr_assert_not(strstr(row_named(answer.steppers, "euler"), "finished"), "%s", answer.steppers);
+    answer.statement = table_of(&answer, "viscosity", "statement");
+    cr_assert(strstr(answer.statement, "did not reach its end"), "%s", answer.statement);
+    forget(&answer);
+}
+
+/* --- quick, with figures; and again without runs --- */
+
+static int new_runs(const struct finished *f, const char *experiment) {
+    int runs, new;
+    const char *line = strstr(f->out, ": ");
+    cr_assert(line && sscanf(line, ": %d runs, %d of them new", &runs, &new) == 2, "%s: '%s'",
+              experiment, f->out);
+    return new;
+}
+
+static void try_quickly(const char *experiment, const char *scene) {
+    char folder[PATH_SIZE], path[PATH_SIZE] = "";
+    folder_make(folder);
+    if (scene)
+        file_write(folder, "small.cfg", scene, path);
+    for (int again = 0; again < 2; again++) {
+        struct finished f;
+        const char *const arguments[] = {"experiment", experiment, "--quick",
+                                         "--out",      folder,     scene ? "--scene" : NULL,
+                                         path,         NULL};
+        const struct process process = program_start(NULL, arguments);
+        program_wait(&process, &f);
+        cr_assert_eq(f.code, 0, "%s: exit code %d: %s", experiment, f.code, f.err);
+        cr_assert_eq(new_runs(&f, experiment) > 0, !again, "%s: '%s'", experiment, f.out);
+    }
+    cr_assert_eq(count_files(folder, ".png"), 3, "%s: not three figures", experiment);
+    cr_assert_eq(count_files(folder, ".svg"), 3, "%s: not three figures", experiment);
+    folder_remove(folder);
+}
+
+Test(chapter5, slow_quick_ones_draw_and_resume) {
+    try_quickly("interactions", NULL);
+    try_quickly("viscosity", NULL);
+    try_quickly("radii", radii);
+}
+
+Test(chapter5, slow_quick_ones_draw_and_resume_with_bodies_wind_and_head) {
+    try_quickly("sphere", NULL);
+    try_quickly("wind", gust);
+    try_quickly("shake", shaken);
+}
+
+Test(chapter5, two_scenes_are_refused) {
+    struct finished f;
+    PROGRAM(&f, NULL, "experiment", "wind", "--scene", "swing", "--scene", "swing");
+    cr_assert_eq(f.code, 1);
+    cr_assert(count_lines(f.err) == 1 && strstr(f.err, "one --scene"), "'%s'", f.err);
+}
