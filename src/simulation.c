@@ -154,9 +154,10 @@ static void close_simulation(struct simulation *sim) {
     workers_free(sim->workers);
 }
 
-/* After each step: tells how far the run is, and asks whether it may go on. */
-static int interrupted(struct simulation *sim, double t) {
-    if (sim->watch && sim->watch->reached)
+/* After each step of part i: tells how far the run is, and asks whether it may go on. The first
+ * part speaks for all: threads that write to one place wait for each other. */
+static int interrupted(struct simulation *sim, int i, double t) {
+    if (i == 0 && sim->watch && sim->watch->reached)
         atomic_store_explicit(sim->watch->reached, t, memory_order_relaxed);
     return sim->watch && sim->watch->stop && *sim->watch->stop;
 }
@@ -168,7 +169,7 @@ static int advance_fixed(struct simulation *sim, int i, double *t, double to) {
     const long long steps = clock_steps(to - from, sim->settings->step);
     const double h = (to - from) / (double)steps;
 
-    for (long long k = 0; k < steps && !interrupted(sim, *t); k++) {
+    for (long long k = 0; k < steps && !interrupted(sim, i, *t); k++) {
         const int code = sim->settings->method->step(sim->steppers[i], *t, h, part->q, part->v);
         if (code)
             return code;
@@ -190,7 +191,7 @@ static int advance_adaptive(struct simulation *sim, int i, double *t, double to,
         part->system.counters.steps += part->system.wisps;
         if (part->account)
             account_step(part, *t);
-    } while (*t < to && !once && !interrupted(sim, *t));
+    } while (*t < to && !once && !interrupted(sim, i, *t));
     return 0;
 }
 
@@ -240,7 +241,7 @@ static void advance_parts(struct simulation *sim, double to) {
             end_with(sim, (enum outcome)abs(part->code), sim->model->parts[i].system.reason);
         reached = fmin(reached, part->reached);
     }
-    if (going(sim) && interrupted(sim, reached))
+    if (going(sim) && interrupted(sim, 0, reached))
         end_with(sim, (enum outcome) * sim->watch->stop, "stopped from outside");
     sim->t = sim->model->t = reached;
     sim->result->time = reached;
