@@ -17,7 +17,7 @@ is_point(m) = strcol(1) eq word(names, m) && strcol(2) eq treatment
 is_good(m) = is_point(m) && strcol(STATUS) eq 'finished'
 # What is said of a method's failures: how many, and of the first one of what kind and when.
 kinds = ''
-say(status, t) = status.(t == t ? sprintf(' at t = %.2g s', t) : '')
+say(status, t) = status.(t == t ? sprintf(', %.2g s', t) : '')
 count_failure(m) = (failures = failures + 1, kinds = kinds eq '' ? say(strcol(STATUS), $6) : kinds, 0)
 at(x) = x > 0 ? x : 0.6 * first # a run that was killed could not say what it had done
 row_of(name) = TOP * 10 ** (0.6 * place(in_band, name))
@@ -41,7 +41,7 @@ do for [s = 1:words(scene_files)] {
     TOP = length_of[s] # m: an error of the longest wisp's length is as bad as none
     many = words(treatments) > 1
     page_width = columns == 3 ? 1300 : 1000
-    page_height = many ? 1105 : 740
+    page_height = many ? 1075 : 705
     pitch = (page_width - 85) / columns # from panel to panel
     eval figure(scene, page_width, page_height)
     eval names_of(scene)
@@ -69,7 +69,7 @@ do for [s = 1:words(scene_files)] {
     eval heading(WHAT.': '.escaped(word(scene_names, s)), \
         'rms distance of the free nodes from the tight solution of the same treatment, all frames' \
         .(compared < duration ? sprintf(' to %.2g s', compared) : '') \
-        .'; ×: failed; legend: slopes'.(many ? ', panel by panel' : ''))
+        .'; ×: failed (how many, how and when first); legend: slopes'.(many ? ', panel by panel' : ''))
     do for [p = 0:(many ? 2 * columns - 1 : 1)] {
         row = many ? p / columns : 0
         place_x = many ? p % columns : p
@@ -92,7 +92,7 @@ do for [s = 1:words(scene_files)] {
             stats table(scene) using (strcol(1) eq word(in_band, i) && strcol(2) eq treatment \
                 && is_failed(strcol(STATUS)) ? count_failure(0) : 0, 0) nooutput
             if (failures) {
-                remark = failures == 1 ? kinds : sprintf('%d, first: %s', failures, kinds)
+                remark = failures == 1 ? kinds : sprintf('%d: %s', failures, kinds)
                 set label 20 + i remark \
                     at graph 0.99, first row_of(word(in_band, i)) right font ',10' \
                     textcolor rgb ink_of(word(in_band, i))
@@ -153,7 +153,7 @@ do for [s = 1:words(scene_files)] {
                 with points pt FAILED ps 0.8 lw 1.6 lc rgb colour_of(word(names, m))
         eval heading_done
     }
-    eval legend(0, page_height - 183, page_width, 175, 7)
+    eval legend(0, page_height - 163, page_width, 155, 7)
     plot @BLANK, for [m = 1:words(names)] keyentry with linespoints lt style_of(word(names, m)) \
             title word(titles, m), \
          keyentry with boxes fs solid 0.25 noborder lc rgb '#0072B2' title 'jittered tolerances', \
