@@ -8,7 +8,7 @@
 
 /* Groups that only other versions read, which would otherwise be passed over in silence. */
 static void refuse_absent_features(struct config_reader *reader, config_setting_t *top) {
-    static const char *const absent[] = {"subdivision", "start", "render", NULL};
+    static const char *const absent[] = {"subdivision", "start", NULL};
     for (int i = 0; absent[i]; i++) {
         config_setting_t *group = config_setting_get_member(top, absent[i]);
         if (group)
@@ -240,9 +240,10 @@ static void read_entry(struct config_reader *reader, config_setting_t *entry,
 }
 
 void scene_read_wisps(struct config_reader *reader, config_setting_t *top, struct scene *scene) {
-    static const char *const known[] = {
-        "name",     "problem", "duration", "frame_rate", "seed", "run",  "gravity",  "material",
-        "envelope", "wisps",   "wind",     "style",      "head", "body", "contacts", NULL};
+    static const char *const known[] = {"name",   "problem", "duration", "frame_rate", "seed",
+                                        "run",    "gravity", "material", "envelope",   "wisps",
+                                        "wind",   "style",   "head",     "body",       "contacts",
+                                        "render", NULL};
     struct wisp material = {0};
     refuse_absent_features(reader, top);
     config_known(reader, top, known);
@@ -253,6 +254,7 @@ void scene_read_wisps(struct config_reader *reader, config_setting_t *top, struc
     read_style(reader, top, &scene->around.style);
     read_head(reader, top, &scene->around.head);
     scene_read_contacts(reader, top, material.samples, scene);
+    render_read(reader, top, &scene->render);
 
     config_setting_t *wisps = config_setting_get_member(top, "wisps");
     if (!wisps || !config_setting_is_list(wisps) || config_setting_length(wisps) == 0) {
