@@ -56,7 +56,7 @@ if (most > 0) {
         size screen 320./WIDTH, screen 10./HEIGHT
     set cbtics nomirror out scale 0.5; set format cb '10^{%T}'; unset mcbtics
     set cblabel 'distance from the reference, m' offset 0, 0.6
-    plot @BLANK lc palette
+    plot '+' using 1:(NaN):(most) with points lc palette
 }
 unset multiplot
 unset output

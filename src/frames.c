@@ -4,6 +4,7 @@
 #include "vector.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -67,52 +68,61 @@ static int check_columns(struct frames *f, const char *states, char *reason) {
 
 /* --- the rows --- */
 
-/* How many rows from this one on are nodes 0, 1, 2, ... of a wisp at a time. */
-static int count_nodes(const struct frames *f, int row, double t, int wisp) {
+/* How many rows from this one on are nodes 0, 1, 2, ... of a wisp at a time, up to `most`. */
+static int count_nodes(const struct frames *f, int row, double t, int wisp, int most) {
     int n = 0;
-    while (row + n < f->states.row_count && number(f, row + n, T) == t &&
+    while (n < most && row + n < f->states.row_count && number(f, row + n, T) == t &&
            number(f, row + n, WISP) == wisp && number(f, row + n, NODE) == n)
         n++;
     return n;
 }
 
-/* Rows from `row` on that are whole wisps 0, 1, 2, ... at one time; the number of wisps goes to
- * *wisps. What a wisp that no frame before had begins with is taken for its length. */
-static int count_wisps(const struct frames *f, int row, int *nodes, int *wisps) {
-    const int first = row, known = f->scene->wisp_count;
+/* How far rows go on as a frame: whole wisps, and nodes of one that is not whole. */
+struct reach {
+    int end; /* the first row that does not belong to it */
+    int wisps, rest;
+};
+
+/* What a wisp that no frame before had has here is what it has. */
+static struct reach find_reach(const struct frames *f, int row, int *nodes) {
+    struct reach reach = {.end = row};
     const double t = number(f, row, T);
-    for (*wisps = 0; *wisps < f->wisp_count; ++*wisps) {
-        const int n = count_nodes(f, row, t, *wisps);
-        if (*wisps >= known && nodes[*wisps] == 0 && n >= 3)
-            nodes[*wisps] = n;
-        if (n == 0 || n != nodes[*wisps])
+    for (; reach.wisps < f->wisp_count; reach.wisps++) {
+        const int known = nodes[reach.wisps];
+        const int n = count_nodes(f, reach.end, t, reach.wisps, known ? known : INT_MAX);
+        reach.end += n;
+        if (!known && n >= 3)
+            nodes[reach.wisps] = n;
+        if (n == 0 || n != nodes[reach.wisps]) {
+            reach.rest = n;
             break;
-        row += n;
+        }
     }
-    return row - first;
+    return reach;
 }
 
 /* A frame that begins at `row`. Returns 0, 1 with a reason, or -1 where the table ends within it.
  */
 static int take_frame(struct frames *f, int row, int *nodes, const char *states, char *reason) {
-    int wisps;
-    const int rows = count_wisps(f, row, nodes, &wisps), end = row + rows;
+    const struct reach reach = find_reach(f, row, nodes);
     const int due = f->count ? frames_wisps(f, f->count) : f->scene->wisp_count;
+    const int end = reach.end, more = end < f->states.row_count;
     const double t = number(f, row, T);
-    const int more = end < f->states.row_count;
-    if (wisps < due || (more && number(f, end, T) == t)) {
-        const int at = more ? end : end - 1;
+    if (!more && (reach.wisps < due || reach.rest > 0)) {
         refuse(states, reason,
-               more ? "frame %d: row %d is wisp %g, node %g; wisp %d must be whole before it"
-                    : "frame %d, the last, is not complete: it ends with row %d, wisp %g, node %g; "
-                      "wisp %d is missing or not whole",
-               f->count + 1, at + 1, number(f, at, WISP), number(f, at, NODE), wisps);
-        return more ? 1 : -1;
+               "frame %d, the last, is not complete: it ends before wisp %d, node %d", f->count + 1,
+               reach.wisps, reach.rest);
+        return -1;
     }
-    if (f->count && !(t > frames_time(f, f->count))) {
+    if (more && (reach.wisps < due || reach.rest > 0 || number(f, end, T) == t))
+        return refuse(states, reason,
+                      "frame %d: row %d is wisp %g, node %g at %g s, where wisp %d, node %d at "
+                      "%g s should be",
+                      f->count + 1, end + 1, number(f, end, WISP), number(f, end, NODE),
+                      number(f, end, T), reach.wisps, reach.rest, t);
+    if (f->count && !(t > frames_time(f, f->count)))
         return refuse(states, reason, "frame %d: its time %g s does not come after %g s",
                       f->count + 1, t, frames_time(f, f->count));
-    }
     f->first_row[++f->count] = end;
     return 0;
 }
