@@ -37,13 +37,13 @@ thick = panel_height / 700.; thick = thick < 0.6 ? 0.6 : thick > 3 ? 3 : thick
 set xrange [0:panel_width]; set yrange [0:panel_height]
 do for [i = 1:panels] {
     eval panel(left[i], top[i], panel_width, panel_height)
-    if (bodies[i]) {
-        plot file(image[i]) binary array=(panel_width,panel_height) format='%uchar' \
-            origin=(0.5,0.5) dx=1 dy=1 using 1:2:3:4 with rgbalpha
-    }
     if (layer0[i] ne '') {
         plot file(layer0[i]) binary @RECORD using 1:2:3:4:7 with vectors filled head size 7,18,60 fixed \
             lw 1.6 lc rgb variable
+    }
+    if (bodies[i]) {
+        plot file(image[i]) binary array=(panel_width,panel_height) format='%uchar' \
+            origin=(0.5,0.5) dx=1 dy=1 using 1:2:3:4 with rgbalpha
     }
     if (layer1[i] ne '') { plot file(layer1[i]) binary @RECORD @hair lw thick }
     if (layer2[i] ne '') { plot file(layer2[i]) binary @RECORD @hair lw 1 }
@@ -51,11 +51,11 @@ do for [i = 1:panels] {
     if (layer4[i] ne '') { plot file(layer4[i]) binary @RECORD @dots }
 }
 if (most > 0) {
-    eval panel(0, HEIGHT - 64, WIDTH, 64)
-    set colorbox user horizontal origin screen 0.5 - 160./WIDTH, screen 40./HEIGHT \
+    eval panel(0, HEIGHT - 70, WIDTH, 70)
+    set colorbox user horizontal origin screen 0.5 - 160./WIDTH, screen 50./HEIGHT \
         size screen 320./WIDTH, screen 10./HEIGHT
     set cbtics nomirror out scale 0.5; set format cb '10^{%T}'; unset mcbtics
-    set cblabel 'distance from the reference, m' offset 0, 0.6
+    set cblabel 'distance from the reference, m' offset 0, 0.5
     plot '+' using 1:(NaN):(most) with points lc palette
 }
 unset multiplot

@@ -6,16 +6,12 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/param.h>
 #include <unistd.h>
 
-enum {
-    TITLE = STRIP_TITLE,
-    CAPTION = 20,
-    LABEL = 120,
-    BAR = 64,
-    GAP = 6,
-    PANELS_MAX = 400
-}; /* pixels */
+/* Pixels. */
+enum { TITLE = STRIP_TITLE, CAPTION = 20, LETTER = 7, BAR = 70, GAP = 6 };
+enum { PANELS_MAX = 400 };
 
 struct run {
     struct frames frames;
@@ -28,7 +24,8 @@ struct strip {
     int run_count;
     struct frames reference;
     char title[200];
-    int width, height, columns, labelled;
+    int width, height, columns;
+    int longest; /* letters in a label */
     double most; /* of all distances from the reference, m; 0: there is none */
 };
 
@@ -65,7 +62,7 @@ static int open_run(struct strip *strip, int i, const struct strip_request *requ
              row->label               ? row->label
              : request->row_count > 1 ? run->frames.run
                                       : "");
-    strip->labelled |= run->label[0] != '\0';
+    strip->longest = MAX(strip->longest, (int)strlen(run->label));
     code = check_views(&run->frames, request->views, row->states, reason);
     if (!code && drawing_create(&run->drawing, &run->frames, request->views)) {
         snprintf(reason, REASON_SIZE, "out of memory");
@@ -202,10 +199,10 @@ void strip_free(struct strip *strip) {
 }
 
 int strip_frames(const struct strip *strip) {
-    int least = strip->runs[0].frames.count;
-    for (int i = 1; i < strip->run_count; i++)
-        least = strip->runs[i].frames.count < least ? strip->runs[i].frames.count : least;
-    return strip->most > 0 && strip->reference.count < least ? strip->reference.count : least;
+    int least = strip->most > 0 ? strip->reference.count : strip->runs[0].frames.count;
+    for (int i = 0; i < strip->run_count; i++)
+        least = MIN(least, strip->runs[i].frames.count);
+    return least;
 }
 
 const char *strip_name(const struct strip *strip) {
@@ -225,12 +222,13 @@ static struct layout lay_out(const struct strip *strip, int count) {
     const int alone = strip->run_count == 1 && count == 1; /* its title says which frame it is */
     page.columns = strip->columns > 0 && strip->columns < count ? strip->columns : count;
     page.lines = (count + page.columns - 1) / page.columns;
-    page.left = strip->labelled ? LABEL : 0;
+    page.left = strip->longest > 0 ? 2 * GAP + LETTER * strip->longest : 0;
     page.top = TITLE + (alone ? 0 : CAPTION);
     page.across = strip->width + (alone ? 0 : GAP);
-    page.down = strip->height + (alone ? 0 : CAPTION + GAP);
+    page.down = strip->height + (alone ? 0 : GAP) + (page.lines > 1 ? CAPTION : 0);
     page.width = page.left + page.columns * page.across;
-    page.height = TITLE + strip->run_count * page.lines * page.down + (strip->most > 0 ? BAR : 0);
+    page.height = page.top + strip->run_count * page.lines * page.down +
+                  (strip->most > 0 ? BAR : 0) - (page.lines > 1 ? CAPTION : 0);
     return page;
 }
 
@@ -258,7 +256,7 @@ static void panel_corner(const struct layout *page, int run, int column, int cor
 
 static void write_labels(const struct strip *strip, const struct layout *page, const int *frames,
                          int count, FILE *file) {
-    char text[256];
+    char text[256], font[64];
     int number = 1, corner[2];
     const struct frames *first = &strip->runs[0].frames;
     if (strip->run_count == 1 && count == 1)
@@ -266,18 +264,22 @@ static void write_labels(const struct strip *strip, const struct layout *page, c
                  frames_time(first, frames[0]));
     else
         snprintf(text, sizeof text, "%s", strip->title);
-    write_label(file, number++, page, 10, TITLE / 2, "left font FONT.':Bold,13'", text);
+    snprintf(font, sizeof font, "left font FONT.':Bold,%.3g'",
+             fmin(13, 1.3 * page->width / (double)strlen(text))); /* a letter of 13 has 10 pixels */
+    write_label(file, number++, page, 10, TITLE / 2., font, text);
     for (int run = 0; run < strip->run_count; run++) {
         panel_corner(page, run, 0, corner);
-        if (strip->labelled)
-            write_label(file, number++, page, 10, corner[1] + strip->height / 2, "left",
+        if (strip->longest > 0)
+            write_label(file, number++, page, 10, corner[1] + strip->height / 2., "left",
                         strip->runs[run].label);
+        if (run > 0 && page->lines == 1)
+            continue; /* the first row's captions are the columns' */
         for (int i = 0; i < count && (strip->run_count > 1 || count > 1); i++) {
             panel_corner(page, run, i, corner);
             snprintf(text, sizeof text, "frame %d, %.3f s", frames[i],
                      frames_time(first, frames[i]));
             write_label(file, number++, page, corner[0] + strip->width / 2.,
-                        corner[1] - CAPTION / 2, "center textcolor rgb GREY", text);
+                        corner[1] - CAPTION / 2., "center textcolor rgb GREY", text);
         }
     }
 }

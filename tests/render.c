@@ -554,7 +554,7 @@ Test(render, exported_frames_have_all_digits) {
     folder_remove(folder);
 }
 
-/* VTK's own reader, where Debian's python3-vtk9 is installed. */
+/* VTK's own reader, where Debian's python3-vtk9 is installed, which is for Debian's python3. */
 static const char *const reader =
     "import sys\n"
     "try:\n"
@@ -589,7 +589,7 @@ Test(render, exported_frames_are_read_by_vtk) {
     open_frames(&frames, folder);
     cr_assert_eq(vtk_write(&frames, folder, "name", reason), 0, "%s", reason);
     file_write(folder, "reader.py", reader, script);
-    snprintf(command, sizeof command, "python3 '%s' '%s' 2>&1", script, folder);
+    snprintf(command, sizeof command, "/usr/bin/python3 '%s' '%s' 2>&1", script, folder);
     const int status = system(command);
     frames_close(&frames);
     scene_free(scene);
