@@ -311,6 +311,17 @@ Test(render, wrong_commands_are_refused_in_one_line) {
     folder_remove(folder);
 }
 
+/* --- making a picture --- */
+
+static void draw(struct picture *picture, const struct frames *frames, unsigned views, int frame,
+                 int width, int height) {
+    struct drawing drawing;
+    cr_assert_eq(drawing_create(&drawing, frames, views), 0);
+    drawing.camera = camera_at(frames->scene, width, height);
+    cr_assert_eq(picture_draw(picture, &drawing, frame), 0);
+    drawing_free(&drawing);
+}
+
 /* --- wisps that split --- */
 
 /* Wisp 0 splits after frame 1, its twin 1 after frame 2 and 0 again: parents are found by place,
@@ -335,7 +346,12 @@ Test(render, children_have_their_parents_hair) {
     cr_expect_eq(frames.parent[3], 0);
     cr_expect_eq(frames.born[1], 2);
     cr_expect_eq(frames.born[3], 3);
-    for (int frame = 1; frame <= 3; frame++)
+    for (int frame = 1; frame <= 3; frame++) {
+        struct picture picture;
+        draw(&picture, &frames, VIEW_HAIR, frame, 320, 240);
+        const size_t count = picture.layer[LAYER_HAIR].count;
+        cr_expect(count > 500 && count <= 50 * 3 * 4, "frame %d: %zu segments", frame, count);
+        picture_free(&picture);
         for (int hair = 0; hair < 50; hair++) {
             int owners = 0, first = 0, second = 0;
             for (int i = 0; i < frames_wisps(&frames, frame); i++) {
@@ -350,21 +366,13 @@ Test(render, children_have_their_parents_hair) {
                 cr_assert(first == hair_share_has(frames_share(&frames, 2, 0), hair) &&
                           second == hair_share_has(frames_share(&frames, 2, 1), hair));
         }
+    }
     frames_close(&frames);
     scene_free(scene);
     folder_remove(folder);
 }
 
-/* --- a picture --- */
-
-static void draw(struct picture *picture, const struct frames *frames, unsigned views, int frame,
-                 int width, int height) {
-    struct drawing drawing;
-    cr_assert_eq(drawing_create(&drawing, frames, views), 0);
-    drawing.camera = camera_at(frames->scene, width, height);
-    cr_assert_eq(picture_draw(picture, &drawing, frame), 0);
-    drawing_free(&drawing);
-}
+/* --- what is drawn --- */
 
 /* Frames in which nothing moves have the same hair, and all of it is there. */
 Test(render, still_hair_is_the_same_in_every_frame) {
@@ -443,7 +451,11 @@ Test(render, the_error_is_the_distance_from_the_reference) {
         still += nodes->segments[i].error == 0;
     }
     cr_expect(tips == 2 && still == 4, "%d tips, %d that stand", tips, still);
-    cr_assert_eq(picture_draw(&picture, &drawing, 1), 0);
+    picture_free(&picture);
+    cr_assert_eq(picture_draw(&picture, &drawing, 1),
+                 0); /* of the frame that they have in common */
+    for (size_t i = 0; i < nodes->count; i++)
+        cr_expect_eq(nodes->segments[i].error, 0);
     picture_free(&picture);
     drawing_free(&drawing);
     frames_close(&frames);
