@@ -46,8 +46,8 @@ static void set_locale(void) {
     setenv("LC_ALL", "C.UTF-8", 1);
 }
 
-int plot_script(const char *name, const char *folder, const char *to, const char *format,
-                char *reason) {
+int plot_draw(const char *name, const char *folder, const char *to, const char *format,
+              char *reason) {
     static pthread_once_t once = PTHREAD_ONCE_INIT;
     char variables[4 * PATH_SIZE] = "", plots[PATH_SIZE], script[PATH_SIZE];
     path_format(plots, "%s/plots", data_folder());
@@ -120,7 +120,7 @@ int plot_experiment(const char *name, const char *folder, char *reason) {
         make_folder(drawing, reason))
         return -1;
     for (int i = 0; i < 2; i++) {
-        if (plot_script(name, folder, drawing, formats[i], reason)) {
+        if (plot_draw(name, folder, drawing, formats[i], reason)) {
             plot_empty_folder(drawing, NULL, reason);
             return -1;
         }

@@ -388,7 +388,7 @@ int strip_write(const struct strip *strip, const int *frames, int count, const c
         return 2;
     }
     code = write_page(strip, frames, count, drawing, reason);
-    if (!code && plot_script("hair", drawing, drawing, format, reason))
+    if (!code && plot_draw("pictures", drawing, drawing, format, reason))
         code = 2;
     if (!code && rename(drawn, file)) {
         snprintf(reason, REASON_SIZE, "%.150s: cannot write: %s", file, strerror(errno));

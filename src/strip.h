@@ -1,5 +1,5 @@
 /* Pages of pictures: rows are runs, columns are frames, all seen by the first run's camera. One run
- * at one frame is a page too. Drawn by gnuplot with plots/hair.gp. */
+ * at one frame is a page too. Drawn by gnuplot with plots/pictures.gp. */
 #ifndef WISPLAB_STRIP_H
 #define WISPLAB_STRIP_H
 
