@@ -297,10 +297,11 @@ int frames_open(struct frames *f, const char *states, const char *const *sets, i
     json_t *run = read_run(states, path, reason);
     if (!run)
         return 1;
-    snprintf(f->run, sizeof f->run, "%.38s %.38s", text_of(run, "settings", "stepper"),
-             text_of(run, "settings", "treatment"));
     const char *status = json_string_value(json_object_get(run, "status"));
-    const int failed = status && outcome_from_name(status) != FINISHED;
+    const int failed = !status || outcome_from_name(status) != FINISHED;
+    snprintf(f->run, sizeof f->run, failed ? "%.28s %.28s (%.16s)" : "%.28s %.28s",
+             text_of(run, "settings", "stepper"), text_of(run, "settings", "treatment"),
+             status ? status : "failed");
     int code = open_scene(f, run, path, sets, set_count, reason);
     json_decref(run);
     if (!code)

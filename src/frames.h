@@ -8,7 +8,7 @@
 
 struct frames {
     struct scene *scene; /* as run.json has it */
-    char run[80];        /* "rk4 generalised": stepper and treatment */
+    char run[80];        /* "rk4 generalised": stepper and treatment, and how it failed */
     enum wisp_treatment treatment;
     int count;          /* numbered from 1 */
     int wisp_count;     /* in the last frame; no frame has more */

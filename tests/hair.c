@@ -95,9 +95,12 @@ Test(hair, lengths_are_even_from_nine_tenths_to_all) {
     hairs_free(hairs);
 }
 
+static int same_places(const struct hairs *a, const struct hairs *b, int count) {
+    return memcmp(a->place, b->place, (size_t)(count * a->nodes) * sizeof *a->place) == 0;
+}
+
 static int same(const struct hairs *a, const struct hairs *b, int count) {
-    const size_t places = (size_t)(count * a->nodes);
-    return memcmp(a->place, b->place, places * sizeof *a->place) == 0 &&
+    return same_places(a, b, count) &&
            memcmp(a->length, b->length, (size_t)count * sizeof *a->length) == 0;
 }
 
@@ -119,11 +122,11 @@ Test(hair, a_wisp_has_the_same_hair_whatever_becomes_of_it) {
         other = wisp;
         *numbers[i] = nextafter(*numbers[i], 10);
         again = make(&other, 1, 30);
-        cr_expect(!same(hairs, again, 1), "number %d makes no difference", i);
+        cr_expect(!same_places(hairs, again, 1), "number %d makes no difference", i);
         hairs_free(again);
     }
     again = make(&wisp, 2, 30);
-    cr_expect(!same(hairs, again, 1), "the seed makes no difference");
+    cr_expect(!same_places(hairs, again, 1), "the seed makes no difference");
     hairs_free(again);
     hairs_free(hairs);
 }

@@ -249,6 +249,7 @@ Test(render, the_whole_frames_of_a_failed_run_are_kept) {
     write_run(folder, scene, "out of time");
     open_frames(&frames, folder);
     cr_expect_eq(frames.count, 2);
+    cr_expect_str_eq(frames.run, "rk4 generalised (out of time)");
     frames_close(&frames);
     free(text);
     scene_free(scene);
