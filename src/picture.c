@@ -93,6 +93,18 @@ static void cut(const struct brush *brush, struct spot *seen, struct spot *hidde
     }
 }
 
+/* Whether a line may be seen in the picture; not if it goes as far out as that of a run which
+ * diverged, or is nowhere. */
+static int in_picture(const struct camera *camera, const double a[3], const double b[3]) {
+    static const double far = 1e5; /* pixels */
+    const double size[2] = {camera->width, camera->height};
+    int in = 1;
+    for (int k = 0; k < 2; k++)
+        in &= fabs(a[k]) < far && fabs(b[k]) < far && fmax(a[k], b[k]) > 0 &&
+              fmin(a[k], b[k]) < size[k];
+    return in;
+}
+
 static void stroke(struct brush *brush, enum layer_kind kind, struct spot a, struct spot b,
                    unsigned colour, double error) {
     if (!a.seen && !b.seen)
@@ -101,6 +113,8 @@ static void stroke(struct brush *brush, enum layer_kind kind, struct spot a, str
         cut(brush, &b, &a);
     if (!b.seen)
         cut(brush, &a, &b);
+    if (!in_picture(&brush->drawing->camera, a.place, b.place))
+        return;
     const struct segment segment = {(float)a.place[0],
                                     (float)a.place[1],
                                     (float)(b.place[0] - a.place[0]),

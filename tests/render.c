@@ -397,6 +397,32 @@ Test(render, still_hair_is_the_same_in_every_frame) {
     folder_remove(folder);
 }
 
+/* What a run that diverged leaves: what is near is drawn, and all numbers are such as gnuplot
+ * reads. */
+Test(render, a_wisp_that_flew_apart_is_drawn_as_far_as_it_is_seen) {
+    char folder[PATH_SIZE];
+    struct scene *scene = scene_of(two_wisps);
+    for (int power = 3; power <= 300; power += 27) {
+        struct frames frames;
+        struct picture picture;
+        write_frames(folder, scene, 2, pow(10, power));
+        open_frames(&frames, folder);
+        draw(&picture, &frames, VIEW_HAIR | VIEW_SKELETON | VIEW_ENVELOPE, 2, 320, 240);
+        cr_expect(picture.layer[LAYER_HAIR].count > 0, "1e%d m: nothing is seen", power);
+        for (int k = 0; k < LAYER_COUNT; k++)
+            for (size_t i = 0; i < picture.layer[k].count; i++) {
+                const struct segment *s = &picture.layer[k].segments[i];
+                cr_assert(fabsf(s->x) < 1e6f && fabsf(s->y) < 1e6f && fabsf(s->dx) < 1e6f &&
+                              fabsf(s->dy) < 1e6f && isfinite(s->depth),
+                          "1e%d m: a segment at %g, %g", power, (double)s->x, (double)s->y);
+            }
+        picture_free(&picture);
+        frames_close(&frames);
+        folder_remove(folder);
+    }
+    scene_free(scene);
+}
+
 /* A ball before the first wisp hides it all, and nothing of the second; behind, nothing. */
 Test(render, hair_behind_a_body_is_not_drawn) {
     static const double depth[2] = {1, -1};
