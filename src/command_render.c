@@ -8,6 +8,7 @@
 #include <ctype.h>
 #include <errno.h>
 #include <math.h>
+#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -47,9 +48,10 @@ struct task {
 
     struct strip *strip;
     int *frames, count;
-    char name[80]; /* of the scene, for file names */
+    char name[80];          /* of the scene, for file names */
+    pthread_mutex_t shared; /* by the threads that write pictures: what follows */
     struct progress progress;
-    int done, code; /* of pictures that are written */
+    int done, code;
     char reason[REASON_SIZE];
 };
 
@@ -268,17 +270,22 @@ static int write_strip(struct task *task) {
 static void write_picture(void *ctx, int i) {
     struct task *task = ctx;
     char name[100], reason[REASON_SIZE] = "interrupted";
-    if (__atomic_load_n(&task->code, __ATOMIC_RELAXED))
+    pthread_mutex_lock(&task->shared);
+    const int failed = task->code;
+    pthread_mutex_unlock(&task->shared);
+    if (failed)
         return;
     picture_name(task, task->frames[i], name);
     const int code = runs_interrupted() ? 3
                                         : strip_write(task->strip, &task->frames[i], 1, task->out,
                                                       name, task->format, reason);
-    int none = 0;
-    if (code && __atomic_compare_exchange_n(&task->code, &none, code, 0, __ATOMIC_RELAXED,
-                                            __ATOMIC_RELAXED))
+    pthread_mutex_lock(&task->shared);
+    if (code && !task->code) {
+        task->code = code;
         memcpy(task->reason, reason, sizeof reason);
-    __atomic_add_fetch(&task->done, 1, __ATOMIC_RELAXED);
+    }
+    progress_show(&task->progress, (double)++task->done / task->count, "");
+    pthread_mutex_unlock(&task->shared);
 }
 
 static int write_pictures(struct task *task) {
@@ -289,7 +296,11 @@ static int write_pictures(struct task *task) {
         snprintf(task->reason, REASON_SIZE, "no threads to be had");
         return 2;
     }
+    task->progress = progress_start("pictures", !argument_given(task->arguments, "no-progress"));
+    pthread_mutex_init(&task->shared, NULL);
     workers_run(workers, write_picture, task, task->count);
+    pthread_mutex_destroy(&task->shared);
+    progress_end(&task->progress);
     workers_free(workers);
     picture_name(task, task->frames[0], first);
     picture_name(task, task->frames[task->count - 1], last);
