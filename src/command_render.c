@@ -269,16 +269,20 @@ static int write_strip(struct task *task) {
 /* One picture, by any thread; the first that fails ends it for all. */
 static void write_picture(void *ctx, int i) {
     struct task *task = ctx;
-    char name[100], reason[REASON_SIZE] = "interrupted";
+    char name[100], reason[REASON_SIZE];
     pthread_mutex_lock(&task->shared);
     const int failed = task->code;
     pthread_mutex_unlock(&task->shared);
     if (failed)
         return;
     picture_name(task, task->frames[i], name);
-    const int code = runs_interrupted() ? 3
-                                        : strip_write(task->strip, &task->frames[i], 1, task->out,
-                                                      name, task->format, reason);
+    int code = runs_interrupted() ? 3 : 0;
+    if (!code)
+        code = strip_write(task->strip, &task->frames[i], 1, task->out, name, task->format, reason);
+    if (code && runs_interrupted()) { /* so may gnuplot have been */
+        code = 3;
+        snprintf(reason, sizeof reason, "interrupted");
+    }
     pthread_mutex_lock(&task->shared);
     if (code && !task->code) {
         task->code = code;

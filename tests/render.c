@@ -8,6 +8,7 @@
 
 #include <criterion/criterion.h>
 #include <math.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -525,6 +526,29 @@ Test(render, pictures_have_the_size_that_was_asked_for) {
     free(gif);
     cr_expect_eq(count_files(out, "png"), 3);
     cr_expect_eq(count_files(out, "drawing"), 0, "something was left behind");
+    scene_free(scene);
+    folder_remove(folder);
+}
+
+/* Pictures that are there are whole, and nothing else is. */
+Test(render, an_interruption_leaves_whole_pictures) {
+    char folder[PATH_SIZE], out[PATH_SIZE];
+    struct scene *scene = scene_of(two_wisps);
+    struct finished f;
+    write_frames(folder, scene, 300, 0.0001);
+    path_format(out, "%s/out", folder);
+    const char *const words[] = {"render",  folder,  "--frames", "all", "--size",
+                                 "100x100", "--out", out,        NULL};
+    const struct process process = program_start(NULL, words);
+    for (int i = 0; i < 1000 && count_files(out, ".png") < 1; i++)
+        usleep(10000);
+    kill(process.pid, SIGTERM);
+    program_wait(&process, &f);
+    cr_expect(f.code == 3 && count_lines(f.err) == 1 && strstr(f.err, "interrupted"), "%d: %s",
+              f.code, f.err);
+    const int pictures = count_files(out, ".png");
+    cr_expect(pictures > 0 && pictures < 300, "%d pictures", pictures);
+    cr_expect_eq(count_files(out, ""), pictures, "something else was left");
     scene_free(scene);
     folder_remove(folder);
 }
