@@ -8,7 +8,8 @@
 #include <string.h>
 
 static const struct command *const commands[] = {
-    &list_command, &run_command, &eval_command, &experiment_command, &plot_command, NULL,
+    &list_command, &run_command,    &eval_command,   &experiment_command,
+    &plot_command, &render_command, &export_command, NULL,
 };
 
 int complain(int code, const char *format, ...) {

@@ -37,7 +37,7 @@ struct command {
 };
 
 extern const struct command list_command, run_command, eval_command, experiment_command,
-    plot_command;
+    plot_command, render_command, export_command;
 
 /* The last value of an option, or NULL; all of a repeated one; whether a flag was given. */
 const char *argument_text(const struct arguments *arguments, const char *name);

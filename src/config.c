@@ -139,6 +139,57 @@ void config_open(struct config_reader *reader, const char *path, const char *con
         apply_set(reader, sets[i]);
 }
 
+static int add_json(config_setting_t *parent, const char *name, const json_t *json);
+
+/* Arrays become lists, which are read wherever an array is. Every member, or 0. */
+static int add_members(config_setting_t *group, const json_t *json) {
+    const char *name;
+    json_t *member;
+    size_t i;
+    int ok = 1;
+    if (json_is_array(json)) {
+        json_array_foreach(json, i, member) ok = ok && add_json(group, NULL, member);
+    } else {
+        json_object_foreach((json_t *)json, name, member) ok = ok && add_json(group, name, member);
+    }
+    return ok;
+}
+
+static int config_type(const json_t *json) {
+    static const int types[] = {
+        [JSON_OBJECT] = CONFIG_TYPE_GROUP,  [JSON_ARRAY] = CONFIG_TYPE_LIST,
+        [JSON_STRING] = CONFIG_TYPE_STRING, [JSON_INTEGER] = CONFIG_TYPE_FLOAT,
+        [JSON_REAL] = CONFIG_TYPE_FLOAT,    [JSON_TRUE] = CONFIG_TYPE_BOOL,
+        [JSON_FALSE] = CONFIG_TYPE_BOOL,    [JSON_NULL] = CONFIG_TYPE_NONE};
+    return types[json_typeof(json)];
+}
+
+static int add_json(config_setting_t *parent, const char *name, const json_t *json) {
+    const int type = config_type(json);
+    config_setting_t *setting =
+        type == CONFIG_TYPE_NONE ? NULL : config_setting_add(parent, name, type);
+    if (!setting) /* nor for a name that libconfig would not read */
+        return 0;
+    if (type == CONFIG_TYPE_FLOAT)
+        return config_setting_set_float(setting, json_number_value(json));
+    if (type == CONFIG_TYPE_BOOL)
+        return config_setting_set_bool(setting, json_is_true(json));
+    if (type == CONFIG_TYPE_STRING)
+        return config_setting_set_string(setting, json_string_value(json));
+    return add_members(setting, json);
+}
+
+void config_open_json(struct config_reader *reader, const json_t *json, const char *file,
+                      const char *const *sets, int set_count, char *reason) {
+    *reader = (struct config_reader){.reason = reason};
+    path_format(reader->file, "%s", file);
+    config_init(&reader->config);
+    if (!add_members(config_root_setting(&reader->config), json))
+        config_fail(reader, NULL, "what it has for a scene is none");
+    for (int i = 0; i < set_count && !reader->failed; i++)
+        apply_set(reader, sets[i]);
+}
+
 void config_close(struct config_reader *reader) {
     config_destroy(&reader->config);
 }

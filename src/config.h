@@ -24,6 +24,11 @@ struct config_reader {
  * reader->failed; close in any case. */
 void config_open(struct config_reader *reader, const char *path, const char *const *sets,
                  int set_count, char *reason);
+
+/* The same of a scene in the form of config_to_json; `file`, where it is from, is for messages. */
+void config_open_json(struct config_reader *reader, const json_t *json, const char *file,
+                      const char *const *sets, int set_count, char *reason);
+
 void config_close(struct config_reader *reader);
 
 /* The root group. */

@@ -2,6 +2,7 @@
 
 #include "build_info.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <stdarg.h>
 #include <string.h>
@@ -14,6 +15,15 @@ int path_format(char *path, const char *format, ...) {
     const int length = vsnprintf(path, PATH_SIZE, format, arguments);
     va_end(arguments);
     return length < 0 || length >= PATH_SIZE ? -1 : 0;
+}
+
+void plain_name(const char *text, char *name, size_t size) {
+    snprintf(name, size, "%s", text);
+    for (char *c = name; *c; c++)
+        if (!isalnum((unsigned char)*c) && !strchr("._-", *c))
+            *c = '_';
+    if (name[0] == '.')
+        name[0] = '_';
 }
 
 int file_exists(const char *path) {

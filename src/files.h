@@ -9,6 +9,10 @@ enum { PATH_SIZE = 1024, REASON_SIZE = 400 };
 /* Joins parts into `path` (PATH_SIZE); returns 0, or -1 where it does not fit. */
 int path_format(char *path, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
+/* A text as part of a file's name: what is no letter, digit, dot, hyphen or underscore is replaced
+ * by an underscore, and so is a dot in front. */
+void plain_name(const char *text, char *name, size_t size);
+
 /* The folder that holds `experiments` and `plots`: beside an installed program, or the source. */
 const char *data_folder(void);
 

@@ -79,12 +79,21 @@ json_t *machine_to_json(void) {
                      os.machine);
 }
 
+/* All of the scene but how it is looked at: a run is good from every side. New reference. */
+static json_t *scene_proper(const struct scene *scene) {
+    json_t *source = json_copy(scene->source);
+    json_object_del(source, "render");
+    return source;
+}
+
 void scene_hash(const struct scene *scene, char hash[HASH_SIZE]) {
-    hash_json(scene->source, hash);
+    json_t *source = scene_proper(scene);
+    hash_json(source, hash);
+    json_decref(source);
 }
 
 void run_hash(const struct scene *scene, const struct settings *settings, char hash[HASH_SIZE]) {
-    json_t *all = json_pack("{s:O, s:o, s:s}", "scene", scene->source, "settings",
+    json_t *all = json_pack("{s:o, s:o, s:s}", "scene", scene_proper(scene), "settings",
                             settings_to_json(scene, settings), "program", program_hash());
     hash_json(all, hash);
     json_decref(all);

@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <glob.h>
+#include <pthread.h>
 #include <spawn.h>
 #include <stdlib.h>
 #include <string.h>
@@ -41,9 +42,14 @@ static void say_error(const char *errors, const char *name, char *reason) {
              last[0] == '"' && text ? text + 2 : last);
 }
 
-/* One gnuplot over one script: everything in one format. Returns 0, or -1 with a reason. */
-static int draw(const char *name, const char *folder, const char *to, const char *format,
-                char *reason) {
+/* The same letters and bytes wherever it is drawn. Once, for drawings may be made side by side. */
+static void set_locale(void) {
+    setenv("LC_ALL", "C.UTF-8", 1);
+}
+
+int plot_draw(const char *name, const char *folder, const char *to, const char *format,
+              char *reason) {
+    static pthread_once_t once = PTHREAD_ONCE_INIT;
     char variables[4 * PATH_SIZE] = "", plots[PATH_SIZE], script[PATH_SIZE];
     path_format(plots, "%s/plots", data_folder());
     path_format(script, "%s/%s.gp", plots, name);
@@ -64,7 +70,7 @@ static int draw(const char *name, const char *folder, const char *to, const char
     posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, errors, O_WRONLY | O_CREAT | O_TRUNC,
                                      0666);
     pid_t pid;
-    setenv("LC_ALL", "C.UTF-8", 1); /* the same letters and bytes wherever it is drawn */
+    pthread_once(&once, set_locale);
     const int error = posix_spawnp(&pid, argv[0], &actions, NULL, argv, environ);
     posix_spawn_file_actions_destroy(&actions);
     if (error) {
@@ -81,8 +87,7 @@ static int draw(const char *name, const char *folder, const char *to, const char
     return -1;
 }
 
-/* Moves every file of `from` into `to`, or removes them where `to` is NULL; then the folder. */
-static int empty_folder(const char *from, const char *to, char *reason) {
+int plot_empty_folder(const char *from, const char *to, char *reason) {
     int code = 0;
     DIR *dir = opendir(from);
     for (struct dirent *entry; dir && (entry = readdir(dir)) != NULL;) {
@@ -117,12 +122,12 @@ static int plot_script(const char *name, const char *folder, char *reason) {
         make_folder(drawing, reason))
         return -1;
     for (int i = 0; i < 2; i++) {
-        if (draw(name, folder, drawing, formats[i], reason)) {
-            empty_folder(drawing, NULL, reason);
+        if (plot_draw(name, folder, drawing, formats[i], reason)) {
+            plot_empty_folder(drawing, NULL, reason);
             return -1;
         }
     }
-    return empty_folder(drawing, folder, reason);
+    return plot_empty_folder(drawing, folder, reason);
 }
 
 int plot_diagnostics(const char *folder, char *reason) {

@@ -29,6 +29,10 @@ static void on_signal(int signal) {
     stop_request = signal == SIGALRM ? OUT_OF_TIME : INTERRUPTED;
 }
 
+int runs_interrupted(void) {
+    return stop_request != 0;
+}
+
 void runs_catch_signals(void) {
     struct sigaction action = {.sa_handler = on_signal};
     sigaction(SIGINT, &action, NULL);

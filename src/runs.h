@@ -39,4 +39,7 @@ int run_is_complete(const char *folder);
 /* SIGINT and SIGTERM end runs tidily from here on. Called once by main. */
 void runs_catch_signals(void);
 
+/* Whether one of them has come. */
+int runs_interrupted(void);
+
 #endif

@@ -72,27 +72,50 @@ static void read_scene(struct config_reader *reader, struct scene *scene) {
     scene_note_start(scene);
 }
 
-struct scene *scene_load(const char *name, const char *const *sets, int set_count, char *reason) {
+/* The scene of a reader that is open or has failed to open, and closes it. */
+static struct scene *finish(struct config_reader *reader, struct scene *scene) {
+    if (!reader->failed)
+        read_scene(reader, scene);
+    const int error = reader->out_of_memory ? ENOMEM : 0;
+    if (reader->failed) {
+        scene_free(scene);
+        scene = NULL;
+    }
+    config_close(reader);
+    errno = error;
+    return scene;
+}
+
+static struct scene *create_scene(char *reason) {
     errno = 0;
     struct scene *scene = calloc(1, sizeof *scene);
-    if (!scene) {
+    if (!scene)
         snprintf(reason, REASON_SIZE, "out of memory");
+    return scene;
+}
+
+struct scene *scene_load(const char *name, const char *const *sets, int set_count, char *reason) {
+    struct scene *scene = create_scene(reason);
+    if (!scene)
         return NULL;
-    }
     char path[PATH_SIZE];
     struct config_reader reader;
     scene_path(name, path);
     config_open(&reader, path, sets, set_count, reason);
-    if (!reader.failed)
-        read_scene(&reader, scene);
-    const int error = reader.out_of_memory ? ENOMEM : 0;
-    if (reader.failed) {
-        scene_free(scene);
-        scene = NULL;
-    }
-    config_close(&reader);
-    errno = error;
-    return scene;
+    return finish(&reader, scene);
+}
+
+struct scene *scene_from_json(const json_t *source, const char *file, const char *const *sets,
+                              int set_count, char *reason) {
+    struct scene *scene = create_scene(reason);
+    if (!scene)
+        return NULL;
+    json_t *copy = json_copy((json_t *)source);
+    struct config_reader reader;
+    json_object_del(copy, "start");
+    config_open_json(&reader, copy, file, sets, set_count, reason);
+    json_decref(copy);
+    return finish(&reader, scene);
 }
 
 void scene_free(struct scene *scene) {

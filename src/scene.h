@@ -3,6 +3,7 @@
 #define WISPLAB_SCENE_H
 
 #include "body.h"
+#include "camera.h"
 #include "files.h"
 #include "interaction.h"
 #include "subdivision.h"
@@ -43,6 +44,8 @@ struct scene {
 
     struct start start;
 
+    struct render_settings render; /* how it is looked at: no part of what is integrated */
+
     json_t *source; /* all settings as they were given, numbers as reals: what is hashed */
 };
 
@@ -51,6 +54,11 @@ struct scene {
  * `reason` (REASON_SIZE): file, line, name, what is wrong and what would be right; errno is ENOMEM
  * where it was memory. */
 struct scene *scene_load(const char *name, const char *const *sets, int set_count, char *reason);
+
+/* The same of a scene's `source`, as run.json has it in `file`, which is for messages; without
+ * `start`, for what it was started from need not be there any more. */
+struct scene *scene_from_json(const json_t *source, const char *file, const char *const *sets,
+                              int set_count, char *reason);
 
 void scene_free(struct scene *scene);
 

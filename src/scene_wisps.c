@@ -6,17 +6,6 @@
 
 #include <string.h>
 
-/* Groups that only other versions read, which would otherwise be passed over in silence. */
-static void refuse_absent_features(struct config_reader *reader, config_setting_t *top) {
-    static const char *const absent[] = {"render", NULL};
-    for (int i = 0; absent[i]; i++) {
-        config_setting_t *group = config_setting_get_member(top, absent[i]);
-        if (group)
-            config_fail(reader, group, "%s: this version has no %s yet; leave it out", absent[i],
-                        absent[i]);
-    }
-}
-
 static void read_material(struct config_reader *reader, config_setting_t *top, struct wisp *wisp) {
     static const char *const known[] = {
         "hair_count", "hair_density",      "stretch_stiffness", "stretch_time", "bending",
@@ -145,11 +134,10 @@ static void read_wind(struct config_reader *reader, config_setting_t *top, struc
 
 void scene_read_wisps(struct config_reader *reader, config_setting_t *top, struct scene *scene) {
     static const char *const known[] = {
-        "name",    "problem",  "duration", "frame_rate",  "seed",  "run",
-        "gravity", "material", "envelope", "wisps",       "wind",  "style",
-        "head",    "body",     "contacts", "subdivision", "start", NULL};
+        "name",     "problem",     "duration", "frame_rate", "seed",  "run",  "gravity",
+        "material", "envelope",    "wisps",    "wind",       "style", "head", "body",
+        "contacts", "subdivision", "start",    "render",     NULL};
     struct wisp material = {0};
-    refuse_absent_features(reader, top);
     config_known(reader, top, known);
     config_vector(reader, top, "gravity", scene->around.gravity);
     read_material(reader, top, &material);
@@ -161,6 +149,7 @@ void scene_read_wisps(struct config_reader *reader, config_setting_t *top, struc
     scene_read_roots(reader, top, &material, scene);
     scene_read_subdivision(reader, top, material.samples, scene);
     scene_read_start(reader, top, scene);
+    render_read(reader, top, &scene->render);
 }
 
 void scene_remove_envelope(struct scene *scene) {

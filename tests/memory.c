@@ -5,9 +5,11 @@
  * this file has no tests. */
 #include "clock.h"
 #include "fixture.h"
+#include "picture.h"
 #include "support.h"
 
 #include <criterion/criterion.h>
+#include <gsl/gsl_errno.h>
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -295,6 +297,42 @@ Test(memory, runs_with_wisps_that_split_finish_or_are_out_of_memory) {
         {.stepper = "implicit-euler", .treatment = "penalty", .linear = "klu"}};
     for (int i = 0; i < 2; i++)
         try_all(requests[i].stepper, run_and_split, &requests[i]);
+}
+
+/* Hairs and a picture of them. */
+static int draw_picture(const void *what) {
+    struct drawing drawing;
+    struct picture picture = {0};
+    const double upwards[3] = {0, 1, 0}, most[4] = {0, 0, 0, 0.4};
+    const struct frames *frames = what;
+    gsl_set_error_handler_off(); /* as main does: its generators' allocations fail by return */
+    failing = 1;
+    int made = drawing_create(&drawing, frames, VIEW_HAIR | VIEW_SKELETON) == 0;
+    drawing.reference = frames;
+    drawing.camera = camera_make(&frames->scene->render, upwards, 64, 48);
+    camera_fit(&drawing.camera, &frames->scene->render, most);
+    made = made && picture_draw(&picture, &drawing, 1) == 0;
+    picture_free(&picture);
+    drawing_free(&drawing);
+    failing = 0;
+    return made ? MADE : NOT_MADE;
+}
+
+Test(memory, pictures_are_drawn_or_not) {
+    char folder[PATH_SIZE], path[PATH_SIZE], reason[REASON_SIZE];
+    struct finished f;
+    struct frames frames;
+    folder_make(folder);
+    PROGRAM(&f, NULL, "run", "sphere", "--set",
+            "wisps=({root=[0,0,0];direction=[0,-1,0];"
+            "length=0.3;nodes=3;})",
+            "--duration", "0.01", "--out", folder);
+    cr_assert_eq(f.code, 0, "%s", f.err);
+    path_format(path, "%s/states.tsv", folder);
+    cr_assert_eq(frames_open(&frames, path, NULL, 0, reason), 0, "%s", reason);
+    try_all("picture", draw_picture, &frames);
+    frames_close(&frames);
+    folder_remove(folder);
 }
 
 /* A whole run: finished, or "out of memory" with a reason. */

@@ -1,0 +1,66 @@
+/* One frame of a run as what is to be drawn: straight segments, those in front last, over an image
+ * of the bodies. */
+#ifndef WISPLAB_PICTURE_H
+#define WISPLAB_PICTURE_H
+
+#include "camera.h"
+#include "frames.h"
+
+/* What is shown besides bodies; bits of `views`. Without any, bodies alone. */
+enum view {
+    VIEW_HAIR = 1,
+    VIEW_SKELETON = 2, /* nodes, crosses of samples, frames */
+    VIEW_ENVELOPE = 4, /* outline of the sections */
+    VIEW_STYLE = 8,    /* arrows along the style field */
+};
+
+/* All frames of a run as seen from one place. */
+struct drawing {
+    const struct frames *frames;
+    const struct frames *reference; /* colour is the distance from it at the same frame; or NULL */
+    struct camera camera;
+    unsigned views;
+    struct hairs **hairs; /* by wisp of the scene; owned */
+};
+
+/* Makes the hairs. Both runs' frames must outlive it. Returns 0, or -1 where memory cannot be had.
+ */
+int drawing_create(struct drawing *drawing, const struct frames *frames, unsigned views);
+void drawing_free(struct drawing *drawing);
+
+struct segment {
+    float x, y, dx, dy; /* pixels from the lower left corner */
+    float depth;        /* from the camera, m */
+    float error;        /* of drawings with a reference, m */
+    unsigned colour;    /* 0xrrggbb */
+    unsigned number;    /* its place in the layer before that was sorted */
+};
+
+/* Layers are drawn in this order: arrows, lines of several widths, and points. */
+enum layer_kind {
+    LAYER_STYLE,
+    LAYER_HAIR,
+    LAYER_ENVELOPE,
+    LAYER_SKELETON,
+    LAYER_NODES,
+    LAYER_COUNT
+};
+
+struct picture {
+    int width, height;     /* pixels */
+    unsigned char *bodies; /* as figure_paint has it; NULL: none is seen */
+    struct layer {
+        struct segment *segments; /* from back to front */
+        size_t count, room;
+    } layer[LAYER_COUNT];
+};
+
+/* Draws a frame that both runs have. Returns 0, or -1 where memory cannot be had. To be freed
+ * either way. Several threads may draw from one drawing. */
+int picture_draw(struct picture *picture, const struct drawing *drawing, int frame);
+void picture_free(struct picture *picture);
+
+/* Sorts a layer: the furthest first; of equal depth as they were. */
+void layer_sort(struct layer *layer);
+
+#endif
