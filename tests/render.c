@@ -408,6 +408,9 @@ Test(render, a_wisp_that_flew_apart_is_drawn_as_far_as_it_is_seen) {
         struct picture picture;
         write_frames(folder, scene, 2, pow(10, power));
         open_frames(&frames, folder);
+        struct render_settings *render = &frames.scene->render; /* across the way it flies */
+        render->has_eye = render->has_target = 1;
+        render->eye[2] = 1;
         draw(&picture, &frames, VIEW_HAIR | VIEW_SKELETON | VIEW_ENVELOPE, 2, 320, 240);
         cr_expect(picture.layer[LAYER_HAIR].count > 0, "1e%d m: nothing is seen", power);
         for (int k = 0; k < LAYER_COUNT; k++)
