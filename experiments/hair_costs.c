@@ -56,7 +56,7 @@ static void compare(char *text, size_t size, const struct ratio *ours, double th
 static const char table_columns[] =
     "variant\tstatus\tfailure_time\tcpu_per_frame\tleast\tgreatest\tnormalised\tnormalised_least"
     "\tnormalised_greatest\tthesis_per_frame\tthesis_normalised\tthesis_over_ours\treal_time"
-    "\toverlap_per_frame\tbody_contacts\twisps_at_end\tcomparison";
+    "\twisp_contacts\tbody_contacts\tsplits\twisps_at_end\tcomparison";
 
 static void write_variant(FILE *stream, const struct hair_study *study, int i) {
     const struct hair_run *run = &study->runs[i];
@@ -77,8 +77,9 @@ static void write_variant(FILE *stream, const struct hair_study *study, int i) {
                               thesis_ratio,
                               thesis / cpu.median,
                               real_time(&cpu, run->timed->run.scene),
-                              run->overlap,
+                              run_number(&run->files, "counters.wisp_contacts"),
                               run_number(&run->files, "counters.body_contacts"),
+                              run_number(&run->files, "counters.splits"),
                               frames > 0 ? (double)hair->frames[frames - 1].wisps : NAN};
     char words[128];
     compare(words, sizeof words, &ratio, study->count > 1 ? thesis_ratio : NAN);
@@ -87,7 +88,8 @@ static void write_variant(FILE *stream, const struct hair_study *study, int i) {
         fprintf(stream, "\t%.17g", numbers[k]);
     fprintf(stream, "\t%s\n", words);
     printf("  %-18s %9.3f %11.2f %11.2f %11.2f %9.1f %9.0f   %s\n", run->variant->label,
-           1e3 * cpu.median, ratio.value, thesis, thesis_ratio, run->overlap, numbers[10], words);
+           1e3 * cpu.median, ratio.value, thesis, thesis_ratio, hair_contacts_per_frame(run),
+           numbers[10], words);
 }
 
 static int write_table(struct plan *plan, const char *folder, const struct hair_study *study) {
@@ -96,14 +98,13 @@ static int write_table(struct plan *plan, const char *folder, const struct hair_
             &file, folder, "table",
             "CPU time, s per frame, of repeated runs, beside the thesis's (one processor, MIPS "
             "R4400 at 200 MHz); normalised: over the first row's, with what the spreads allow; "
-            "real_time: simulated over CPU time; overlap: nodes and samples in sections of other "
-            "wisps, "
-            "whether or not anything follows; "
-            "nan: there is no number",
+            "real_time: simulated over CPU time; wisp_contacts: how often a node or sample was in "
+            "a "
+            "section of another wisp at a tick, body_contacts: in a body; nan: there is no number",
             study->subject->scene, table_columns, plan->reason))
         return -1;
     printf("  %-18s %9s %11s %11s %11s %9s %9s\n", "CPU time per frame", "ms", "normalised",
-           "thesis: s", "normalised", "overlap", "real time");
+           "thesis: s", "normalised", "contacts", "real time");
     for (int i = 0; i < study->count; i++)
         write_variant(file.stream, study, i);
     return atomic_commit(&file, plan->reason);

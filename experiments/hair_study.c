@@ -1,5 +1,6 @@
 #include "hair_study.h"
 
+#include "diagnostics.h"
 #include "model.h"
 
 #include <math.h>
@@ -7,7 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double quick_duration = 0.4; /* s */
+static const double quick_duration = 0.4;     /* s */
+static const double reference_duration = 0.5; /* s, on a large scene: minutes for all of it */
 
 static int variant_count(const struct hair_question *question) {
     int count = 0;
@@ -56,7 +58,8 @@ struct run_request hair_request(const struct scene *scene, const struct stepper_
 }
 
 static const struct scene *variant_scene(struct plan *plan, const struct subject *subject,
-                                         const struct hair_variant *variant, double frame_rate) {
+                                         const struct hair_variant *variant, double frame_rate,
+                                         double most) {
     const char *sets[HAIR_SETS + 2];
     char rate[64], duration[64];
     int count = 0;
@@ -66,36 +69,41 @@ static const struct scene *variant_scene(struct plan *plan, const struct subject
     }
     snprintf(rate, sizeof rate, "frame_rate=%.17e", frame_rate);
     snprintf(duration, sizeof duration, "duration=%.17e",
-             fmin(quick_duration, subject->scene->duration));
+             fmin(plan->quick ? fmin(quick_duration, most) : most, subject->scene->duration));
     sets[count++] = rate;
-    if (plan->quick)
-        sets[count++] = duration;
+    sets[count++] = duration;
     return plan_scene(plan, subject->source, sets, count);
 }
 
 static int plan_variant(struct plan *plan, const struct hair_question *question,
                         const struct hair_variant *variant, const struct stepper_method *method) {
     const struct subject *subject = &plan->subjects[0];
-    const struct scene *scene = variant_scene(plan, subject, variant, subject->scene->frame_rate);
+    const double rate = subject->scene->frame_rate;
+    const struct scene *scene = variant_scene(plan, subject, variant, rate, INFINITY);
     if (!scene)
         return -1;
     struct run_request request = hair_request(scene, method);
     request.timings = plan->quick ? 1 : is_large(scene) || method->advance ? 3 : 7;
     if (plan_add(plan, scene, &request, "variants", "%s", variant->label))
         return -1;
-    if (question->watch_rate == 0)
-        return 0;
     request.timings = 0;
-    scene = variant_scene(plan, subject, variant, question->watch_rate);
+    request.diagnostics = 1;
+    scene = variant_scene(plan, subject, variant,
+                          question->watch_rate > 0 ? question->watch_rate : rate, INFINITY);
     return scene ? plan_add(plan, scene, &request, "watched", "%s", variant->label) : -1;
 }
 
 /* A stepper that refuses the scene has a row in the table and no run. */
 static int plan_stepper(struct plan *plan, const struct hair_question *question,
                         const struct stepper_method *method) {
-    const struct scene *scene =
-        find_case(plan, "variants", question->variants[question->main].label)->run.scene;
+    const struct hair_variant *variant = &question->variants[question->main];
+    const struct scene *scene = find_case(plan, "variants", variant->label)->run.scene;
     const struct run_request request = hair_request(scene, method);
+    if (is_named(method, "reference") && is_large(scene))
+        scene =
+            variant_scene(plan, &plan->subjects[0], variant, scene->frame_rate, reference_duration);
+    if (!scene)
+        return -1;
     struct settings settings;
     char reason[REASON_SIZE];
     if (settings_resolve(scene, &request, &settings, reason))
@@ -128,19 +136,11 @@ int hair_plan(struct plan *plan, const struct hair_question *question) {
 
 static int measure_run(struct hair_study *study, struct hair_run *run) {
     const int frames = run->hair.frame_count;
-    double overlap = 0;
     for (int k = 0; k < HAIR_SERIES; k++) {
         run->series[k] = calloc((size_t)frames + 1, sizeof(double));
         if (!run->series[k])
             return -1;
     }
-    for (int f = 0; f < frames; f++) {
-        const int found = hair_overlap(&run->hair, f);
-        if (found < 0)
-            return -1;
-        overlap += found;
-    }
-    run->overlap = frames > 0 ? overlap / frames : NAN;
     return study->question->measure(&run->hair, run->series);
 }
 
@@ -150,8 +150,6 @@ static int read_run(struct plan *plan, struct hair_study *study, int i) {
     run->variant = &study->question->variants[i];
     run->timed = find_case(plan, "variants", run->variant->label);
     run->watched = find_case(plan, "watched", run->variant->label);
-    if (!run->watched)
-        run->watched = run->timed;
     if (run_read(&timed, run->timed->run.folder, plan->reason))
         return -1;
     run->cost = run_cost(&timed);
@@ -177,6 +175,12 @@ static void free_study(struct hair_study *study) {
         hair_close(&run->hair);
         run_free(&run->files);
     }
+}
+
+double hair_contacts_per_frame(const struct hair_run *run) {
+    const struct scene *scene = run->watched->run.scene;
+    return run_number(&run->files, "counters.wisp_contacts") /
+           (scene->duration * run->timed->run.scene->frame_rate);
 }
 
 int hair_largest(const struct hair_run *run, int series) {
@@ -257,8 +261,12 @@ static int write_series(struct plan *plan, const char *folder, const struct hair
 int hair_tabulate(struct plan *plan, const char *folder, const struct hair_question *question) {
     struct hair_study study = {.question = question, .subject = &plan->subjects[0]};
     int code = 0;
-    for (int i = 0; i < variant_count(question) && !code; i++)
+    for (int i = 0; i < variant_count(question) && !code; i++) {
         code = read_run(plan, &study, i);
+        if (!code)
+            code = keep_diagnostics(&study.runs[i].watched->run, folder,
+                                    question->variants[i].label, plan->reason);
+    }
     if (!code)
         code = hair_cost_tables(plan, folder, &study);
     if (!code)

@@ -40,13 +40,12 @@ struct hair_question {
 /* A variant's runs, read back. */
 struct hair_run {
     const struct hair_variant *variant;
-    const struct labelled_case *timed, *watched; /* may be one */
+    const struct labelled_case *timed, *watched; /* watched: diagnosed, and at the watch rate */
     struct cost cost;                            /* of the timed one */
     int finished;
     struct run_files files; /* of the watched one */
     struct hair hair;       /* in files.states */
     double *series[HAIR_SERIES];
-    double overlap; /* per frame, see hair_overlap; NaN where there are no frames */
 };
 
 struct hair_study {
@@ -67,6 +66,10 @@ void hair_state(struct hair_study *study, const char *name, double value, const 
 /* CPU time per frame, s; NaN where a run has no frames. */
 struct spread hair_cpu_per_frame(const struct hair_run *run);
 
+/* How often a point was found in a section of another wisp, at the ticks from one frame to the next
+ * in the mean. */
+double hair_contacts_per_frame(const struct hair_run *run);
+
 /* The frame of the largest value of a series, and that value's. */
 int hair_largest(const struct hair_run *run, int series);
 
@@ -79,8 +82,8 @@ int hair_tabulate(struct plan *plan, const char *folder, const struct hair_quest
 /* The request for a run by a stepper: the thesis's recipe for explicit Euler (9000 Hz), for other
  * explicit methods a quarter more than the least rate, in hundreds of Hz, that linear theory calls
  * stable, for implicit ones with fixed steps 300 Hz, and for adaptive ones a relative tolerance of
- * 1e-4; `reference` is what it is. All with the treatment `projection`, so that they solve the same
- * equations. */
+ * 1e-4; `reference` is what it is, and on large scenes goes only so far as its time allows. All
+ * with the treatment `projection`, so that they solve the same equations. */
 struct run_request hair_request(const struct scene *scene, const struct stepper_method *method);
 
 /* The tables of what variants and steppers cost. Return 0, or -1 with a reason. */

@@ -44,15 +44,15 @@ static void state_cost(struct hair_study *study) {
     for (int i = 1; i < study->count; i++) {
         const struct spread before = hair_cpu_per_frame(&study->runs[i - 1]),
                             here = hair_cpu_per_frame(&study->runs[i]);
-        contacts &= study->runs[i].overlap > study->runs[i - 1].overlap;
+        contacts &=
+            hair_contacts_per_frame(&study->runs[i]) > hair_contacts_per_frame(&study->runs[i - 1]);
         costs &= here.least > before.greatest;
     }
     const struct hair_run *first = &study->runs[0], *last = &study->runs[study->count - 1];
     const double ratio = hair_cpu_per_frame(last).median / hair_cpu_per_frame(first).median;
-    hair_state(study, "contacts", last->overlap - first->overlap, "per frame",
-               contacts ? HOLDS : HOLDS_NOT,
-               "wider wisps have more contacts: from %.1f to %.1f at a frame", first->overlap,
-               last->overlap);
+    const double few = hair_contacts_per_frame(first), many = hair_contacts_per_frame(last);
+    hair_state(study, "contacts", many - few, "per frame", contacts ? HOLDS : HOLDS_NOT,
+               "wider wisps have more contacts: from %.1f to %.1f a frame", few, many);
     hair_state(study, "cost", ratio, "", costs ? HOLDS : HOLDS_NOT,
                "each radius costs more than the one before, beyond the spreads; the widest %.2f "
                "times the thinnest",

@@ -13,20 +13,20 @@ static int measure(struct hair *hair, double *const *series) {
     return 0;
 }
 
-/* The first frame at which wisps that touched do not, or -1. */
+/* The first frame at which the wisps do not touch, or -1. */
 static int parting(const struct hair_run *run) {
-    for (int f = 1; f < run->hair.frame_count; f++)
-        if (run->series[OVERLAP][f] == 0 && run->series[OVERLAP][f - 1] > 0)
+    for (int f = 0; f < run->hair.frame_count; f++)
+        if (run->series[OVERLAP][f] == 0)
             return f;
     return -1;
 }
 
-/* And the first one after it at which they touch again. */
-static int meeting(const struct hair_run *run, int after) {
-    for (int f = after; f < run->hair.frame_count; f++)
-        if (run->series[OVERLAP][f] > 0)
-            return f;
-    return -1;
+/* The first frame from which on they touch to the end, or -1. */
+static int staying(const struct hair_run *run) {
+    int frame = run->hair.frame_count;
+    while (frame > 0 && run->series[OVERLAP][frame - 1] > 0)
+        frame--;
+    return frame < run->hair.frame_count ? frame : -1;
 }
 
 /* Frames are numbered from 1, 30 a second. */
@@ -34,9 +34,13 @@ static double number_of(const struct hair_run *run, int frame) {
     return run->hair.frames[frame].t * 30 + 1;
 }
 
+static int apart_at(const struct hair_run *run, int number) {
+    const int frame = hair_frame_at(&run->hair, (number - 1) / 30.);
+    return frame >= 0 && run->series[OVERLAP][frame] == 0;
+}
+
 static void state_thin(struct hair_study *study, const struct hair_run *run) {
-    const int parted = parting(run), met = parted > 0 ? meeting(run, parted) : -1;
-    const int shown = hair_frame_at(&run->hair, 19 / 30.);
+    const int parted = parting(run), stay = staying(run);
     const char *label = run->variant->label;
     hair_state(study, "overlap at the start", run->series[OVERLAP][0], "points",
                run->series[OVERLAP][0] > 0 ? HOLDS : HOLDS_NOT,
@@ -46,26 +50,18 @@ static void state_thin(struct hair_study *study, const struct hair_run *run) {
         return;
     }
     hair_state(study, "parted", number_of(run, parted), "frame",
-               number_of(run, parted) <= 20 ? HOLDS : HOLDS_NOT,
-               "%s: the wisps have parted at frame %.0f (the thesis: by 20)", label,
-               number_of(run, parted));
-    if (shown >= 0)
-        hair_state(study, "apart at frame 20", run->series[OVERLAP][shown], "points",
-                   run->series[OVERLAP][shown] == 0 ? HOLDS : HOLDS_NOT,
-                   "%s: the wisps are apart at frame 20, which the thesis shows: %.0f points in "
-                   "sections",
-                   label, run->series[OVERLAP][shown]);
-    if (met < 0) {
-        hair_state(study, "met again", -1, "frame", HOLDS_NOT, "%s: they do not come back", label);
-        return;
-    }
-    int again = met;
-    while (again < run->hair.frame_count && run->series[OVERLAP][again] > 0)
-        again++;
-    const int stays = again == run->hair.frame_count;
-    hair_state(study, "met again", number_of(run, met), "frame", stays ? HOLDS : HOLDS_NOT,
-               "%s: they come back at frame %.0f (the thesis: shortly before 56) and %s", label,
-               number_of(run, met), stays ? "part no more" : "part again");
+               number_of(run, parted) <= 20 && apart_at(run, 20) ? HOLDS : HOLDS_NOT,
+               "%s: the wisps have parted at frame %.0f and are %s at frame 20 (the thesis: parted "
+               "at 20)",
+               label, number_of(run, parted), apart_at(run, 20) ? "apart" : "not apart");
+    if (stay > parted)
+        hair_state(study, "stay", number_of(run, stay), "frame",
+                   number_of(run, stay) <= 56 ? HOLDS : HOLDS_NOT,
+                   "%s: they swing back, and from frame %.0f on they stay together (the thesis: "
+                   "shortly before 56)",
+                   label, number_of(run, stay));
+    else
+        hair_state(study, "stay", -1, "frame", HOLDS_NOT, "%s: they are apart at the end", label);
 }
 
 static void state_thick(struct hair_study *study, const struct hair_run *run) {
