@@ -275,6 +275,8 @@ int hair_tabulate(struct plan *plan, const char *folder, const struct hair_quest
         code = write_statements(plan, folder, &study);
     if (!code)
         code = hair_pictures(plan, folder, &study);
+    if (!code)
+        code = hair_strip(plan, folder, &study);
     free_study(&study);
     return code;
 }

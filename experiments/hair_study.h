@@ -92,4 +92,8 @@ int hair_cost_tables(struct plan *plan, const char *folder, struct hair_study *s
 /* The pictures' lines, seen from the question's eye. Returns 0, or -1 with a reason. */
 int hair_pictures(struct plan *plan, const char *folder, struct hair_study *study);
 
+/* The same pictures of the hair itself, seen by the scene's camera, as folder/hair.png: drawn here,
+ * for they are made of whole runs. Returns 0, or -1 with a reason. */
+int hair_strip(struct plan *plan, const char *folder, const struct hair_study *study);
+
 #endif
