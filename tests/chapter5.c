@@ -223,6 +223,8 @@ Test(chapter5, slow_radii_are_compared_from_one_to_the_next, QUIET) {
         cr_assert(angles[i] > 1 && angles[i] < 90, "%s: %g degrees", name, angles[i]);
     }
     const double less = fmin(angles[0], angles[1]) - angles[2];
+    says(&answer, "largest falls",
+         angles[0] > angles[1] && angles[1] > angles[2] ? "holds" : "does not hold");
     cr_assert_float_eq(number(answer.statement, "largest", "value"), less, 1e-9);
     says(&answer, "largest", less > 1 ? "holds" : "does not hold");
     says(&answer, "contacts", "holds");
