@@ -20,11 +20,13 @@ static const double visible = 1;
 
 /* The thesis: "bien inférieure à celle des deux autres". */
 static void state_inclination(struct hair_study *study, int series, const char *name) {
-    double least = INFINITY, widest = 0;
+    double least = INFINITY, widest = INFINITY;
+    int falls = 1;
     for (int i = 0; i < study->count; i++) {
         const struct hair_run *run = &study->runs[i];
         const int frame = hair_largest(run, series);
         least = i > 0 ? fmin(least, widest) : least;
+        falls &= run->series[series][frame] < widest;
         widest = run->series[series][frame];
         char label[64];
         snprintf(label, sizeof label, "%s, %.40s", name, run->variant->label);
@@ -32,6 +34,11 @@ static void state_inclination(struct hair_study *study, int series, const char *
                    "%s inclination %.1f degrees at most, at %.2f s", label, widest,
                    run->hair.frames[frame].t);
     }
+    char label[64];
+    snprintf(label, sizeof label, "%s falls", name);
+    hair_state(study, label, falls, "", falls ? HOLDS : HOLDS_NOT,
+               "the %s inclination %s from each radius to the next", name,
+               falls ? "falls" : "does not fall");
     hair_state(study, name, least - widest, "deg", least - widest > visible ? HOLDS : HOLDS_NOT,
                "the widest wisps have the least of the %s inclinations: %.1f degrees, by %.1f less "
                "than the others (%.0f would be seen)",

@@ -6,6 +6,8 @@ load plots.'/style.gp'
 files = system("cd '".shell(data)."' && ls | grep '^diagnostics.*[.]tsv$'")
 if (files eq '') { exit error data.'/diagnostics.tsv: no such table; run with --diagnostics first' }
 stem(file) = file[1:strlen(file) - 4]
+# In an experiment's folder: diagnostics-VARIANT.tsv.
+variant(file) = strlen(stem(file)) > 12 ? ', '.stem(file)[13:] : ''
 # What a line of provenance says, by a pattern of sed.
 says(file, pattern) = system("sed -n 's/^# ".pattern."/\\1/p' '".shell(data.'/'.file)."'")
 setting(file, name) = says(file, 'settings.*"'.name.'":"*\([^",}]*\).*')
@@ -96,7 +98,8 @@ do for [f = 1:words(files)] {
     eval figure(stem(word(files, f)), 900, touched ? 1030 : 865)
     set datafile columnheaders
     set multiplot
-    eval heading('Energy of '.escaped(says(word(files, f), 'scene \(.*\), hash.*')), \
+    eval heading('Energy of '.escaped(says(word(files, f), 'scene \(.*\), hash.*')) \
+        .escaped(variant(word(files, f))), \
         escaped(settings(word(files, f))))
 
     # --- where the energy is ---
@@ -158,8 +161,8 @@ do for [f = 1:words(files)] {
             plot table using (column("t")):(column("speed")) with lines lt 11
         }
         if (k == 3) {
-            set label 3 '{/:Bold contacts} since the frame before'.(extreme[3] == 0 ? ', of wisps' \
-                : extreme[4] == 0 ? ', with bodies' : ', with bodies, of wisps (dashed)')
+            set label 3 '{/:Bold contacts} from frame to frame'.(extreme[3] == 0 ? ', of wisps' \
+                : extreme[4] == 0 ? ', with bodies' : ', of wisps dashed')
             eval few_tics(extreme[3] > extreme[4] ? extreme[3] : extreme[4])
             set ylabel 'number' offset -0.8, 0
             plot table using (column("t")):(extreme[3] > 0 ? column("body_contacts") : -1) with lines lt 11, \

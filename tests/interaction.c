@@ -958,19 +958,22 @@ static struct crossing crossing_of(const struct lab_run *run) {
 
 /* What the comment in experiments/interactions.cfg promises. */
 Test(interaction, slow_the_scene_interactions_shows_what_it_says) {
-    static const char *const sets[][2] = {
-        {"contacts.interpenetration=false", "contacts.collision=false"},
-        {"contacts.interpenetration=true", "contacts.collision=false"},
-        {"contacts.interpenetration=false", "contacts.collision=true"},
-        {"contacts.interpenetration=true", "contacts.collision=true"},
+    static const char *const sets[][3] = {
+        {"contacts.interpenetration=false", "contacts.collision=false", "contacts.threshold=0.44"},
+        {"contacts.interpenetration=true", "contacts.collision=false", "contacts.threshold=0.44"},
+        {"contacts.interpenetration=true", "contacts.collision=false", "contacts.threshold=1.0"},
+        {"contacts.interpenetration=false", "contacts.collision=true", "contacts.threshold=0.44"},
+        {"contacts.interpenetration=true", "contacts.collision=true", "contacts.threshold=0.44"},
     };
     static const struct {
         int crosses;
         double least, most; /* distance, m */
-    } expected[] = {{1, 0, 1e-3}, {1, 0, 2e-3}, {0, 7e-3, 1e-2}, {0, 3e-3, 1e-2}};
+    } expected[] = {
+        {1, 0, 1e-3}, {1, 0, 2e-3}, {0, 2e-3, 1.5e-2}, {0, 7e-3, 1e-2}, {0, 3e-3, 1e-2}};
     const struct run_request request = {.stepper = "rk4", .step = 2e-4};
-    for (int i = 0; i < 4; i++) {
-        struct scene *scene = LAB_LOAD("interactions", sets[i][0], sets[i][1], "frame_rate=300.0");
+    for (int i = 0; i < 5; i++) {
+        struct scene *scene =
+            LAB_LOAD("interactions", sets[i][0], sets[i][1], sets[i][2], "frame_rate=300.0");
         struct lab_run run;
         lab_run(scene, &request, &run);
         const struct crossing c = crossing_of(&run);
