@@ -1,0 +1,1 @@
+load plots.'/style.gp'
