@@ -71,8 +71,9 @@ struct cell {
     enum wisp_treatment treatment;
     const struct axis *axis; /* NULL: a whole scene */
     double value;
-    char name[96];
-    int tight; /* its case in the plan */
+    const char *subject; /* its name; of a whole scene */
+    char name[96];       /* of its runs */
+    int tight;           /* its case in the plan */
     struct trial trials[STEPPERS_MAX];
     int trial_count;
 };
@@ -216,14 +217,15 @@ static double setting_of(const struct axis *axis, double value, const struct sce
 static const struct scene *plan_axis_scene(struct plan *plan, const struct axis *axis,
                                            double value) {
     char setting[96], length[64];
-    const char *const sets[] = {length, setting, "contacts.collision_rate=30.0",
-                                "contacts.interpenetration=false", "contacts.collision=false"};
+    const char *const sets[] = {
+        length, setting,
+        "contacts={ collision_rate = 30.0; interpenetration = false; collision = false; }"};
     const struct scene *plain = plan_scene(plan, axis->scene, NULL, 0);
     if (!plain)
         return NULL;
     snprintf(length, sizeof length, "duration=%.17e", duration);
     snprintf(setting, sizeof setting, axis->setting, setting_of(axis, value, plain));
-    return plan_scene(plan, axis->scene, sets, axis == &axes[PENALTY_RATIO] ? 5 : 2);
+    return plan_scene(plan, axis->scene, sets, axis == &axes[PENALTY_RATIO] ? 3 : 2);
 }
 
 /* --quick: two values of EA and of nodes. */
@@ -284,7 +286,8 @@ static int plan_scenes(struct plan *plan, struct limits *limits) {
             struct cell *cell = &limits->cells[limits->cell_count];
             if (scene->wisps[0].samples == 0 && t != WISP_GENERALISED)
                 continue; /* the same equations */
-            *cell = (struct cell){.scene = scene, .treatment = (enum wisp_treatment)t};
+            *cell = (struct cell){
+                .scene = scene, .treatment = (enum wisp_treatment)t, .subject = subject->name};
             snprintf(cell->name, sizeof cell->name, "%s %s", subject->name,
                      wisp_problem.treatments[t].name);
             limits->cell_count++;
@@ -322,22 +325,30 @@ static double tolerated(const struct trial *trial, double step) {
     return fmax(never_wrong, beyond_order * by_order);
 }
 
+/* The step above the limit, and longer ones as far as the clock lets them be. */
+static int add_failures(struct plan *plan, const struct cell *cell, const struct trial *trial) {
+    static const double beyond[] = {1, 4. / 3, 2, 4};
+    double last = 0;
+    for (size_t k = 0; k < sizeof beyond / sizeof *beyond; k++) {
+        const double missed = step_at(cell, trial->place.missed);
+        const double step = step_at(cell, place_of(cell, beyond[k] * missed));
+        if (step > last && add_failure(plan, cell, trial->contestant, step))
+            return -1;
+        last = fmax(last, step);
+    }
+    return 0;
+}
+
 static int end_trial(struct plan *plan, const struct cell *cell, struct trial *trial) {
-    static const double beyond[] = {4. / 3, 2, 4};
-    const double largest = step_at(cell, trial->place.reached);
     trial->phase = DONE;
     if (trial->place.missed < 0)
         snprintf(trial->note, sizeof trial->note, "stable at one step between stops of the clock");
     if (cell->axis)
         return 0;
-    if (trial->place.missed >= 0 &&
-        add_failure(plan, cell, trial->contestant, step_at(cell, trial->place.missed)))
+    if (trial->place.missed >= 0 && add_failures(plan, cell, trial))
         return -1;
-    for (size_t k = 0; trial->place.missed >= 0 && k < sizeof beyond / sizeof *beyond; k++)
-        if (add_failure(plan, cell, trial->contestant, beyond[k] * largest))
-            return -1;
     trial->phase = TIMING;
-    return add_run(plan, cell, trial, largest, 3);
+    return add_run(plan, cell, trial, step_at(cell, trial->place.reached), 3);
 }
 
 /* The first place after the anchor: a quarter beyond the prediction, or the longest there is. */
@@ -365,14 +376,40 @@ static int take_anchor(struct plan *plan, const struct cell *cell, struct trial 
     return try_place(plan, cell, trial);
 }
 
+/* The time of the first frame of which a node is more than `bound` off, s. */
+static double first_wrong(const struct table *run, const struct table *tight, double bound) {
+    enum { X = 3 };
+    for (int i = 0; i < run->row_count && i < tight->row_count; i++) {
+        double square = 0;
+        for (int k = X; k < X + 3; k++)
+            square += pow(table_value(run, i, k) - table_value(tight, i, k), 2);
+        if (!(sqrt(square) <= bound))
+            return table_value(run, i, 0);
+    }
+    return NAN;
+}
+
+/* When a run that finished is first wrong. 0, or -1 with plan->reason. */
+static int time_wrong(struct plan *plan, struct trial *trial, double step,
+                      const struct run_files *tight) {
+    struct run_files run;
+    if (run_read(&run, plan->cases[trial->run].run.folder, plan->reason))
+        return -1;
+    trial->missed.failure_time = first_wrong(&run.states, &tight->states, tolerated(trial, step));
+    run_free(&run);
+    return 0;
+}
+
 static int take_place(struct plan *plan, const struct cell *cell, struct trial *trial,
-                      const struct verdict *verdict) {
-    const int stable = verdict->outcome == FINISHED &&
-                       verdict->error <= tolerated(trial, step_at(cell, trial->place.at));
+                      const struct verdict *verdict, const struct run_files *tight) {
+    const double step = step_at(cell, trial->place.at);
+    const int stable = verdict->outcome == FINISHED && verdict->error <= tolerated(trial, step);
     if (stable)
         trial->error = verdict->error;
     else
         trial->missed = *verdict;
+    if (!stable && verdict->outcome == FINISHED && time_wrong(plan, trial, step, tight))
+        return -1;
     return bracket_take(&trial->place, stable, STRIDE, resolution(plan))
                ? try_place(plan, cell, trial)
                : end_trial(plan, cell, trial);
@@ -396,7 +433,7 @@ static int step_trial(struct plan *plan, const struct cell *cell, struct trial *
     if (judge_runs(plan, trial->run, 1, cell->scene, tight, &verdict))
         return -1;
     return trial->phase == ANCHORING ? take_anchor(plan, cell, trial, &verdict)
-                                     : take_place(plan, cell, trial, &verdict);
+                                     : take_place(plan, cell, trial, &verdict, tight);
 }
 
 static int refine_cell(struct plan *plan, struct cell *cell, const struct run_files *tight) {
@@ -439,6 +476,10 @@ int limits_refine(struct plan *plan) {
 }
 
 /* --- the tables --- */
+
+static const char *treatment_of(const struct cell *cell) {
+    return wisp_problem.treatments[cell->treatment].name;
+}
 
 static const char *kind_of(const struct trial *trial) {
     return trial->place.missed < 0             ? "none"
@@ -485,25 +526,27 @@ static int write_limits(struct plan *plan, const char *folder) {
 static void write_largest(FILE *stream, const struct cell *cell, const struct trial *t) {
     const double step = largest_step(cell, t);
     const int adaptive = contestant_is_adaptive(t->contestant);
-    fprintf(stream, "%s\t%s\t%.9g\t%.9g\t%.9g\t%.9g\t%s\t%.9g\t%.9g\t%.9g\t%s\n", cell->name,
-            t->contestant->name, step, 1 / step, t->predicted, step_at(cell, t->place.missed),
-            adaptive ? "chooses its steps" : kind_of(t), t->missed.failure_time, t->error,
-            t->cost.cpu.median / cell->scene->duration,
+    fprintf(stream, "%s\t%s\t%s\t%.9g\t%.9g\t%.9g\t%.9g\t%s\t%.9g\t%.9g\t%.9g\t%s\n", cell->subject,
+            treatment_of(cell), t->contestant->name, step, 1 / step, t->predicted,
+            step_at(cell, t->place.missed), adaptive ? "chooses its steps" : kind_of(t),
+            t->missed.failure_time, t->error, t->cost.cpu.median / cell->scene->duration,
             adaptive ? "mean step at rtol 1e-3" : t->note);
 }
 
 static int write_scenes(struct plan *plan, const char *folder) {
     const struct limits *limits = plan->memo;
     struct atomic_file file;
-    if (open_table(&file, folder, "largest-step",
-                   "the longest stable step of each stepper, s, on whole scenes: what it is, its "
-                   "rate in Hz, the predicted one, the next that is not stable with how and when "
-                   "that fails, the error of the stable one, m, and its CPU time per simulated s; "
-                   "steps divide the time between stops of the clock",
-                   plan->subjects[0].scene,
-                   "scene\tstepper\tstep\trate\tpredicted\tunstable_step\tkind\ttime\terror\t"
-                   "cpu_per_second\tnote",
-                   plan->reason))
+    if (open_table(
+            &file, folder, "largest-step",
+            "the longest stable step of each stepper, s, on the first half second of scenes: what "
+            "it is, its "
+            "rate in Hz, the predicted one, the next that is not stable with how and when "
+            "that fails, the error of the stable one, m, and its CPU time per simulated s; "
+            "steps divide the time between stops of the clock",
+            plan->subjects[0].scene,
+            "scene\ttreatment\tstepper\tstep\trate\tpredicted\tunstable_step\tkind\ttime\terror\t"
+            "cpu_per_second\tnote",
+            plan->reason))
         return -1;
     for (int i = 0; i < limits->cell_count; i++)
         for (int k = 0; !limits->cells[i].axis && k < limits->cells[i].trial_count; k++)
@@ -512,19 +555,6 @@ static int write_scenes(struct plan *plan, const char *folder) {
 }
 
 /* --- failures --- */
-
-/* The time of the first frame of which a node is more than `bound` off, s. */
-static double first_wrong(const struct table *run, const struct table *tight, double bound) {
-    enum { X = 3 };
-    for (int i = 0; i < run->row_count && i < tight->row_count; i++) {
-        double square = 0;
-        for (int k = X; k < X + 3; k++)
-            square += pow(table_value(run, i, k) - table_value(tight, i, k), 2);
-        if (!(sqrt(square) <= bound))
-            return table_value(run, i, 0);
-    }
-    return NAN;
-}
 
 static const struct trial *trial_of(const struct cell *cell, const char *stepper) {
     for (int i = 0; i < cell->trial_count; i++)
@@ -545,8 +575,8 @@ static int write_failure(struct plan *plan, FILE *stream, const struct cell *cel
         measure_deviation(cell->scene, &run.states, &tight->states, 1, &deviation, plan->reason);
     const int wrong = run.outcome == FINISHED && deviation.rms > bound;
     if (!code)
-        fprintf(stream, "%s\t%s\t%.9g\t%.9g\t%s\t%.9g\t%s\t%.9g\t%.9g\n", cell->name, one->label,
-                step, 1 / step,
+        fprintf(stream, "%s\t%s\t%s\t%.9g\t%.9g\t%s\t%.9g\t%s\t%.9g\t%.9g\n", cell->subject,
+                treatment_of(cell), one->label, step, 1 / step,
                 wrong                     ? "wrong"
                 : run.outcome == FINISHED ? "stable"
                                           : outcome_name(run.outcome),
@@ -575,14 +605,15 @@ static int write_cell_failures(struct plan *plan, FILE *stream, const struct cel
 static int write_failures(struct plan *plan, const char *folder) {
     const struct limits *limits = plan->memo;
     struct atomic_file file;
-    if (open_table(&file, folder, "failures",
-                   "how methods fail at steps that are too long: kind, when it first shows, "
-                   "whether the state stays finite, and the error of the frames before, m (rms, "
-                   "largest); wrong: finished, with more than ten times the error that its order "
-                   "lets it have, and more than 0.1 mm",
-                   plan->subjects[0].scene,
-                   "scene\tstepper\tstep\trate\tkind\ttime\tfinite\terror\tlargest_error",
-                   plan->reason))
+    if (open_table(
+            &file, folder, "failures",
+            "how methods fail at steps that are too long: kind, when it first shows, "
+            "whether the state stays finite, and the error of the frames before, m (rms, "
+            "largest); wrong: finished, with more than ten times the error that its order "
+            "lets it have, and more than 0.1 mm",
+            plan->subjects[0].scene,
+            "scene\ttreatment\tstepper\tstep\trate\tkind\ttime\tfinite\terror\tlargest_error",
+            plan->reason))
         return -1;
     for (int i = 0; i < limits->cell_count; i++)
         if (!limits->cells[i].axis && write_cell_failures(plan, file.stream, &limits->cells[i])) {

@@ -134,7 +134,7 @@ static int go(struct stepper *stepper, double t, double h, double *q, double *v)
 
 /* --- growth --- */
 
-/* The first unknown that moves by itself: of u' = z u it is v. */
+/* Nothing depends on q: u' = z u rides on v. */
 static int is_first_order(const struct small_system *s) {
     for (int i = 0; i < s->n * s->n; i++)
         if (s->k[i] != 0)
@@ -149,11 +149,6 @@ static double norm(const struct small_system *s, const double *q, const double *
     return sqrt(square);
 }
 
-static void scale(int n, double *x, double by) {
-    for (int i = 0; i < n; i++)
-        x[i] *= by;
-}
-
 /* log of the growth over so many steps. Fixed steps are linear maps, so that the state may be
  * scaled before it overflows; an adaptive method would see another problem, and is not. */
 static int add_growth(struct stepper *stepper, struct small_system *s, double h, int steps,
@@ -164,6 +159,8 @@ static int add_growth(struct stepper *stepper, struct small_system *s, double h,
         if (go(stepper, *t, h, q, v))
             return -1;
         const double now = norm(s, q, v);
+        if (is_first_order(s)) /* what v moves is nothing to it, and would overflow */
+            q[0] = q[1] = 0;
         if (now == 0) {
             *log_growth = -INFINITY;
             return 0;
@@ -172,9 +169,11 @@ static int add_growth(struct stepper *stepper, struct small_system *s, double h,
             return -1;
         if (stepper->method->step && (now > 1e100 || now < 1e-100)) {
             *log_growth += log(now / from);
-            scale(s->n, q, 1 / now);
-            scale(s->n, v, 1 / now);
             from = 1;
+            for (int k = 0; k < s->n; k++) {
+                q[k] /= now;
+                v[k] /= now;
+            }
         }
     }
     *log_growth += log(norm(s, q, v) / from);
