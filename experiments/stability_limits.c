@@ -526,8 +526,8 @@ static int write_limits(struct plan *plan, const char *folder) {
 static void write_largest(FILE *stream, const struct cell *cell, const struct trial *t) {
     const double step = largest_step(cell, t);
     const int adaptive = contestant_is_adaptive(t->contestant);
-    fprintf(stream, "%s\t%s\t%s\t%.9g\t%.9g\t%.9g\t%.9g\t%s\t%.9g\t%.9g\t%.9g\t%s\n", cell->subject,
-            treatment_of(cell), t->contestant->name, step, 1 / step, t->predicted,
+    fprintf(stream, "%s\t%s\t%s\t%.17g\t%.9g\t%.9g\t%.17g\t%s\t%.9g\t%.9g\t%.9g\t%s\n",
+            cell->subject, treatment_of(cell), t->contestant->name, step, 1 / step, t->predicted,
             step_at(cell, t->place.missed), adaptive ? "chooses its steps" : kind_of(t),
             t->missed.failure_time, t->error, t->cost.cpu.median / cell->scene->duration,
             adaptive ? "mean step at rtol 1e-3" : t->note);
