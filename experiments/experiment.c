@@ -16,6 +16,7 @@
     X(solvers)         \
     X(horizon)         \
     X(ladder)          \
+    X(stability)       \
     X(radii)           \
     X(interactions)    \
     X(viscosity)       \

@@ -5,8 +5,8 @@
  * In each cell, a stiffness and a damping, each method gets the largest setting that reaches the
  * target: from coarse to fine until one does, then between it and the last that did not, by halves.
  * The runs that are next depend on those before; refine() names them, round by round. */
-#include "measure.h"
 #include "model.h"
+#include "search.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -47,8 +47,8 @@ static const struct contestant contestants[] = {
 };
 enum { CONTESTANTS = sizeof contestants / sizeof *contestants };
 
-/* Settings are places on a geometric scale, 0 the coarsest. A stride leads to the next rung of the
- * first descent: an octave of steps, a decade of tolerances. */
+/* A stride leads to the next rung of the first descent: an octave of steps, a decade of
+ * tolerances. */
 enum { STEPS_STRIDE = 16, TOLERANCES_STRIDE = 8, JITTERED = 9, JITTERED_QUICK = 3 };
 
 /* What a search waits for: a run at a place, more that confirm it, the timing of the best. */
@@ -59,10 +59,9 @@ struct search {
     const struct contestant *contestant;
     int cell;
     enum phase phase;
-    int at;              /* the place that is tried */
-    double first_error;  /* of its first run, while others confirm it */
-    int first, count;    /* its runs in the plan */
-    int missed, reached; /* places: the finest known to miss, the coarsest known to reach; or -1 */
+    struct bracket place;
+    double first_error;          /* of the first run of a place, while others confirm it */
+    int first, count;            /* its runs in the plan */
     double missed_error, error;  /* there, m; of adaptive methods the worst of the jittered runs */
     enum outcome missed_outcome; /* of the run that missed */
     double missed_time;          /* of a failure: when, s */
@@ -110,23 +109,13 @@ static double setting_at(const struct scene *scene, const struct contestant *con
                          int place) {
     if (contestant_is_adaptive(contestant))
         return pow(10, -1 - (double)place / TOLERANCES_STRIDE);
-    return 1 / scene->frame_rate / round(exp2((double)place / STEPS_STRIDE));
-}
-
-/* CPU time of one run with fixed steps, s, roughly. */
-static double estimated_cost(const struct scene *scene, const struct contestant *contestant,
-                             double step) {
-    int unknowns = 0;
-    for (int i = 0; i < scene->wisp_count; i++)
-        unknowns +=
-            (scene->wisps[i].nodes - 2) * wisp_node_unknowns(&scene->wisps[i], WISP_GENERALISED);
-    return contestant->cost * unknowns * scene->duration / step;
+    return place_step(1 / scene->frame_rate, STEPS_STRIDE, place);
 }
 
 /* Whether a place is finer than is worth trying, and why in the search's note. */
 static int is_beyond(struct search *s, const struct scene *scene) {
-    const double setting = setting_at(scene, s->contestant, s->at), longest = 3;
-    const double cost = estimated_cost(scene, s->contestant, setting);
+    const double setting = setting_at(scene, s->contestant, s->place.at), longest = 3;
+    const double cost = estimated_cost(scene, s->contestant, WISP_GENERALISED, setting);
     const int adaptive = contestant_is_adaptive(s->contestant);
     const int beyond = adaptive ? setting < 0.99 * s->contestant->finest : cost > longest;
     if (beyond && adaptive)
@@ -153,7 +142,7 @@ static int first_place(const struct scene *scene, const struct contestant *conte
 
 static int add_run(struct plan *plan, struct search *s, int jitter, int timings) {
     const struct scene *scene = plan->subjects[s->cell].scene;
-    const double setting = setting_at(scene, s->contestant, s->at) * (1 + 1e-12 * jitter);
+    const double setting = setting_at(scene, s->contestant, s->place.at) * (1 + 1e-12 * jitter);
     struct run_request request =
         contestant_request(s->contestant, setting, scene->run.atol / scene->run.rtol);
     char cell[64];
@@ -189,9 +178,11 @@ static int confirm_place(struct plan *plan, struct search *s, double first_error
 }
 
 static int time_place(struct plan *plan, struct search *s) {
-    const double setting = setting_at(plan->subjects[s->cell].scene, s->contestant, s->reached);
-    const double cost = estimated_cost(plan->subjects[s->cell].scene, s->contestant, setting);
-    s->at = s->reached;
+    const double setting =
+        setting_at(plan->subjects[s->cell].scene, s->contestant, s->place.reached);
+    const double cost =
+        estimated_cost(plan->subjects[s->cell].scene, s->contestant, WISP_GENERALISED, setting);
+    s->place.at = s->place.reached;
     await(plan, s, TIMING);
     return add_run(plan, s, 0, plan->quick || cost > 0.5 ? 3 : 5);
 }
@@ -243,12 +234,11 @@ static int plan_cells(struct plan *plan) {
 
 static int begin_search(struct plan *plan, struct ladder *ladder, int cell,
                         const struct contestant *contestant) {
+    const int first = first_place(plan->subjects[cell].scene, contestant);
     struct search *s = &ladder->search[ladder->count++];
     *s = (struct search){.contestant = contestant,
                          .cell = cell,
-                         .at = first_place(plan->subjects[cell].scene, contestant),
-                         .missed = -1,
-                         .reached = -1,
+                         .place = bracket_begin(first, first),
                          .missed_error = NAN,
                          .error = NAN,
                          .missed_time = NAN,
@@ -285,37 +275,6 @@ static int ladder_plan(struct plan *plan) {
 
 /* --- from round to round --- */
 
-/* What the runs of a place have shown. */
-struct verdict {
-    double error; /* the worst; NaN: one did not finish */
-    enum outcome outcome;
-    double failure_time;
-};
-
-static int judge(struct plan *plan, const struct search *s, const struct run_files *tight,
-                 struct verdict *verdict) {
-    const struct scene *scene = plan->subjects[s->cell].scene;
-    *verdict = (struct verdict){0, FINISHED, NAN};
-    for (int i = s->first; i < s->first + s->count && verdict->outcome == FINISHED; i++) {
-        struct run_files run;
-        struct deviation deviation;
-        int code = run_read(&run, plan->cases[i].run.folder, plan->reason);
-        if (code)
-            return -1;
-        if (run.outcome == FINISHED) {
-            code =
-                measure_deviation(scene, &run.states, &tight->states, 1, &deviation, plan->reason);
-            verdict->error = fmax(verdict->error, deviation.rms);
-        } else {
-            *verdict = (struct verdict){NAN, run.outcome, run_number(&run, "failure_time")};
-        }
-        run_free(&run);
-        if (code)
-            return -1;
-    }
-    return 0;
-}
-
 static int read_timing(struct plan *plan, struct search *s) {
     struct run_files run;
     if (run_read(&run, plan->cases[s->first].run.folder, plan->reason))
@@ -326,28 +285,24 @@ static int read_timing(struct plan *plan, struct search *s) {
     return 0;
 }
 
-/* The next place after `at` has been judged, or the timing of the best. */
-static int go_on(struct plan *plan, struct search *s) {
-    if (s->reached < 0) {
-        s->at = s->missed + stride_of(s->contestant);
-        if (!is_beyond(s, plan->subjects[s->cell].scene))
-            return try_place(plan, s);
+/* The next place after one has been judged, or the timing of the best. */
+static int go_on(struct plan *plan, struct search *s, int reached) {
+    const int more =
+        bracket_take(&s->place, reached, stride_of(s->contestant), resolution(plan, s->contestant));
+    if (s->place.reached < 0 && is_beyond(s, plan->subjects[s->cell].scene)) {
         s->phase = DONE;
         return 0;
     }
-    if (s->missed < 0)
+    if (s->place.missed < 0)
         snprintf(s->note, sizeof s->note, "the coarsest that was tried");
-    if (s->missed < 0 || s->reached - s->missed <= resolution(plan, s->contestant))
-        return time_place(plan, s);
-    s->at = (s->missed + s->reached) / 2;
-    return try_place(plan, s);
+    return more ? try_place(plan, s) : time_place(plan, s);
 }
 
 static int step_search(struct plan *plan, struct search *s, const struct run_files *tight) {
     struct verdict verdict;
     if (s->phase == TIMING)
         return read_timing(plan, s);
-    if (judge(plan, s, tight, &verdict))
+    if (judge_runs(plan, s->first, s->count, plan->subjects[s->cell].scene, tight, &verdict))
         return -1;
     if (s->phase == CONFIRMING && verdict.outcome == FINISHED)
         verdict.error = fmax(verdict.error, s->first_error);
@@ -355,15 +310,13 @@ static int step_search(struct plan *plan, struct search *s, const struct run_fil
     if (reached && contestant_is_adaptive(s->contestant) && s->phase == TRYING)
         return confirm_place(plan, s, verdict.error);
     if (reached) {
-        s->reached = s->at;
         s->error = verdict.error;
     } else {
-        s->missed = s->at;
         s->missed_error = verdict.error;
         s->missed_outcome = verdict.outcome;
         s->missed_time = verdict.failure_time;
     }
-    return go_on(plan, s);
+    return go_on(plan, s, reached);
 }
 
 /* The searches of a cell; without a truth there is nothing to search for. */
@@ -409,15 +362,15 @@ static double place_setting(const struct plan *plan, const struct search *s, int
  * wrong by orders of magnitude; an error that follows from the order grows by no more than the
  * fourth power of a step that is a few per cent longer. */
 static const char *limit_of(const struct search *s) {
-    if (s->reached < 0 || s->missed < 0)
+    if (s->place.reached < 0 || s->place.missed < 0)
         return "none";
     return s->missed_outcome != FINISHED || s->missed_error > 100 * s->error ? "failure"
                                                                              : "accuracy";
 }
 
 static void write_search(FILE *stream, const struct plan *plan, const struct search *s) {
-    const double numbers[] = {place_setting(plan, s, s->reached),
-                              place_setting(plan, s, s->missed),
+    const double numbers[] = {place_setting(plan, s, s->place.reached),
+                              place_setting(plan, s, s->place.missed),
                               s->error,
                               s->missed_error,
                               s->cost.cpu.median,
@@ -428,8 +381,9 @@ static void write_search(FILE *stream, const struct plan *plan, const struct sea
     fprintf(stream, "%g\t%g\t%s", stiffness_of(s->cell), damping_of(s->cell), s->contestant->name);
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         fprintf(stream, "\t%.17g", numbers[i]);
-    fprintf(stream, "\t%s\t%s\t%s\t%.17g\t%s\n", s->reached >= 0 ? "reached" : "never", limit_of(s),
-            s->missed >= 0 ? outcome_name(s->missed_outcome) : "none", s->missed_time, s->note);
+    fprintf(stream, "\t%s\t%s\t%s\t%.17g\t%s\n", s->place.reached >= 0 ? "reached" : "never",
+            limit_of(s), s->place.missed >= 0 ? outcome_name(s->missed_outcome) : "none",
+            s->missed_time, s->note);
 }
 
 /* Rows of a method along the stiffness, of one damping; blocks are parted by two blank lines. */
@@ -584,7 +538,7 @@ static void print_cell(const struct plan *plan, int cell) {
     }
     printf("%-29s %4s %-9.3g %8.2f", best->contestant->name,
            contestant_is_adaptive(best->contestant) ? "rtol" : "h",
-           place_setting(plan, best, best->reached), 1e3 * best->cost.cpu.median);
+           place_setting(plan, best, best->place.reached), 1e3 * best->cost.cpu.median);
     if (next)
         printf("   %s %.2f%s", next->contestant->name, 1e3 * next->cost.cpu.median,
                is_apart(best, next) ? "" : " (times overlap)");

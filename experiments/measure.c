@@ -374,9 +374,13 @@ double usual_step(const struct scene *scene, const struct stepper_method *method
     return scene->run.step;
 }
 
+double stop_rate(const struct scene *scene) {
+    return scene->wisps[0].samples > 0 ? fmax(scene->collision_rate, scene->frame_rate)
+                                       : scene->frame_rate;
+}
+
 double ladder_step(const struct scene *scene, int per_octave, int k) {
-    const double rate = scene->wisps[0].samples > 0 ? fmax(scene->collision_rate, scene->frame_rate)
-                                                    : scene->frame_rate;
+    const double rate = stop_rate(scene);
     const double coarsest = 1 / rate / ceil(60 / rate - 1e-9);
     const int p = per_octave, q = k - (p - 1);
     return coarsest / (q < 0 ? k + 1 : ldexp(p + q % p, q / p));

@@ -127,6 +127,10 @@ int is_stable(const struct butcher_table *table, const struct mode *mode, double
  * elsewhere. 0 where the method chooses its steps. */
 double usual_step(const struct scene *scene, const struct stepper_method *method);
 
+/* How often fixed steps are stopped on a scene's wisps, by ticks or frames, Hz: the rate of the
+ * stops that come most often. */
+double stop_rate(const struct scene *scene);
+
 /* The k-th step of a ladder downwards, s, with that many rungs to the octave: the time between
  * stops of the scene's clock, or 1/60 s where that is longer, over whole numbers, so that steps
  * divide it: 1, 2, 3, 4, 6, 8, 12, ... with 2 to the octave. */

@@ -1,0 +1,63 @@
+#include "search.h"
+
+#include <math.h>
+
+struct bracket bracket_begin(int at, int coarsest) {
+    return (struct bracket){.at = at, .coarsest = coarsest, .missed = -1, .reached = -1};
+}
+
+int bracket_take(struct bracket *b, int reached, int stride, int resolution) {
+    *(reached ? &b->reached : &b->missed) = b->at;
+    if (b->reached < 0)
+        b->at = b->missed + stride;
+    else if (b->missed >= 0)
+        b->at = (b->missed + b->reached) / 2;
+    else
+        b->at = b->reached - stride > b->coarsest ? b->reached - stride : b->coarsest;
+    if (b->reached < 0)
+        return 1;
+    return b->missed < 0 ? b->reached > b->coarsest : b->reached - b->missed > resolution;
+}
+
+double place_step(double interval, int stride, int place) {
+    return interval / round(exp2((double)place / stride));
+}
+
+int step_place(double interval, int stride, double step) {
+    const int near = (int)floor(stride * log2(interval / step)) - stride;
+    int place = near > 0 ? near : 0;
+    while (place_step(interval, stride, place) > step * (1 + 1e-12))
+        place++;
+    return place;
+}
+
+double estimated_cost(const struct scene *scene, const struct contestant *contestant,
+                      enum wisp_treatment treatment, double step) {
+    int unknowns = 0;
+    for (int i = 0; i < scene->wisp_count; i++)
+        unknowns += (scene->wisps[i].nodes - 2) * wisp_node_unknowns(&scene->wisps[i], treatment);
+    return contestant->cost * unknowns * scene->duration / step;
+}
+
+int judge_runs(struct plan *plan, int first, int count, const struct scene *scene,
+               const struct run_files *tight, struct verdict *verdict) {
+    *verdict = (struct verdict){0, FINISHED, NAN};
+    for (int i = first; i < first + count && verdict->outcome == FINISHED; i++) {
+        struct run_files run;
+        struct deviation deviation;
+        int code = run_read(&run, plan->cases[i].run.folder, plan->reason);
+        if (code)
+            return -1;
+        if (run.outcome == FINISHED) {
+            code =
+                measure_deviation(scene, &run.states, &tight->states, 1, &deviation, plan->reason);
+            verdict->error = fmax(verdict->error, deviation.rms);
+        } else {
+            *verdict = (struct verdict){NAN, run.outcome, run_number(&run, "failure_time")};
+        }
+        run_free(&run);
+        if (code)
+            return -1;
+    }
+    return 0;
+}

@@ -1,0 +1,43 @@
+/* The search for the coarsest setting that is still good, by rounds of runs: where on the scale it
+ * is, and what the runs of a place have shown. */
+#ifndef WISPLAB_SEARCH_H
+#define WISPLAB_SEARCH_H
+
+#include "measure.h"
+
+/* Settings are places on a geometric scale, 0 the coarsest. */
+struct bracket {
+    int at;              /* the place that is tried */
+    int coarsest;        /* there is none before */
+    int missed, reached; /* the finest known to miss, the coarsest known to reach; or -1 */
+};
+struct bracket bracket_begin(int at, int coarsest);
+
+/* What the place `at` has shown. Moves `at` to the next place: by `stride` while one side of the
+ * bracket is unknown, then by halves. Returns 0 where there is none: the sides are no farther apart
+ * than `resolution`, or the coarsest place reaches. */
+int bracket_take(struct bracket *bracket, int reached, int stride, int resolution);
+
+/* The step of a place, s, with `stride` places to the octave: it divides `interval`. */
+double place_step(double interval, int stride, int place);
+
+/* The coarsest place of which the step is at most `step`. */
+int step_place(double interval, int stride, double step);
+
+/* CPU time of one run with fixed steps, s, roughly. */
+double estimated_cost(const struct scene *scene, const struct contestant *contestant,
+                      enum wisp_treatment treatment, double step);
+
+/* What runs have shown. */
+struct verdict {
+    double error; /* the worst, rms over free nodes and all frames, m; NaN: one did not finish */
+    enum outcome outcome;
+    double failure_time; /* s */
+};
+
+/* Judges the `count` cases of the plan from `first` on, runs of `scene`, up to the first that did
+ * not finish. Returns 0, or -1 with plan->reason. */
+int judge_runs(struct plan *plan, int first, int count, const struct scene *scene,
+               const struct run_files *tight, struct verdict *verdict);
+
+#endif

@@ -1,0 +1,139 @@
+/* Tables of what is measured on small systems, here and now: it takes seconds and no clock. */
+#include "stability.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Tolerance of adaptive methods where one must do: loose, since a tight one forbids what a map of
+ * stability could show. */
+static const double loose = 1e-2;
+
+static int is_fixed(const struct stepper_method *method) {
+    return method->step != NULL;
+}
+
+static int open_map(struct plan *plan, struct atomic_file *file, const char *folder,
+                    const char *name, const char *what, const char *columns) {
+    return open_table(file, folder, name, what, plan->loaded[0], columns, plan->reason);
+}
+
+/* --- the regions --- */
+
+static void write_region(FILE *stream, const struct stepper_method *method, double spacing) {
+    const double left = -4, right = 3, top = 3.5;
+    const int columns = (int)round((right - left) / spacing), rows = (int)round(2 * top / spacing);
+    struct small_system small;
+    for (int row = 0; row <= rows; row++) {
+        for (int column = 0; column <= columns; column++) {
+            const double complex z = left + column * spacing + I * (row * spacing - top);
+            small_dahlquist(&small, z);
+            fprintf(stream, "%s\t%g\t%g\t%.9g\t%.9g\n", method->name, creal(z), cimag(z),
+                    measured_growth(method, loose, &small, 1),
+                    method->table ? cabs(butcher_stability(method->table, z)) : NAN);
+        }
+        fprintf(stream, "\n");
+    }
+    fprintf(stream, "\n");
+}
+
+static int write_regions(struct plan *plan, const char *folder) {
+    struct atomic_file file;
+    if (open_map(plan, &file, folder, "regions",
+                 "growth per step of u' = z u, h = 1, measured by stepping the real code (growth) "
+                 "and by the stability function where there is one; adaptive methods take no step "
+                 "that is forced on them: growth per unit of time at rtol 0.01",
+                 "stepper\tre\tim\tgrowth\ttheory"))
+        return -1;
+    for (int i = 0; stepper_methods[i]; i++) {
+        const double fine = plan->quick ? 0.2 : 0.05, coarse = plan->quick ? 0.5 : 0.25;
+        if (plan_wants(plan, stepper_methods[i]->name))
+            write_region(file.stream, stepper_methods[i],
+                         is_fixed(stepper_methods[i]) ? fine : coarse);
+    }
+    return atomic_commit(&file, plan->reason);
+}
+
+/* --- the damped oscillator --- */
+
+/* The larger of |R| on both modes of q'' = -q - 2 zeta q'. */
+static double oscillator_theory(const struct butcher_table *table, double h, double zeta) {
+    const double complex root = csqrt(zeta * zeta - 1);
+    return fmax(cabs(butcher_stability(table, h * (-zeta + root))),
+                cabs(butcher_stability(table, h * (-zeta - root))));
+}
+
+static void write_oscillator(FILE *stream, const struct stepper_method *method, int quick) {
+    const double h_step = quick ? 0.2 : 0.05, zeta_step = quick ? 0.25 : 0.05;
+    const double h_last = 4, zeta_last = 2;
+    struct small_system small;
+    for (int row = 0; row <= (int)round(zeta_last / zeta_step); row++) {
+        for (int column = 1; column <= (int)round(h_last / h_step); column++) {
+            const double zeta = row * zeta_step, h = column * h_step;
+            small_oscillator(&small, zeta);
+            fprintf(stream, "%s\t%g\t%g\t%.9g\t%.9g\n", method->name, h, zeta,
+                    measured_growth(method, loose, &small, h),
+                    method->table ? oscillator_theory(method->table, h, zeta) : NAN);
+        }
+        fprintf(stream, "\n");
+    }
+    fprintf(stream, "\n");
+}
+
+static int write_oscillators(struct plan *plan, const char *folder) {
+    struct atomic_file file;
+    if (open_map(plan, &file, folder, "oscillator",
+                 "growth per step of q'' = -omega^2 q - 2 zeta omega q' with fixed steps h, "
+                 "measured by stepping the real code, and by the stability function where there "
+                 "is one; adaptive methods have no omega h",
+                 "stepper\tomega_h\tzeta\tgrowth\ttheory"))
+        return -1;
+    for (int i = 0; stepper_methods[i]; i++)
+        if (is_fixed(stepper_methods[i]) && plan_wants(plan, stepper_methods[i]->name))
+            write_oscillator(file.stream, stepper_methods[i], plan->quick);
+    return atomic_commit(&file, plan->reason);
+}
+
+/* --- numerical damping --- */
+
+static void write_ring(FILE *stream, const struct stepper_method *method, double setting) {
+    const int fixed = is_fixed(method);
+    const struct ring_down m = measured_ring_down(method, fixed ? loose : setting, setting);
+    const struct ring_down p = method->table ? predicted_ring_down(method->table, setting)
+                                             : (struct ring_down){NAN, NAN, NAN};
+    if (isnan(m.damping))
+        return;
+    fprintf(stream, "%s\t%g\t%.9g\t%.9g\t%.9g\t%.9g\t%.9g\n", method->name, setting,
+            m.steps_per_period, m.damping, m.frequency_shift, p.damping, p.frequency_shift);
+}
+
+static int write_damping(struct plan *plan, const char *folder) {
+    struct atomic_file file;
+    if (open_map(plan, &file, folder, "damping",
+                 "an undamped oscillator let go: the damping that is the method's own (of "
+                 "critical; negative: it grows) and its relative shift of frequency, by ring-down "
+                 "of the real code and by |R(i omega h)| and arg R; setting: omega h, or rtol of "
+                 "adaptive methods, whose steps per period are the mean",
+                 "stepper\tsetting\tsteps_per_period\tdamping\tfrequency_shift\tdamping_theory\t"
+                 "frequency_shift_theory"))
+        return -1;
+    for (int i = 0; stepper_methods[i]; i++) {
+        const struct stepper_method *method = stepper_methods[i];
+        if (!plan_wants(plan, method->name))
+            continue;
+        for (int k = 0; k <= 18; k++) { /* from 3 steps to the period to 200, or 1e-2 to 1e-8 */
+            const double setting = is_fixed(method) ? 2 * M_PI / 3 * exp(-k * log(200. / 3) / 18)
+                                                    : pow(10, -2 - k / 3.);
+            if (!plan->quick || k % 3 == 0)
+                write_ring(file.stream, method, setting);
+        }
+        fprintf(file.stream, "\n\n");
+    }
+    return atomic_commit(&file, plan->reason);
+}
+
+int stability_maps(struct plan *plan, const char *folder) {
+    return write_regions(plan, folder) || write_oscillators(plan, folder) ||
+                   write_damping(plan, folder)
+               ? -1
+               : 0;
+}

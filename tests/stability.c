@@ -1,0 +1,473 @@
+/* The experiment of stability: growth of the real steps against closed forms, eigenvalues of a
+ * chain that is solved by hand, ring-down against R(ih), searches that come to what was measured
+ * before; and that wrong is a failure however finite it is. */
+#include "stability.h"
+
+#include "fixture.h"
+#include "support.h"
+#include "wisp_support.h"
+
+#include <criterion/criterion.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* --- written out, to owe nothing to the tables of the methods --- */
+
+static double complex euler_r(double complex z) {
+    return 1 + z;
+}
+
+static double complex midpoint_r(double complex z) {
+    return 1 + z + z * z / 2;
+}
+
+static double complex rk4_r(double complex z) {
+    return 1 + z + z * z / 2 + z * z * z / 6 + z * z * z * z / 24;
+}
+
+static double complex implicit_euler_r(double complex z) {
+    return 1 / (1 - z);
+}
+
+static const struct closed_form {
+    const char *stepper;
+    double complex (*r)(double complex z);
+} closed_forms[] = {{"euler", euler_r},
+                    {"midpoint", midpoint_r},
+                    {"rk4", rk4_r},
+                    {"implicit-euler", implicit_euler_r}};
+enum { CLOSED_FORMS = sizeof closed_forms / sizeof *closed_forms };
+
+static double growth_at(const char *stepper, double complex z) {
+    struct small_system small;
+    small_dahlquist(&small, z);
+    return measured_growth(stepper_find(stepper), 1e-2, &small, 1);
+}
+
+/* --- regions --- */
+
+Test(stability, measured_growth_is_the_stability_function) {
+    for (int i = 0; i < CLOSED_FORMS; i++)
+        for (double x = -4; x <= 3; x += 0.25)
+            for (double y = -3.5; y <= 3.5; y += 0.25) {
+                const double expected = cabs(closed_forms[i].r(x + I * y));
+                const double growth = growth_at(closed_forms[i].stepper, x + I * y);
+                cr_assert(isinf(expected) ? isinf(growth)
+                                          : fabs(growth - expected) <= 1e-9 * expected + 1e-12,
+                          "%s at %g + %gi: grows by %.17g, and |R| is %.17g",
+                          closed_forms[i].stepper, x, y, growth, expected);
+            }
+}
+
+Test(stability, every_table_has_its_measured_growth) {
+    for (int i = 0; stepper_methods[i]; i++)
+        for (double x = -3.1; x < 2 && stepper_methods[i]->table && stepper_methods[i]->step;
+             x += 0.7) {
+            const double complex z = x + 0.9 * I;
+            const double expected = cabs(butcher_stability(stepper_methods[i]->table, z));
+            cr_assert_float_eq(growth_at(stepper_methods[i]->name, z), expected, 1e-9 * expected,
+                               "%s at %g + 0.9i", stepper_methods[i]->name, x);
+        }
+}
+
+/* What an error test of 0.01 leaves of it: decay decays, growth grows as it should. */
+Test(stability, adaptive_methods_grow_as_the_equation_does) {
+    for (int i = 0; stepper_methods[i]; i++) {
+        const char *name = stepper_methods[i]->name;
+        if (stepper_methods[i]->step)
+            continue;
+        cr_assert_lt(growth_at(name, -0.5 + 3 * I), 1, "%s", name);
+        cr_assert_lt(growth_at(name, -4), 1, "%s", name);
+        cr_assert_float_eq(growth_at(name, 0.5 + 2 * I), exp(0.5), 0.05, "%s: %g", name,
+                           growth_at(name, 0.5 + 2 * I));
+    }
+}
+
+/* --- the oscillator --- */
+
+/* The longest stable omega h, by halves. */
+static double oscillator_limit(const char *stepper, double zeta) {
+    double low = 0.01, high = 20;
+    for (int i = 0; i < 30; i++) {
+        const double middle = (low + high) / 2;
+        struct small_system small;
+        small_oscillator(&small, zeta);
+        *(measured_growth(stepper_find(stepper), 1e-2, &small, middle) <= 1 + 1e-9 ? &low : &high) =
+            middle;
+    }
+    return low;
+}
+
+/* Modes s of s^2 + 2 zeta s + 1: |1 + h s| <= 1 for h <= 2 zeta; RK4 reaches 2 sqrt 2 on the
+ * imaginary axis and 2.7853 on the real one (Hairer & Wanner, Solving ODEs II, section IV.2). */
+Test(stability, oscillator_limits_are_the_known_ones) {
+    static const struct {
+        const char *stepper;
+        double zeta, limit, within;
+    } known[] = {
+        {"euler", 0.1, 0.2, 1e-3},
+        {"euler", 0.3, 0.6, 2e-3},
+        {"euler", 0.7, 1.4, 5e-3},
+        {"euler", 1.25, 1, 1e-3},
+        {"midpoint", 1.25, 1, 1e-3},
+        {"rk4", 0, 2.8284271247, 1e-4},
+        {"rk4", 1.25, 2.7852935634 / 2, 1e-3},
+        {"implicit-euler", 0, 20, 1e-3},
+        {"implicit-euler", 0.5, 20, 1e-3},
+    };
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
+        const double limit = oscillator_limit(known[i].stepper, known[i].zeta);
+        cr_assert_float_eq(limit, known[i].limit, known[i].within,
+                           "%s, zeta %g: stable to %.6g, not to %.6g", known[i].stepper,
+                           known[i].zeta, limit, known[i].limit);
+    }
+    cr_assert_lt(oscillator_limit("euler", 0), 0.02);
+    cr_assert_lt(oscillator_limit("midpoint", 0), 0.04);
+}
+
+/* --- a chain by hand --- */
+
+enum { LINKS = 6 };
+static const double chain_k = 3, chain_m = 2;
+
+static void still(const struct fixture *f, double t, const double *q, const double *v, double *a) {
+    (void)t, (void)q, (void)v;
+    memset(a, 0, (size_t)f->n * sizeof *a);
+}
+
+static void as_it_is(struct fixture *f, double t, const double *q, const double *v) {
+    (void)f, (void)t, (void)q, (void)v;
+}
+
+/* Masses m between walls, springs k, dampers tau k: w_j = 2 sqrt(k/m) sin(j pi / 2 (n + 1)). */
+static void make_chain(struct fixture *f, double tau) {
+    fixture_begin(f, "equal masses", LINKS, 1, MATRIX_AVAILABLE);
+    f->rate = still;
+    f->jacobians = as_it_is;
+    for (int i = 0; i < LINKS; i++)
+        for (int j = 0; j < LINKS; j++) {
+            const double k = i == j ? -2 * chain_k : abs(i - j) == 1 ? chain_k : 0;
+            f->m[i * LINKS + j] = i == j ? chain_m : 0;
+            f->k[i * LINKS + j] = k;
+            f->d[i * LINKS + j] = tau * k;
+        }
+}
+
+static double chain_frequency(int j) {
+    return 2 * sqrt(chain_k / chain_m) * sin(j * M_PI / (2 * (LINKS + 1)));
+}
+
+static double nearest(const double complex *modes, double complex wanted) {
+    double least = INFINITY;
+    for (int i = 0; i < 2 * LINKS; i++)
+        least = fmin(least, cabs(modes[i] - wanted));
+    return least;
+}
+
+Test(stability, modes_of_a_chain_are_the_written_out_ones) {
+    static const double taus[] = {0, 0.1, 3};
+    const double zero[LINKS] = {0};
+    for (int k = 0; k < 3; k++) {
+        static struct fixture chain;
+        make_chain(&chain, taus[k]);
+        double complex *modes = system_modes(&chain.system, 0, zero, zero);
+        cr_assert(modes);
+        for (int j = 1; j <= LINKS; j++) {
+            const double w = chain_frequency(j), half = taus[k] * w * w / 2;
+            const double complex root = csqrt(half * half - w * w);
+            cr_assert_lt(nearest(modes, -half + root), 1e-9, "mode %d at tau %g", j, taus[k]);
+            cr_assert_lt(nearest(modes, -half - root), 1e-9, "mode %d at tau %g", j, taus[k]);
+        }
+        free(modes);
+    }
+}
+
+/* Euler's limit is tau where every mode swings, and 2 over the fastest rate where some creep;
+ * Runge-Kutta 4's is 2 sqrt 2 over the highest frequency without damping. */
+Test(stability, predicted_steps_of_a_chain_are_the_written_out_ones) {
+    static struct fixture chain;
+    const double zero[LINKS] = {0}, w = chain_frequency(LINKS);
+    const struct butcher_table *euler_table = stepper_find("euler")->table;
+    make_chain(&chain, 0.1);
+    double complex *modes = system_modes(&chain.system, 0, zero, zero);
+    cr_assert_float_eq(stable_step(euler_table, modes, 2 * LINKS), 0.1, 1e-4);
+    cr_assert(isinf(stable_step(stepper_find("implicit-euler")->table, modes, 2 * LINKS)));
+    free(modes);
+    make_chain(&chain, 3);
+    modes = system_modes(&chain.system, 0, zero, zero);
+    const double half = 3 * w * w / 2;
+    cr_assert_float_eq(stable_step(euler_table, modes, 2 * LINKS),
+                       2 / (half + sqrt(half * half - w * w)), 1e-6);
+    free(modes);
+    make_chain(&chain, 0);
+    modes = system_modes(&chain.system, 0, zero, zero);
+    cr_assert_float_eq(stable_step(stepper_find("rk4")->table, modes, 2 * LINKS), sqrt(8) / w,
+                       1e-4);
+    cr_assert_lt(stable_step(euler_table, modes, 2 * LINKS), 2e-3 / w * 2);
+    free(modes);
+}
+
+/* What grows by itself is no fault of the method: only what it adds is. */
+Test(stability, growth_of_the_equations_is_none_of_the_method) {
+    const double complex modes[] = {0.01, -100};
+    cr_assert_float_eq(stable_step(stepper_find("euler")->table, modes, 2), 0.02, 1e-6);
+    cr_assert(isinf(stable_step(stepper_find("euler")->table, modes, 1)));
+}
+
+/* The stretch modes of a wisp, which decide, by the kernel's Jacobians: a chain whose last mass is
+ * half, all springs and dampers in one ratio, is on Euler's limit at stretch_time. */
+Test(stability, modes_of_a_wisp_come_from_its_jacobians) {
+    struct scene *scene = LAB_LOAD("swing", "material.bending=none", "material.drag_rate=0");
+    const double longest = stiffest_mode(scene).frequency;
+    int count = 0;
+    double fastest = 0;
+    double complex *modes = scene_modes(scene, WISP_GENERALISED, &count);
+    cr_assert(modes && count == 2 * 3 * 9, "%d modes", count);
+    for (int i = 0; i < count; i++)
+        fastest = fmax(fastest, cabs(modes[i]));
+    cr_assert(fastest < longest && fastest > 0.98 * longest, "%g, and at most %g", fastest,
+              longest);
+    cr_assert_float_eq(stable_step(stepper_find("euler")->table, modes, count), 1.2e-4, 1e-6);
+    free(modes);
+    scene_free(scene);
+}
+
+/* --- ring-down --- */
+
+Test(stability, ring_down_is_the_stability_function_on_the_axis) {
+    for (int i = 0; i < CLOSED_FORMS; i++)
+        for (double h = 0.05; h < 1.9; h *= 1.4) {
+            const double complex r = closed_forms[i].r(I * h);
+            const double damping = -log(cabs(r)) / cabs(clog(r)), shift = carg(r) / h - 1;
+            const struct ring_down ring =
+                measured_ring_down(stepper_find(closed_forms[i].stepper), 1e-2, h);
+            cr_assert(fabs(ring.damping - damping) <= 1e-10 &&
+                          fabs(ring.frequency_shift - shift) <= 1e-10,
+                      "%s, h = %g: damping %.12g, shift %.12g; by R %.12g, %.12g",
+                      closed_forms[i].stepper, h, ring.damping, ring.frequency_shift, damping,
+                      shift);
+            cr_assert_float_eq(ring.steps_per_period, 2 * M_PI / h, 1e-9);
+        }
+}
+
+/* Of critical: a method that loses as much as a damper of zeta does has that zeta. */
+Test(stability, ring_down_of_adaptive_methods_follows_the_tolerance) {
+    for (int i = 0; stepper_methods[i]; i++) {
+        if (stepper_methods[i]->step)
+            continue;
+        const struct ring_down loose = measured_ring_down(stepper_methods[i], 1e-3, 0),
+                               tight = measured_ring_down(stepper_methods[i], 1e-8, 0);
+        cr_assert_lt(fabs(tight.damping), 1e-6, "%s", stepper_methods[i]->name);
+        cr_assert_lt(fabs(tight.damping), 0.1 * fabs(loose.damping), "%s",
+                     stepper_methods[i]->name);
+        cr_assert_gt(tight.steps_per_period, loose.steps_per_period, "%s",
+                     stepper_methods[i]->name);
+    }
+}
+
+/* --- the search --- */
+
+Test(stability, brackets_close_on_every_threshold) {
+    for (int threshold = 0; threshold < 60; threshold++)
+        for (int start = 0; start < 60; start += 7) {
+            struct bracket b = bracket_begin(start, 0);
+            int tries = 1;
+            while (bracket_take(&b, b.at >= threshold, 8, 1) && tries < 40)
+                tries++;
+            cr_assert(b.reached == threshold && (threshold == 0 || b.missed == threshold - 1),
+                      "from %d: reached %d, missed %d, not %d", start, b.reached, b.missed,
+                      threshold);
+        }
+}
+
+Test(stability, places_divide_the_interval) {
+    for (int place = 0; place < 200; place++) {
+        const double step = place_step(0.1, 24, place), pieces = 0.1 / step;
+        cr_assert_float_eq(pieces, round(pieces), 1e-9);
+        const int back = step_place(0.1, 24, step);
+        cr_assert(back <= place && place_step(0.1, 24, back) == step, "place %d: %d", place, back);
+        cr_assert(back == 0 || place_step(0.1, 24, back - 1) > step);
+    }
+}
+
+/* --- the program --- */
+
+struct limit_row {
+    double step, rate, predicted, unstable, time, error;
+    char scene[64], treatment[32], stepper[32], kind[32];
+};
+enum { ROWS_MAX = 64 };
+
+static char folder[PATH_SIZE];
+
+static void set_up(void) {
+    folder_make(folder);
+    gnuplot_stub_quiet();
+}
+
+static void clean_up(void) {
+    gnuplot_stub_remove();
+    folder_remove(folder);
+}
+
+static char *read_table(const char *name) {
+    char path[PATH_SIZE];
+    path_format(path, "%s/stability/%s.tsv", folder, name);
+    char *text = file_read(path);
+    cr_assert(text, "no table %s", name);
+    return text;
+}
+
+static int read_limits(struct limit_row *row) {
+    char *text = read_table("largest-step");
+    int count = 0;
+    for (char *rest = text, *line; (line = strsep(&rest, "\n")) != NULL;) {
+        struct limit_row *r = &row[count];
+        if (line[0] == '#' || line[0] == '\0' || strncmp(line, "scene", 5) == 0)
+            continue;
+        cr_assert(count < ROWS_MAX &&
+                      sscanf(line,
+                             "%63[^\t]\t%31[^\t]\t%31[^\t]\t%lf\t%lf\t%lf\t%lf\t%31[^\t]\t%lf\t%lf",
+                             r->scene, r->treatment, r->stepper, &r->step, &r->rate, &r->predicted,
+                             &r->unstable, r->kind, &r->time, &r->error) == 10,
+                  "cannot read '%s'", line);
+        count++;
+    }
+    free(text);
+    return count;
+}
+
+static double error_at(const struct scene *scene, const struct limit_row *row, double step,
+                       const struct lab_run *tight, enum outcome *outcome) {
+    const struct run_request request = {
+        .stepper = row->stepper,
+        .treatment = row->treatment,
+        .linear = strncmp(row->stepper, "implicit", 8) == 0 ? "direct" : NULL,
+        .step = step};
+    struct lab_run run;
+    lab_run(scene, &request, &run);
+    *outcome = run.result.outcome;
+    const double error = *outcome == FINISHED ? lab_distance(&run, tight, 0, 2).rms : NAN;
+    lab_run_free(&run);
+    return error;
+}
+
+/* The step of a row is stable, the next is not, in the way that it says; both again here. The
+ * shorter the scene, the longer the steps whose growth does not show. */
+static void check_row(const struct scene *scene, const struct limit_row *row, double within) {
+    struct lab_run tight;
+    enum outcome outcome;
+    lab_run(scene, &(struct run_request){.stepper = "reference", .treatment = row->treatment},
+            &tight);
+    const double error = error_at(scene, row, row->step, &tight, &outcome);
+    cr_assert(outcome == FINISHED && fabs(error - row->error) <= 1e-6 * error, "%s: %g, not %g",
+              row->stepper, error, row->error);
+    const double missed = error_at(scene, row, row->unstable, &tight, &outcome);
+    const char *kind = outcome == FINISHED ? "wrong" : outcome_name(outcome);
+    cr_assert_str_eq(kind, row->kind, "%s at %g s", row->stepper, row->unstable);
+    cr_assert(outcome != FINISHED || (missed > 1e-4 && missed > 10 * error),
+              "%s at %g s: %g m, after %g", row->stepper, row->unstable, missed, error);
+    cr_assert(row->unstable <= 1.13 * row->step && row->unstable > row->step, "%s: %g and %g",
+              row->stepper, row->step, row->unstable);
+    cr_assert(row->step > 0.85 * row->predicted && row->step < (1 + within) * row->predicted,
+              "%s: %g, and predicted %g", row->stepper, row->step, row->predicted);
+    cr_assert(row->time > 0 && row->time <= scene->duration, "%s: at %g s", row->stepper,
+              row->time);
+    lab_run_free(&tight);
+}
+
+/* What the model's page says of `swing`: Euler at 9000 Hz is right, at 8000 finite and wrong;
+ * Runge-Kutta 4 at 4000 Hz is right, at 3000 finite and wrong by decimetres. */
+Test(stability, swing_fails_as_it_was_measured_before, .init = set_up, .fini = clean_up) {
+    static const char *const known[] = {"euler\t0.000111111111\t9000\tstable\tnan\tyes",
+                                        "euler\t0.000125\t8000\tdiverged\t",
+                                        "rk4\t0.00025\t4000\tstable\tnan\tyes",
+                                        "rk4\t0.000333333333\t3000\tdiverged\t0.2\tyes\t0.14"};
+    static struct finished f;
+    static struct limit_row row[ROWS_MAX];
+    PROGRAM(&f, NULL, "experiment", "stability", "--quick", "--scene", "swing", "--stepper",
+            "euler", "--stepper", "rk4", "--out", folder);
+    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
+    char *text = read_table("failures");
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++)
+        cr_assert(strstr(text, known[i]), "not '%s' in %s", known[i], text);
+    free(text);
+    struct scene *scene = LAB_LOAD("swing", "duration=0.5");
+    const int rows = read_limits(row);
+    cr_assert_eq(rows, 2, "%d rows", rows);
+    for (int i = 0; i < rows; i++)
+        check_row(scene, &row[i], 0.03);
+    scene_free(scene);
+}
+
+#define SCENE                                                                                      \
+    "name = \"short\"; duration = 0.03333333333333333; frame_rate = 30.0; gravity = [0.0, -9.81, " \
+    "0.0];\n"                                                                                      \
+    "material = { hair_count = 1000.0; hair_density = 5.7e-6; };\n"                                \
+    "wisps = ( { root = [0.0, 0.0, 0.0]; direction = [1.0, 0.0, 0.0]; length = 0.30;\n"            \
+    "            nodes = 5; } );\n"                                                                \
+    "run = { step = 1.0e-4; rtol = 1.0e-6; atol = 1.0e-9; };\n"
+
+/* In one frame an instability has no time to overflow, nor to be seen in a length: it is wrong,
+ * and that is the limit. */
+Test(stability, what_is_finite_and_wrong_is_unstable, .init = set_up, .fini = clean_up) {
+    static struct finished f;
+    static struct limit_row row[ROWS_MAX];
+    char path[PATH_SIZE];
+    int wrong = 0;
+    file_write(folder, "short.cfg", SCENE, path);
+    PROGRAM(&f, NULL, "experiment", "stability", "--quick", "--scene", path, "--stepper", "euler",
+            "--stepper", "midpoint", "--stepper", "rk4", "--out", folder);
+    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
+    struct scene *scene = lab_load(path, NULL, 0);
+    const int rows = read_limits(row);
+    cr_assert_eq(rows, 3, "%d rows", rows);
+    for (int i = 0; i < rows; i++) {
+        check_row(scene, &row[i], 2);
+        wrong += strcmp(row[i].kind, "wrong") == 0;
+    }
+    cr_assert_gt(wrong, 0, "no such failure among %d", rows);
+    cr_assert(strstr(f.out, "finite and wrong"), "the answer does not say so: %s", f.out);
+    scene_free(scene);
+}
+
+/* The whole of it: every stepper is in the tables, and nothing is left to do the second time. */
+Test(stability, slow_quick_run_has_every_table_and_figure, .init = set_up, .fini = clean_up) {
+    static struct finished f;
+    static const char *const figures[] = {"regions.svg", "oscillator.svg", "limits.svg",
+                                          "damping.svg"};
+    gnuplot_stub_remove();
+    PROGRAM(&f, NULL, "experiment", "stability", "--quick", "--out", folder);
+    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
+    cr_assert(strstr(f.out, "--quick: "), "--quick does not say what it leaves out");
+    for (int k = 0; k < 4; k++)
+        cr_assert_eq(count_files(folder, figures[k]), 1, "no figure %s", figures[k]);
+    char *regions = read_table("regions"), *largest = read_table("largest-step");
+    for (int i = 0; stepper_methods[i]; i++)
+        cr_assert(strstr(regions, stepper_methods[i]->name) &&
+                      strstr(largest, stepper_methods[i]->name),
+                  "%s is missing", stepper_methods[i]->name);
+    free(regions);
+    free(largest);
+    gnuplot_stub_quiet();
+    PROGRAM(&f, NULL, "experiment", "stability", "--quick", "--out", folder);
+    cr_assert(strstr(f.out, " 0 of them new"), "a complete search does more: %s", f.out);
+}
+
+Test(stability, without_a_tight_solution_rows_say_why, .init = set_up, .fini = clean_up) {
+    static struct finished f;
+    PROGRAM(&f, NULL, "experiment", "stability", "--quick", "--scene", "swing", "--stepper", "rk4",
+            "--out", folder, "--time-limit", "0.0001");
+    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
+    char *text = read_table("largest-step");
+    cr_assert(strstr(text, "no tight solution: out of time"), "%s", text);
+    free(text);
+}
+
+Test(stability, is_of_wisps, .init = set_up, .fini = clean_up) {
+    static struct finished f;
+    PROGRAM(&f, NULL, "experiment", "stability", "--scene", "circle", "--out", folder);
+    cr_assert(f.code == 1 && count_lines(f.err) == 1 && strstr(f.err, "of wisps"), "%d: '%s'",
+              f.code, f.err);
+}
