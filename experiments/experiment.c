@@ -1,6 +1,7 @@
 #include "experiment.h"
 
 #include "model.h"
+#include "scene_detail.h"
 #include "scene_wisps.h"
 
 #include <math.h>
@@ -17,6 +18,7 @@
     X(horizon)         \
     X(ladder)          \
     X(stability)       \
+    X(needs)           \
     X(radii)           \
     X(interactions)    \
     X(viscosity)       \
@@ -71,6 +73,16 @@ const struct scene *plan_scene_bare(struct plan *plan, const char *name, double 
     struct scene *scene = scene_load(name, sets, 1, plan->reason);
     if (scene)
         scene_remove_envelope(scene);
+    return keep_scene(plan, scene);
+}
+
+const struct scene *plan_scene_detail(struct plan *plan, const char *name, const char *const *sets,
+                                      int set_count, double factor, int samples) {
+    struct scene *scene = scene_load(name, sets, set_count, plan->reason);
+    if (scene && scene_set_detail(scene, factor, samples, plan->reason)) {
+        scene_free(scene);
+        return NULL;
+    }
     return keep_scene(plan, scene);
 }
 

@@ -69,6 +69,10 @@ const struct scene *plan_scene(struct plan *plan, const char *name, const char *
 /* The same without its envelope, at a frame rate in Hz. */
 const struct scene *plan_scene_bare(struct plan *plan, const char *name, double frame_rate);
 
+/* A scene with overrides and other numbers of nodes and samples: see scene_set_detail. */
+const struct scene *plan_scene_detail(struct plan *plan, const char *name, const char *const *sets,
+                                      int set_count, double factor, int samples);
+
 /* Makes the user's scenes, or else the experiment's own, the plan's subjects. They must be scenes
  * of wisps, and get 30 frames a second where they have none: runs are compared at the same times.
  * Returns 0, or -1 with plan->reason. */

@@ -1,5 +1,7 @@
 #include "measure.h"
 
+#include "curve.h"
+
 #include <complex.h>
 #include <gsl/gsl_fit.h>
 #include <math.h>
@@ -222,6 +224,64 @@ int measure_deviation(const struct scene *scene, const struct table *run,
         return -1;
     }
     finish(&sums, deviation);
+    return 0;
+}
+
+/* --- distance of curves --- */
+
+enum { CURVE_POINTS = 32 };
+
+/* The row behind the wisp that begins at row `first`, of a frame that ends at `end`. */
+static int wisp_end(const struct table *states, int first, int end) {
+    int i = first + 1;
+    while (i < end && table_value(states, i, WISP) == table_value(states, first, WISP))
+        i++;
+    return i;
+}
+
+/* One wisp of one frame, its rows from a to a_end: the mean square of the distances. */
+static double compare_curves(const struct table *run, int a, int a_end,
+                             const struct table *reference, int b, int b_end, double *largest) {
+    double x[CURVE_POINTS][3], y[CURVE_POINTS][3], square = 0;
+    curve_points(row_of(run, a + 1) + POSITION, run->column_count, a_end - a - 1, CURVE_POINTS, x);
+    curve_points(row_of(reference, b + 1) + POSITION, reference->column_count, b_end - b - 1,
+                 CURVE_POINTS, y);
+    for (int i = 0; i < CURVE_POINTS; i++) {
+        const double apart = distance(x[i], y[i]);
+        square += apart * apart / CURVE_POINTS;
+        *largest = fmax(*largest, apart);
+    }
+    return square;
+}
+
+int measure_curves(const struct scene *scene, const struct table *run,
+                   const struct table *reference, struct curve_deviation *deviation, char *reason) {
+    double sum = 0, last_frame = 0;
+    int a = 0, b = 0, frames = 0;
+    *deviation = (struct curve_deviation){.largest = 0};
+    while (a < run->row_count && b < reference->row_count) {
+        const int a_end = behind(run, a, 0), b_end = behind(reference, b, 0);
+        const double t = table_value(reference, b, 0);
+        if (fabs(table_value(run, a, 0) - t) > 1e-12 * fmax(1, t))
+            break;
+        last_frame = 0;
+        for (int w = 0; w < scene->wisp_count && a < a_end && b < b_end; w++) {
+            const int a_wisp = a, b_wisp = b;
+            a = wisp_end(run, a, a_end);
+            b = wisp_end(reference, b, b_end);
+            last_frame += compare_curves(run, a_wisp, a, reference, b_wisp, b, &deviation->largest);
+        }
+        sum += last_frame;
+        frames++;
+        a = a_end;
+        b = b_end;
+    }
+    if (frames == 0 || a < run->row_count || b < reference->row_count) {
+        snprintf(reason, REASON_SIZE, "scene %s: two runs have not the same frames", scene->name);
+        return -1;
+    }
+    deviation->rms = sqrt(sum / frames / scene->wisp_count);
+    deviation->end = sqrt(last_frame / scene->wisp_count);
     return 0;
 }
 

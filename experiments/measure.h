@@ -67,6 +67,19 @@ int measure_deviation(const struct scene *scene, const struct table *run,
                       const struct table *reference, double floor, struct deviation *deviation,
                       char *reason);
 
+/* Distance of a run's wisps from another's as curves, at equal shares of their arc length: their
+ * numbers of nodes may differ. Over all frames and the wisps that are there from the start, in 32
+ * points of each free hair, which begins at node 1; that one is not among them. */
+struct curve_deviation {
+    double rms, largest; /* m */
+    double end;          /* rms at the last frame, m */
+};
+
+/* Compares run and reference, tables of states of `scene` or of one with as many wisps. Returns 0,
+ * or -1 with a reason where their frames differ. */
+int measure_curves(const struct scene *scene, const struct table *run,
+                   const struct table *reference, struct curve_deviation *deviation, char *reason);
+
 /* --- how long trajectories can be compared --- */
 
 /* Whether ticks can part two trajectories that are close. */

@@ -1,0 +1,352 @@
+/* What a scene needs: curves of unlike numbers of nodes against closed forms, scenes of other
+ * detail, and an experiment whose verdicts follow from its numbers. */
+#include "curve.h"
+#include "identity.h"
+#include "measure.h"
+#include "scene_detail.h"
+#include "support.h"
+#include "wisp_support.h"
+
+#include <criterion/criterion.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* --- curves --- */
+
+enum { NODES_MAX = 41, POINTS = 7 };
+
+/* The largest distance of points of a quarter circle of radius 1, by n nodes, from where equal
+ * shares of its arc are. */
+static double circle_error(int n) {
+    double node[NODES_MAX][3], point[POINTS][3], worst = 0;
+    for (int i = 0; i < n; i++) {
+        const double angle = M_PI_2 * i / (n - 1);
+        node[i][0] = cos(angle);
+        node[i][1] = sin(angle);
+        node[i][2] = 2;
+    }
+    curve_points(node[0], 3, n, POINTS, point);
+    for (int k = 0; k < POINTS; k++) {
+        const double angle = M_PI_2 * (k + 1) / POINTS;
+        worst = fmax(worst, hypot(point[k][0] - cos(angle), point[k][1] - sin(angle)));
+        cr_assert_float_eq(point[k][2], 2, 1e-15);
+    }
+    return worst;
+}
+
+/* Of second order, by the chords that measure the arc; but a polyline's sagitta at 11 nodes would
+ * be 3e-3. */
+Test(curve, follows_a_circle_by_equal_arcs) {
+    const double coarse = circle_error(11), fine = circle_error(21), finest = circle_error(41);
+    cr_assert(coarse < 3e-5, "11 nodes: %g", coarse);
+    cr_assert(coarse > 4 * fine && fine > 4 * finest, "%g, %g, %g", coarse, fine, finest);
+}
+
+/* Any three nodes of a parabola give all of it: y = x^2 / 2 has the arc length
+ * (x sqrt(1 + x^2) + asinh x) / 2. */
+Test(curve, parabolas_are_met_by_any_number_of_nodes) {
+    for (int n = 3; n <= 9; n += 3) {
+        double node[NODES_MAX][3], point[POINTS][3];
+        for (int i = 0; i < n; i++) {
+            const double x = 2. * i / (n - 1);
+            node[i][0] = x;
+            node[i][1] = x * x / 2;
+            node[i][2] = 0;
+        }
+        const double length = (2 * sqrt(5) + asinh(2)) / 2;
+        curve_points(node[0], 3, n, POINTS, point);
+        for (int k = 0; k < POINTS; k++) {
+            const double x = point[k][0], arc = (x * sqrt(1 + x * x) + asinh(x)) / 2;
+            cr_assert_float_eq(arc, length * (k + 1) / POINTS, 2e-3, "%d nodes, %d: %g", n, k, arc);
+            cr_assert_float_eq(point[k][1], x * x / 2, 2e-3, "%d nodes, %d", n, k);
+        }
+    }
+}
+
+Test(curve, of_two_nodes_is_a_line) {
+    const double node[2][3] = {{1, 2, 3}, {5, 4, 3}};
+    double point[4][3];
+    curve_points(node[0], 3, 2, 4, point);
+    for (int k = 0; k < 4; k++)
+        cr_assert(fabs(point[k][0] - 2 - k) < 1e-14 && fabs(point[k][1] - 2.5 - 0.5 * k) < 1e-14);
+}
+
+/* --- distances --- */
+
+enum { FRAMES = 3, WISPS = 2, COLUMNS = 9 };
+
+/* States of two straight wisps whose free hair begins at (w, 0, 0) and goes down by `length`; from
+ * frame to frame all moves by `slide` along z. */
+static struct table straight(int nodes, double length, double slide) {
+    struct table table = {.column_count = COLUMNS, .row_count = FRAMES * WISPS * nodes};
+    double *row = table.value =
+        calloc((size_t)(table.row_count * table.column_count), sizeof *table.value);
+    cr_assert(row, "no memory");
+    for (int f = 0; f < FRAMES; f++)
+        for (int w = 0; w < WISPS; w++)
+            for (int i = 0; i < nodes; i++, row += COLUMNS) {
+                row[0] = f / 30.;
+                row[1] = w;
+                row[2] = i;
+                row[3] = w;
+                row[4] = -length * (i - 1) / (nodes - 2);
+                row[5] = f * slide;
+            }
+    return table;
+}
+
+static struct curve_deviation distance_of(const struct table *a, const struct table *b) {
+    const struct scene scene = {.name = "two", .wisp_count = WISPS};
+    struct curve_deviation deviation;
+    char reason[REASON_SIZE];
+    cr_assert_eq(measure_curves(&scene, a, b, &deviation, reason), 0, "%s", reason);
+    return deviation;
+}
+
+/* Nothing between equal curves; what frame f slides, f d; and where one is longer by a share e of
+ * its length, e s/32 at point s of 32. */
+Test(curve, distances_do_not_ask_for_equal_nodes) {
+    struct table few = straight(5, 1, 0), many = straight(12, 1, 0), slid = straight(9, 1, 0.01),
+                 longer = straight(7, 1.1, 0);
+    struct curve_deviation d = distance_of(&few, &many);
+    cr_assert(d.rms < 1e-14 && d.largest < 1e-14 && d.end < 1e-14, "%g", d.largest);
+    d = distance_of(&few, &slid);
+    cr_assert_float_eq(d.rms, 0.01 * sqrt((0 + 1 + 4) / 3.), 1e-14, "%g", d.rms);
+    cr_assert_float_eq(d.largest, 0.02, 1e-14, "%g", d.largest);
+    cr_assert_float_eq(d.end, 0.02, 1e-14, "%g", d.end);
+    d = distance_of(&many, &longer);
+    cr_assert_float_eq(d.rms, 0.1 * sqrt(33. * 65 / 6 / 32 / 32), 1e-14, "%g", d.rms);
+    cr_assert_float_eq(d.largest, 0.1, 1e-14, "%g", d.largest);
+    many.row_count -= WISPS * 12;
+    const struct scene scene = {.name = "two", .wisp_count = WISPS};
+    char reason[REASON_SIZE];
+    cr_assert_eq(measure_curves(&scene, &many, &few, &d, reason), -1);
+    cr_assert_eq(measure_curves(&scene, &few, &many, &d, reason), -1);
+    free(few.value);
+    free(many.value);
+    free(slid.value);
+    free(longer.value);
+}
+
+/* --- scenes of other detail --- */
+
+static double gap(const double *a, const double *b) {
+    return hypot(hypot(a[0] - b[0], a[1] - b[1]), a[2] - b[2]);
+}
+
+/* `wind` begins with a state of 11 nodes and 4 samples. Of any other detail: the head has nodes 0
+ * and 1 where the start has them, node 1 where it was, segments have their length at rest, and tips
+ * are not far from where they were. */
+Test(detail, a_start_is_carried_over) {
+    static const double factors[] = {2, 1, 0.5};
+    static const int samples[] = {8, 3, 6};
+    struct scene *old = LAB_LOAD("wind", "gravity=[0.0, -9.81, 0.0]");
+    for (int c = 0; c < 3; c++) {
+        struct scene *scene = LAB_LOAD("wind", "gravity=[0.0, -9.81, 0.0]");
+        char reason[REASON_SIZE];
+        double worst = 0;
+        cr_assert_eq(scene_set_detail(scene, factors[c], samples[c], reason), 0, "%s", reason);
+        struct model *model = wisp_problem.create(scene, WISP_GENERALISED, 1);
+        const int columns = model->column_count, nodes = scene->wisps[0].nodes;
+        cr_assert_eq(scene->start.columns, columns);
+        cr_assert_eq(scene->start.count, columns * model->row_count);
+        double *head = malloc((size_t)scene->start.count * sizeof *head);
+        wisp_problem.sample(model, head);
+        for (int w = 0; w < scene->wisp_count; w++) {
+            const double *row = scene->start.rows + w * nodes * columns;
+            const double *before = old->start.rows + w * 11 * old->start.columns;
+            const double spacing = wisp_spacing(&scene->wisps[w]);
+            cr_assert_float_eq(spacing * (nodes - 2), 0.27, 1e-14);
+            for (int k = 0; k < 2; k++)
+                cr_assert(gap(row + k * columns + 2, head + (w * nodes + k) * columns + 2) < 1e-6,
+                          "wisp %d, node %d", w, k);
+            cr_assert(gap(row + columns + 2, before + old->start.columns + 2) < 1e-15);
+            for (int i = 1; factors[c] != 1 && i + 1 < nodes; i++)
+                cr_assert_float_eq(gap(row + i * columns + 2, row + (i + 1) * columns + 2), spacing,
+                                   1e-14);
+            worst = fmax(
+                worst, gap(row + (nodes - 1) * columns + 2, before + 10 * old->start.columns + 2));
+        }
+        cr_assert(worst < (factors[c] < 1 ? 0.03 : 0.01), "tips move by %g", worst);
+        if (factors[c] == 1)
+            cr_assert(worst < 1e-15, "tips move by %g", worst);
+        free(head);
+        wisp_problem.free(model);
+        scene_free(scene);
+    }
+    scene_free(old);
+}
+
+/* Around a node distances are linear in the angle: of 4 samples at angles 0, 90, ..., 8 are these
+ * and their means. */
+Test(detail, samples_are_interpolated_around_a_node) {
+    struct scene *old = LAB_LOAD("wind", "gravity=[0.0, -9.81, 0.0]");
+    struct scene *scene = LAB_LOAD("wind", "gravity=[0.0, -9.81, 0.0]");
+    char reason[REASON_SIZE];
+    int unlike = 0;
+    cr_assert_eq(scene_set_detail(scene, 1, 8, reason), 0, "%s", reason);
+    for (int i = 0; i < 11 * scene->wisp_count; i++) {
+        const double *row = scene->start.rows + i * 24 + 8, *before = old->start.rows + i * 16 + 8;
+        for (int j = 0; j < 8; j++)
+            for (int part = 0; part < 2; part++) {
+                const double a = before[2 * (j / 2) + part],
+                             b = before[2 * ((j + 1) / 2 % 4) + part];
+                cr_assert_float_eq(row[2 * j + part], (a + b) / 2, 1e-15);
+                unlike += a != b;
+            }
+    }
+    cr_assert(unlike > 0);
+    scene_free(old);
+    scene_free(scene);
+}
+
+Test(detail, unchanged_is_the_same_scene_and_the_impossible_is_refused) {
+    static const struct {
+        const char *set;
+        double factor;
+        int samples;
+        const char *why;
+    } bad[] = {{"seed=1", 1, 0, "wisps touch"},
+               {"seed=1", 2, 17, "no such number"},
+               {"seed=1", 0, 4, "no such number"},
+               {"subdivision={ limit = 400; }", 1, 3, "odd"}};
+    struct scene *old = LAB_LOAD("interactions", "seed=1");
+    struct scene *scene = LAB_LOAD("interactions", "seed=1");
+    char reason[REASON_SIZE];
+    cr_assert_eq(scene_set_detail(scene, 1, 4, reason), 0);
+    cr_assert(json_equal(old->source, scene->source));
+    cr_assert_eq(scene_set_detail(scene, 2, 4, reason), 0);
+    cr_assert(!json_equal(old->source, scene->source));
+    scene_free(old);
+    scene_free(scene);
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        scene = LAB_LOAD("interactions", bad[i].set);
+        cr_assert_eq(scene_set_detail(scene, bad[i].factor, bad[i].samples, reason), -1);
+        cr_assert(strstr(reason, bad[i].why), "%s", reason);
+        scene_free(scene);
+    }
+    scene = LAB_LOAD("swing", "seed=1");
+    cr_assert_eq(scene_set_detail(scene, 1, 4, reason), -1);
+    cr_assert(strstr(reason, "no envelope"), "%s", reason);
+    scene_free(scene);
+}
+
+/* --- the experiment --- */
+
+static char folder[PATH_SIZE], scene_path[PATH_SIZE];
+
+/* Two short wisps, and one of each thing that can be modelled, over three frames. */
+static const char scene_text[] =
+    "name = \"short\"; duration = 0.1; frame_rate = 30.0; gravity = [0.0, -9.81, 0.0];\n"
+    "material = { }; envelope = { }; contacts = { }; subdivision = { limit = 10; };\n"
+    "style = { times = [0.0]; accelerations = ([0.0, 9.81, -20.0]); };\n"
+    "body = ( { name = \"b\"; center = [0.2, -0.05, 0.0]; radii = [0.05, 0.05, 0.05];\n"
+    "           friction = 50.0; elasticity = 0.1; offset = 1.0e-4; } );\n"
+    "wisps = ( { root = [0.0, 0.0, 0.0]; direction = [1.0, 0.0, 0.0]; length = 0.3; nodes = 5; },\n"
+    "          { root = [0.1, 0.0, -0.1]; direction = [0.0, 0.1, 1.0]; length = 0.3; nodes = 5; } "
+    ");\n"
+    "run = { step = 1.0e-4; rtol = 1.0e-6; atol = 1.0e-9; };\n";
+
+static void set_up(void) {
+    folder_make(folder);
+    file_write(folder, "short.cfg", scene_text, scene_path);
+}
+
+static void clean_up(void) {
+    folder_remove(folder);
+}
+
+struct row {
+    char thing[32], option[40], verdict[32], model[200];
+    double rms, largest, end, cpu[3], ratio, step;
+};
+enum { ROWS_MAX = 40 };
+
+static int read_rows(struct row *rows) {
+    char path[PATH_SIZE];
+    int count = 0;
+    path_format(path, "%s/needs/needs.tsv", folder);
+    char *text = file_read(path);
+    cr_assert(text, "no table");
+    for (char *rest = text, *line; (line = strsep(&rest, "\n")) != NULL;) {
+        struct row *r = &rows[count];
+        if (line[0] == '#' || line[0] == '\0' || strncmp(line, "scene\t", 6) == 0)
+            continue;
+        cr_assert(count++ < ROWS_MAX &&
+                      sscanf(line,
+                             "short\t%31[^\t]\t%39[^\t]\t%lf\t%lf\t%lf\t%lf\t%lf\t%lf\t%lf\t%lf"
+                             "\t%31[^\t]\t%199[^\t]",
+                             r->thing, r->option, &r->rms, &r->largest, &r->end, &r->cpu[0],
+                             &r->cpu[1], &r->cpu[2], &r->ratio, &r->step, r->verdict,
+                             r->model) == 12,
+                  "cannot read '%s'", line);
+    }
+    free(text);
+    return count;
+}
+
+static const struct row *row_named(const struct row *rows, int count, const char *option) {
+    for (int i = 0; i < count; i++)
+        if (strcmp(rows[i].option, option) == 0)
+            return &rows[i];
+    cr_assert_fail("no row '%s'", option);
+    return NULL;
+}
+
+Test(needs, slow_verdicts_follow_from_the_numbers, .init = set_up, .fini = clean_up) {
+    static struct row rows[ROWS_MAX];
+    static struct finished f;
+    PROGRAM(&f, NULL, "experiment", "needs", "--quick", "--scene", scene_path, "--out", folder);
+    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
+    const int count = read_rows(rows);
+    cr_assert_eq(count, 1 + 2 + 4 + 2 + 2 + 3 + 2 + 4 + 2, "%d rows", count);
+    for (int i = 0; i < count; i++) {
+        if (strcmp(rows[i].option, "3 samples") == 0) {
+            cr_assert_str_eq(rows[i].verdict, "impossible"); /* wisps split by diameters */
+            continue;
+        }
+        cr_assert_str_eq(rows[i].verdict, rows[i].rms > 1e-3 ? "needed" : "not needed", "%s",
+                         rows[i].option);
+        cr_assert(rows[i].rms <= rows[i].largest && rows[i].end <= rows[i].largest);
+        cr_assert_float_eq(rows[i].ratio, rows[i].cpu[0] / rows[0].cpu[0], 1e-12 * rows[i].ratio);
+    }
+    cr_assert_eq(rows[0].rms, 0);
+    const struct row *smallest = row_named(rows, count, "smallest model");
+    cr_assert(smallest->rms <= 1e-3 && smallest->ratio <= 1, "%g, %g", smallest->rms,
+              smallest->ratio);
+    cr_assert_str_eq(row_named(rows, count, "no envelope")->model,
+                     "9 nodes, no envelope, hinges, bodies at 600 Hz, bodies, style field");
+    /* a field of 20 m/s^2 alone moves free hair by 10 cm in 0.1 s; the others do something */
+    const double style = row_named(rows, count, "no style field")->largest;
+    cr_assert(style > 0.08 && style < 0.13, "%g", style);
+    cr_assert(row_named(rows, count, "no wisp contact")->rms > 1e-5, "contact changes nothing");
+    cr_assert(row_named(rows, count, "no bodies")->rms > 1e-5, "bodies change nothing");
+    cr_assert(row_named(rows, count, "bodies at 75 Hz")->rms > 1e-5, "their rate does not either");
+    cr_assert(row_named(rows, count, "wisps at 45 Hz")->rms > 1e-5, "nor that of wisps");
+    cr_assert(strstr(f.out, "short"), "%s", f.out);
+    PROGRAM(&f, NULL, "experiment", "needs", "--quick", "--scene", scene_path, "--out", folder);
+    cr_assert(strstr(f.out, " 0 of them new"), "a complete search does more: %s", f.out);
+    cr_assert_eq(count_files(folder, "short.svg"), 1, "no figure");
+}
+
+/* Failure is a result: without the full model there is a table that says so. */
+Test(needs, without_its_runs_it_says_so, .init = set_up, .fini = clean_up) {
+    static struct row rows[ROWS_MAX];
+    static struct finished f;
+    PROGRAM(&f, NULL, "experiment", "needs", "--quick", "--scene", scene_path, "--out", folder,
+            "--time-limit", "0.0001");
+    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
+    cr_assert(strstr(f.out, "short: no answer; the full model's runs: 9 nodes: out of time"), "%s",
+              f.out);
+    const int count = read_rows(rows);
+    cr_assert_eq(count, 1);
+    cr_assert_str_eq(rows[0].verdict, "failed");
+}
+
+Test(needs, compares_models_and_not_steppers, .init = set_up, .fini = clean_up) {
+    static struct finished f;
+    PROGRAM(&f, NULL, "experiment", "needs", "--stepper", "rk4", "--out", folder);
+    cr_assert(f.code == 1 && count_lines(f.err) == 1 && strstr(f.err, "--stepper"), "%d: '%s'",
+              f.code, f.err);
+}
