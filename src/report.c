@@ -26,7 +26,7 @@ static const char style[] =
     "th{background:#f3f3f3}.number{text-align:right;white-space:nowrap}.none{text-align:center}\n"
     ".small,.about{font-size:.85rem;color:#333;overflow-wrap:anywhere}\n"
     "summary{cursor:pointer;padding:.3rem 0}.answer{font-weight:bold}\n"
-    "@media print{body{max-width:none;font-size:10pt;padding:0}h2{break-before:page}"
+    "@media print{body{max-width:none;font-size:10pt;padding:0}.there>h2{break-before:page}"
     "h2,h3,summary{break-after:avoid}figure>.wide,tr{break-inside:avoid}thead{display:table-header-"
     "group}"
     ".wide{overflow:visible}.wide svg{min-width:0;max-height:22cm}details::details-content"
@@ -252,8 +252,8 @@ static int write_parts(FILE *stream, const struct report *report, char *reason) 
     int code = 0;
     for (int i = 0; i < report->part_count && !code; i++) {
         const struct report_part *part = &report->parts[i];
-        fprintf(stream, "<section id=\"%s\"><h2>%s: ", part->experiment->name,
-                part->experiment->name);
+        fprintf(stream, "<section id=\"%s\"%s><h2>%s: ", part->experiment->name,
+                part->included ? " class=\"there\"" : "", part->experiment->name);
         html_text(stream, part->experiment->question);
         fputs("</h2>\n", stream);
         if (part->note[0]) {
