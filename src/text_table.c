@@ -21,13 +21,9 @@ static char *read_all(const char *path) {
     size_t size = 0;
     if (!file)
         return NULL;
-    if (getdelim(&text, &size, '\0', file) < 0 && !ferror(file) && !text)
-        text = calloc(1, 1);
-    else if (text && feof(file) && ftell(file) == 0)
-        text[0] = '\0'; /* an empty file leaves getdelim's room as it was */
-    if (ferror(file)) {
+    if (getdelim(&text, &size, '\0', file) < 0) {
         free(text);
-        text = NULL;
+        text = feof(file) ? calloc(1, 1) : NULL; /* an empty file, or no memory, or a folder */
     }
     fclose(file);
     return text;
