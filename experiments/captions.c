@@ -89,11 +89,15 @@ static void say_slopes(struct caption *caption, const struct text_table *slopes)
 }
 
 static void say_finished(struct caption *caption, const struct text_table *points) {
-    int finished = 0;
-    for (int i = 0; i < points->row_count; i++)
+    int finished = 0, not_run = 0;
+    for (int i = 0; i < points->row_count; i++) {
+        const char *status = text_table_cell(points, i, "status");
         finished += is_finished(points, i);
+        not_run += strcmp(status, "refused") == 0 || strcmp(status, "left out") == 0;
+    }
     const int best = extreme_row(points, "error", 1);
-    say(caption, " %d of %d runs finished", finished, points->row_count);
+    say(caption, " %d settings finished, %d failed, %d were refused or left out", finished,
+        points->row_count - finished - not_run, not_run);
     if (best >= 0)
         say(caption, "; the smallest error is %s's, %.2g m",
             text_table_cell(points, best, "method"), text_table_number(points, best, "error"));

@@ -24,9 +24,9 @@ static const struct {
     const char *name;
     struct need quick, full;
 } needs[] = {
-    {"work-precision", {20, 0.6}, {360, 0.6}},
-    {"stability", {10, 0.5}, {100, 0.5}},
-    {"needs", {10, 0.5}, {100, 0.5}},
+    {"work-precision", {20, 0.6}, {300, 0.5}},
+    {"stability", {6, 0}, {120, 0}},
+    {"needs", {5, 0}, {220, 0}},
     {"circle", {4, 0}, {10, 0}},
     {"treatments", {2, 0}, {10, 0}},
     {"ladder", {8, 0}, {130, 0}},
@@ -38,7 +38,7 @@ static const struct {
     {"wind", {10, 0}, {60, 0}},
     {"shake", {12, 0}, {60, 0}},
     {"horizon", {0, 0}, {150, 0.5}},
-    {"solvers", {0, 0}, {200, 0.33}},
+    {"solvers", {0, 0}, {150, 0.25}},
     {"kernel", {0, 0}, {90, 0}},
 };
 enum { NEEDS = sizeof needs / sizeof *needs };

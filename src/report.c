@@ -82,8 +82,8 @@ static int write_table(FILE *stream, const struct report *report, const struct r
         text_table_read(&table, path, reason))
         return -1;
     const int code = text_table_check(&table, path, reason) ? 1 : 0;
-    fprintf(stream, "<details><summary>%s.tsv: %d rows</summary>\n<p class=\"about\">", name,
-            table.row_count);
+    fprintf(stream, "<details><summary>%s.tsv: %d row%s</summary>\n<p class=\"about\">", name,
+            table.row_count, table.row_count == 1 ? "" : "s");
     html_text(stream, table.about);
     fprintf(stream, " (<a href=\"%s/%s.tsv\">data</a>)</p>\n", part->experiment->name, name);
     html_table(stream, &table, NULL);

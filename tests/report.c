@@ -143,7 +143,8 @@ static const char circle_table[] = "# positions <exact & computed>\n"
 static const char points[] =
     "# points\nmethod\ttreatment\tstepper\tsetting\tstatus\tfailure_time\terror\tcpu_median\tnote\n"
     "euler\tprojection\teuler\t0.01\tdiverged\t0.2\tnan\t1e-4\ttoo stiff\n\n"
-    "euler\tprojection\teuler\t0.0001\tfinished\tnan\t0.0005\t0.008\t\n\n"
+    "euler\tprojection\teuler\t0.0001\tfinished\tnan\t0.0005\t0.008\t\n"
+    "euler\tprojection\teuler\t1e-05\tfinished\tnan\t5e-05\t0.08\t\n\n"
     "rk4\tprojection\trk4\t0.0002\tfinished\tnan\t0.0004\t0.002\t\n"
     "rk4\tgeneralised\trk4\t0.0002\tfinished\tnan\t0.0003\t0.005\t\n"
     "cvode\tgeneralised\tcvode\t0.001\tfinished\tnan\t0.0008\t0.003\t\n";
@@ -221,7 +222,8 @@ Test(report, every_figure_has_its_sentence_and_its_data) {
         "After 160 s rk4 (free) is nearest to where the particle should be, 0.5 m away, and rk4 "
         "(free) farthest",
         "To 10 mm: rk4 with projection, 2 ms. No run is within 1 mm.",
-        "4 of 5 runs finished; the smallest error is rk4's, 0.0003 m.",
+        "5 settings finished, 1 failed, 0 were refused or left out; the smallest error is euler's, "
+        "5e-05 m.",
         "<a href=\"circle/orbits-30s.tsv\">",
         "<a href=\"work-precision/swing-cheapest.tsv\">",
         "positions &lt;exact &amp; computed&gt;",
@@ -253,13 +255,13 @@ Test(report, answers_follow_from_the_tables) {
         "<td class=\"number\">10</td><td>rk4</td><td>projection</td>",
         "<td class=\"number\">1</td><td>cvode</td><td>generalised</td>",
         "<td class=\"number\">0.1</td><td>none of the runs reaches it</td>",
-        "<td>euler</td><td>projection</td><td>1 of 2</td><td>diverged</td><td>0.0001</td><td>too "
+        "<td>euler</td><td>projection</td><td>1 of 3</td><td>diverged</td><td>0.0001</td><td>too "
         "stiff</td>",
         "<td>rk4</td><td>generalised</td><td>0 of 1</td><td>–</td>",
         "On 0 of 1 scenes yes as a method",
         "on 0 of 1 scenes yes as a treatment",
         "10 mm: rk4 (1); 1 mm: cvode (1); 0.1 mm: none (1)",
-        "Failed: euler in 1 of 2 runs. Never failed: rk4, cvode.",
+        "Failed: euler in 1 of 3 runs. Never failed: rk4, cvode.",
     };
     struct report report;
     struct page page;
