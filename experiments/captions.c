@@ -304,9 +304,7 @@ static void say_costs(struct caption *caption, const struct text_table *table) {
         if (isnan(cost) || !is_finished(table, i))
             say(caption, "%s", text_table_cell(table, i, "status"));
         else
-            say(caption, "%.3g ms per frame", 1e3 * cost);
-        if (*comparison)
-            say(caption, " (%s)", comparison);
+            say(caption, "%.3g ms per frame (%s)", 1e3 * cost, comparison);
     }
     say(caption, ".");
 }
