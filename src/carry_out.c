@@ -116,12 +116,13 @@ static int list_failures(const struct plan *plan) {
     return count < 0 ? -1 : 0;
 }
 
-static int tabulate_and_draw(struct plan *plan) {
+static int tabulate_and_draw(struct plan *plan, struct manner *manner) {
     char folder[PATH_SIZE];
     const char *name = plan->experiment->name;
     if (path_format(folder, "%s/%s", plan->out, name) || make_folder(folder, plan->reason))
         return complain(2, "%s", plan->reason);
     const int code = plan->experiment->tabulate(plan, folder);
+    manner->nothing_left = code > 0;
     if (code)
         return complain(code > 0 ? 3 : 2, "%s", plan->reason);
     if (plot_experiment(name, folder, plan->reason))
@@ -142,5 +143,5 @@ int carry_out(struct plan *plan, struct manner *manner) {
                plan->experiment->name, missing);
         return 0;
     }
-    return list_failures(plan) ? 2 : tabulate_and_draw(plan);
+    return list_failures(plan) ? 2 : tabulate_and_draw(plan, manner);
 }

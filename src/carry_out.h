@@ -11,6 +11,7 @@ struct manner {
     int fresh, show_progress;
     struct run_limits limits;
     int runs, new_runs; /* of this shard so far */
+    int nothing_left;   /* all runs are there, but left nothing to tabulate: plan->reason */
 };
 
 /* Carries out plan->experiment and prints what came of it. Returns 0 or an exit code, having said

@@ -135,7 +135,7 @@ static int do_part(const struct report *report, struct report_part *part,
                         .share = need_of(part->experiment->name, report->quick).share,
                         .out = report->root};
     int code = carry_out(&plan, &own);
-    if (code == 3) {
+    if (own.nothing_left) {
         snprintf(part->note, REASON_SIZE, "failed: %.350s", plan.reason);
         part->included = 0;
         code = 0;

@@ -6,8 +6,10 @@
 
 #include <criterion/criterion.h>
 #include <ctype.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 /* --- a strict reader of what must be XML --- */
 
@@ -421,5 +423,24 @@ Test(report, slow_failures_are_reported_as_results) {
     cr_assert(strstr(page.text, "left out of --quick"));
     cr_assert(strstr(page.text, "out of time"));
     page_free(&page);
+    folder_remove(folder);
+}
+
+/* Ctrl-C ends the report, not one experiment of it. */
+Test(report, an_interrupted_report_ends) {
+    char folder[PATH_SIZE], path[PATH_SIZE];
+    struct finished f;
+    folder_make(folder);
+    const char *const words[] = {"report", "--quick", "--no-progress", "--out", folder, NULL};
+    const struct process process = program_start(NULL, words);
+    path_format(path, "%s/runs", folder);
+    for (int i = 0; i < 2000 && !file_exists(path); i++) /* until it is at its runs */
+        nanosleep(&(struct timespec){.tv_nsec = 5000000}, NULL);
+    kill(process.pid, SIGINT);
+    program_wait(&process, &f);
+    cr_assert_eq(f.code, 3, "exit code %d", f.code);
+    cr_assert(strstr(f.err, "interrupted") && count_lines(f.err) == 1, "%s", f.err);
+    path_format(path, "%s/report.html", folder);
+    cr_assert(!file_exists(path));
     folder_remove(folder);
 }
