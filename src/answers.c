@@ -97,10 +97,9 @@ static int each_scene(struct answer *answer,
 
 /* --- was the thesis's choice right? --- */
 
-static const char as_method[] = "as a method, for its accuracy no other was clearly cheaper",
-                  as_treatment[] =
-                      "as a treatment, it was no farther from the exact motion than the "
-                      "method's own error";
+static const char as_method[] = "as a method (for its accuracy none was clearly cheaper)",
+                  as_treatment[] = "as a treatment (no farther from the exact motion than the "
+                                   "method's own error)";
 
 /* The run of explicit Euler with projection whose rate is nearest to the thesis's, or -1. */
 static int thesis_run(const struct text_table *points) {
@@ -407,8 +406,8 @@ static void sum_up_choice(FILE *stream, const struct answer *answer) {
     if (answer->tally_count == 0)
         html_print(stream, "No scene of this report has such a run.");
     for (int i = 0; i < answer->tally_count; i++)
-        html_print(stream, "%sn %d of %d scenes yes %s%s", i ? "; o" : "O",
-                   answer->tallies[i].count, answer->tallies[i].of, answer->tallies[i].name,
+        html_print(stream, "%s %s on %d of %d scenes%s", i ? "," : "Right", answer->tallies[i].name,
+                   answer->tallies[i].count, answer->tallies[i].of,
                    i + 1 == answer->tally_count ? "." : "");
 }
 

@@ -25,6 +25,7 @@ static const char style[] =
     "th,td{border-bottom:1px solid #ddd;padding:.15rem .5rem;text-align:left;vertical-align:top}"
     "th{background:#f3f3f3}.number{text-align:right;white-space:nowrap}.none{text-align:center}\n"
     ".small,.about{font-size:.85rem;color:#333;overflow-wrap:anywhere}\n"
+    "@media screen{td:last-child:not(.number):not(.none){min-width:14rem}}\n"
     "summary{cursor:pointer;padding:.3rem 0}.answer{font-weight:bold}\n"
     "@media print{body{max-width:none;font-size:10pt;padding:0}.there>h2{break-before:page}"
     "h2,h3,summary{break-after:avoid}figure>.wide,tr{break-inside:avoid}thead{display:table-header-"

@@ -258,8 +258,8 @@ Test(report, answers_follow_from_the_tables) {
         "<td>euler</td><td>projection</td><td>1 of 3</td><td>diverged</td><td>0.0001</td>",
         "<td>too stiff</td>",
         "<td>rk4</td><td>generalised</td><td>0 of 1</td><td>–</td>",
-        "On 0 of 1 scenes yes as a method",
-        "on 0 of 1 scenes yes as a treatment",
+        "Right as a method (for its accuracy none was clearly cheaper) on 0 of 1 scenes",
+        "as a treatment (no farther from the exact motion than the method's own error) on 0 of 1",
         "10 mm: rk4 (1); 1 mm: cvode (1); 0.1 mm: none (1)",
         "Failed: euler in 1 of 3 runs. Never failed: rk4, cvode.",
     };
