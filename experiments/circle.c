@@ -2,6 +2,7 @@
  * 2.4 and 2.5, and what they do not show: error against time and against cost. */
 #include "circle.h"
 
+#include "captions.h"
 #include "measure.h"
 
 #include <complex.h>
@@ -399,4 +400,5 @@ const struct experiment circle_experiment = {
         "how far does each method carry a particle off its circle? (thesis, figures 2.4 and 2.5)",
     .plan = circle_plan,
     .tabulate = circle_tabulate,
+    .caption = caption_circle,
 };

@@ -186,6 +186,10 @@ int plan_add(struct plan *plan, const struct scene *scene, const struct run_requ
     return 0;
 }
 
+double plan_budget(const struct plan *plan, double seconds) {
+    return plan->share > 0 ? plan->share * seconds : seconds;
+}
+
 void plan_free(struct plan *plan) {
     for (int i = 0; i < plan->loaded_count; i++)
         scene_free(plan->loaded[i]);

@@ -26,6 +26,7 @@ struct plan {
     const char *out;    /* root folder of results */
     int quick;          /* a stated subset */
     int fresh;          /* what is there already does not count */
+    double share;       /* of the experiment's own budget of time, where it has one; 0: all */
     double run_seconds; /* wall time for a run where the user sets none; 0: the program's default */
     const char *const *scenes, *const *steppers; /* chosen by the user; none: the experiment's */
     int scene_count, stepper_count;
@@ -38,6 +39,12 @@ struct plan {
     int subject_count;
     void *memo;               /* the experiment's own, from round to round; freed with the plan */
     char reason[REASON_SIZE]; /* of a failure */
+};
+
+/* What a report says under a figure. */
+struct caption {
+    char tables[256]; /* that it is drawn from: names without .tsv, parted by blanks */
+    char text[1200];  /* a sentence or two, computed from them */
 };
 
 struct experiment {
@@ -56,7 +63,14 @@ struct experiment {
     /* Writes the tables into `folder` from the run folders, and prints the answer in a few lines.
      * Returns 0, or -1 with plan->reason, or 1 with one where the runs left nothing to tabulate. */
     int (*tabulate)(struct plan *plan, const char *folder);
+
+    /* Captions folder/FIGURE.svg from the tables in `folder`. Where it is NULL, or leaves a text
+     * empty, the report counts what the tables hold. Returns 0, or -1 with a reason. */
+    int (*caption)(const char *folder, const char *figure, struct caption *caption, char *reason);
 };
+
+/* How much of `seconds`, an experiment's own budget, this plan may take, s. */
+double plan_budget(const struct plan *plan, double seconds);
 
 /* All experiments, NULL-terminated, and the one of that name or NULL. */
 extern const struct experiment *const experiments[];

@@ -185,6 +185,8 @@ static void write_attempt(FILE *stream, const struct attempt *attempt, const str
         cpu = per_frame(&attempt->cost, attempt->one->run.scene);
         note = json_string_value(json_object_get(attempt->files.json, "reason"));
     }
+    if ((!note || !*note) && (!base || base->method == attempt->method))
+        note = base ? "what the others are compared with" : "nothing to compare with";
     if (attempt->one && base && base->method != attempt->method)
         agreement = agree(&attempt->hair, &base->hair);
     const double speed = attempt->one ? real_time(&cpu, attempt->one->run.scene) : NAN;

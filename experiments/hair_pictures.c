@@ -166,7 +166,8 @@ int hair_pictures(struct plan *plan, const char *folder, struct hair_study *stud
     struct atomic_file lines, cells;
     if (open_table(&lines, folder, "strip",
                    "lines on paper, m, in blocks: of each cell the outlines of bodies, of the "
-                   "envelopes of even and of odd wisps (few wisps) or of all, and their skeletons",
+                   "envelopes of even and of odd wisps (few wisps) or of all, and their skeletons; "
+                   "nan: the pen is lifted",
                    study->subject->scene, "x\ty\tkind", plan->reason))
         return -1;
     if (open_table(&cells, folder, "strip-cells",

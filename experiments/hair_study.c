@@ -202,8 +202,8 @@ void hair_state(struct hair_study *study, const char *name, double value, const 
     va_start(arguments, sentence);
     vsnprintf(text, sizeof text, sentence, arguments);
     va_end(arguments);
-    fprintf(study->statements->stream, "%s\t%.17g\t%s\t%s\t%s\n", name, value, unit, words[verdict],
-            text);
+    fprintf(study->statements->stream, "%s\t%.17g\t%s\t%s\t%s\n", name, value, *unit ? unit : "–",
+            words[verdict], text);
     printf("  %-13s  %s\n", verdict == NO_CLAIM ? "" : words[verdict], text);
 }
 

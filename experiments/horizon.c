@@ -3,6 +3,7 @@
  * to that separation horizon a method's error is its own. After it, only what many runs from
  * perturbed starts have in common says anything: their mean shape, energy and number of contacts.
  * The yardstick is how far two halves of the reference's own ensemble are from each other. */
+#include "captions.h"
 #include "measure.h"
 #include "model.h"
 
@@ -53,7 +54,7 @@ static int plan_ensemble(struct plan *plan, const struct subject *subject,
 }
 
 static int plan_subject(struct plan *plan, const struct subject *subject) {
-    const double budget = plan->quick ? quick_seconds : seconds, cores = 2;
+    const double budget = plan_budget(plan, plan->quick ? quick_seconds : seconds), cores = 2;
     const double runs = 2 + 0.5 * members(plan); /* in units of the tight one */
     const double duration =
         fmin(subject->scene->duration,
@@ -258,7 +259,7 @@ static const struct {
      "(rms over nodes and frames, m), energy (J), number of contacts; yardstick: the same between "
      "two halves of the reference's ensemble. Two independent ensembles of one distribution are "
      "about 0.7 yardsticks apart; all ensembles have the same starts, and are nearer to each "
-     "other where these still matter",
+     "other where these still matter; nan: no run failed, or none was left to tell",
      "stepper\tscene\tmembers\tfailed\tfailure_time\tshape\tshape_yardstick\tenergy"
      "\tenergy_yardstick\tcontacts\tcontacts_yardstick\tcontacts_mean"},
 };
@@ -381,4 +382,5 @@ const struct experiment horizon_experiment = {
     .question = "how long can trajectories be compared where wisps touch, and what after that?",
     .plan = horizon_plan,
     .tabulate = horizon_tabulate,
+    .caption = caption_horizon,
 };

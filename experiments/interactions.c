@@ -1,5 +1,6 @@
 /* What do wisps do to each other when they meet? Two wisps that gravity swings into each other
  * (section 5.2 of the thesis), with each response alone, both and none. */
+#include "captions.h"
 #include "crossing.h"
 #include "hair_study.h"
 
@@ -122,4 +123,5 @@ const struct experiment interactions_experiment = {
     .question = "thesis 5.2: what do wisps do to each other when they meet?",
     .plan = interactions_plan,
     .tabulate = interactions_tabulate,
+    .caption = caption_hair,
 };

@@ -5,6 +5,7 @@
  * In each cell, a stiffness and a damping, each method gets the largest setting that reaches the
  * target: from coarse to fine until one does, then between it and the last that did not, by halves.
  * The runs that are next depend on those before; refine() names them, round by round. */
+#include "captions.h"
 #include "model.h"
 #include "search.h"
 
@@ -572,4 +573,5 @@ const struct experiment ladder_experiment = {
     .plan = ladder_plan,
     .refine = ladder_refine,
     .tabulate = ladder_tabulate,
+    .caption = caption_ladder,
 };

@@ -92,7 +92,7 @@ static int plan_field(struct plan *plan, const struct race *race, struct field *
 }
 
 static double budget(const struct plan *plan, const struct race *race) {
-    return plan->quick ? race->quick_seconds : race->seconds;
+    return plan_budget(plan, plan->quick ? race->quick_seconds : race->seconds);
 }
 
 /* A fifth of the budget may go to references. */

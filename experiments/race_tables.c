@@ -37,7 +37,7 @@ static const struct {
                     "horizon: up to when a perturbation of 1e-10 m stays below 1 mm, s; compared: "
                     "what of the scene's duration is compared, s",
                     "treatment\tbound\tforce_evaluations\tsteps\tstatus\ttreatment_error"
-                    "\thorizon\tcompared\tduration"},
+                    "\thorizon\tcompared\tduration\tnote"},
     [SLOPES] = {"-slopes",
                 "slopes of log error over log steps, between a relative error of a hundredth and a "
                 "hundred "
@@ -53,7 +53,7 @@ static const struct {
          "the least CPU time, s, for an error of at most target, m, and the next method; to the "
          "error of a limited run the reference's bound is added",
          "treatment\ttarget\tmethod\tsetting\terror\tcpu_median\tcpu_least\tcpu_greatest"
-         "\tnext_method\tnext_setting\tnext_cpu_median"},
+         "\tnext_method\tnext_setting\tnext_cpu_median\tnote"},
 };
 
 static void write_point(FILE *stream, const struct field *field, const struct point *p) {
@@ -70,7 +70,9 @@ static void write_point(FILE *stream, const struct field *field, const struct po
         fprintf(stream, "\t%.17g", numbers[i]);
     fprintf(stream, "\t%d\t%d\t%d\t%.17g\t%.17g\t%d\t%d\t%.17g\t%s\n", p->limited, p->front[0],
             p->front[1], p->error_least, p->error_greatest, p->runs, p->failed,
-            cost->cpu.median / field->evaluation, p->note);
+            cost->cpu.median / field->evaluation,
+            !*p->note && isnan(field->evaluation) ? "no pilot of rk4, and so no equivalents"
+                                                  : p->note);
 }
 
 /* Rows of each contestant in the order of its settings; blocks are parted by two blank lines. */
@@ -142,12 +144,15 @@ static const struct point *cheapest(const struct field *field, double target,
 static void write_cheapest(FILE *stream, const struct field *field, double target) {
     const struct point *p = cheapest(field, target, NULL);
     const struct point *next = p ? cheapest(field, target, p->entry->contestant) : NULL;
-    fprintf(stream, "%s\t%g\t%s\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%s\t%.17g\t%.17g\n",
+    fprintf(stream, "%s\t%g\t%s\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%s\t%.17g\t%.17g\t%s\n",
             race_treatment(field->treatment), target, p ? p->entry->contestant->name : "none",
             p ? p->setting : NAN, p ? p->deviation.rms : NAN, p ? p->cost.cpu.median : NAN,
             p ? p->cost.cpu.least : NAN, p ? p->cost.cpu.greatest : NAN,
             next ? next->entry->contestant->name : "none", next ? next->setting : NAN,
-            next ? next->cost.cpu.median : NAN);
+            next ? next->cost.cpu.median : NAN,
+            next ? ""
+            : p  ? "no other method is within the target"
+                 : "no run is within the target");
     printf("  %-15.15s %-12s %7g", field->subject->name, race_treatment(field->treatment),
            1e3 * target);
     if (!p) {
@@ -161,17 +166,28 @@ static void write_cheapest(FILE *stream, const struct field *field, double targe
            next ? 1e3 * next->cost.cpu.median : 0);
 }
 
+/* Why a number of the reference's row is not there; empty where all are. */
+static const char *note_of(const struct field *field) {
+    if (isnan(field->bound) || isnan(field->horizon))
+        return "a tight run did not finish";
+    if (!isnan(field->treatment_error))
+        return "";
+    return field->subject->scene->wisps[0].samples ? "the exact motion's run did not finish"
+                                                   : "no envelope, and so no treatment's error";
+}
+
 static void write_field(const struct atomic_file *files, const struct field *field) {
     write_points(files[POINTS].stream, field);
     for (int i = 0; i < field->entry_count; i++)
         write_slope(files[SLOPES].stream, field, field->entries[i].contestant);
     write_front(files[FRONT].stream, field);
-    fprintf(files[REFERENCES].stream, "%s\t%.17g\t%.17g\t%.17g\t%s\t%.17g\t%.17g\t%.17g\t%.17g\n",
+    fprintf(files[REFERENCES].stream,
+            "%s\t%.17g\t%.17g\t%.17g\t%s\t%.17g\t%.17g\t%.17g\t%.17g\t%s\n",
             race_treatment(field->treatment), field->bound,
             run_number(&field->reference, "counters.force_evaluations"),
             run_number(&field->reference, "counters.steps"), outcome_name(field->reference.outcome),
             field->treatment_error, field->horizon, field->scene->duration,
-            field->subject->scene->duration);
+            field->subject->scene->duration, note_of(field));
     for (int i = 0; i < TARGETS && field->has_reference; i++)
         write_cheapest(files[CHEAPEST].stream, field, targets[i]);
 }

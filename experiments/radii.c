@@ -1,5 +1,6 @@
 /* What does the radius of wisps do to their motion and to its cost? Nine wisps in irregular wind
  * (section 5.1 of the thesis): wider ones hold each other back. */
+#include "captions.h"
 #include "hair_study.h"
 
 #include <math.h>
@@ -108,4 +109,5 @@ const struct experiment radii_experiment = {
     .question = "thesis 5.1: what does the radius of wisps do to motion and cost?",
     .plan = radii_plan,
     .tabulate = radii_tabulate,
+    .caption = caption_hair,
 };

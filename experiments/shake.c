@@ -1,5 +1,6 @@
 /* Does hair lag behind the head that it is on, and does it come to rest with it? A head that is
  * turned briskly left and right. */
+#include "captions.h"
 #include "hair_study.h"
 #include "vector.h"
 
@@ -109,4 +110,5 @@ const struct experiment shake_experiment = {
     .question = "does hair lag behind the head, and does it return?",
     .plan = shake_plan,
     .tabulate = shake_tabulate,
+    .caption = caption_hair,
 };

@@ -1,5 +1,6 @@
 /* Does a body keep hair outside, and does its push stretch springs? A sphere that moves through 36
  * wisps (section 5.4 of the thesis). */
+#include "captions.h"
 #include "hair_study.h"
 
 #include <math.h>
@@ -75,4 +76,5 @@ const struct experiment sphere_experiment = {
     .question = "thesis 5.4: does a moving body keep hair outside without stretching it?",
     .plan = sphere_plan,
     .tabulate = sphere_tabulate,
+    .caption = caption_hair,
 };

@@ -1,5 +1,6 @@
 /* What does adaptive subdivision add to the motion, and what does it cost? The two wisps of
  * `interactions`, with and without it (section 5.5 of the thesis). */
+#include "captions.h"
 #include "hair_study.h"
 
 enum { WISPS, STRAIN };
@@ -100,4 +101,5 @@ const struct experiment subdivision_experiment = {
     .question = "thesis 5.5: what does adaptive subdivision add, and what does it cost?",
     .plan = subdivision_plan,
     .tabulate = subdivision_tabulate,
+    .caption = caption_hair,
 };

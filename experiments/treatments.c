@@ -2,6 +2,7 @@
  * exactness cost? The samples of an envelope should stay on their half-lines; `penalty` holds them
  * with springs, and is exact in the limit of stiff ones; `projection` and `generalised` leave terms
  * out. Distances here are between tight solutions: no integrator has a part in them. */
+#include "captions.h"
 #include "measure.h"
 #include "model.h"
 
@@ -353,7 +354,8 @@ static const char what[] =
     "1/sqrt(ratio), at 0; uncertainty = twice what ratio 100 and one more degree change in it "
     "(rms at the end, m); limited = within ten times that. Costs: of the tight solution; of rk4 "
     "at the longest stable step (error below a tenth, each node's over its wisp's length); and at "
-    "the longest whose error is a tenth of the distance";
+    "the longest whose error is a tenth of the distance; nan: of ratio, it is penalty's alone; of "
+    "others, no run is there to tell";
 
 static const char columns[] =
     "name\tratio\tend\tend_largest\tend_all\trms\tlargest\tuncertainty\tbound\tlimited\ttight_"
@@ -403,4 +405,5 @@ const struct experiment treatments_experiment = {
     .question = "how exactly does each treatment keep the envelope on its lines, and at what cost?",
     .plan = treatments_plan,
     .tabulate = treatments_tabulate,
+    .caption = caption_treatments,
 };

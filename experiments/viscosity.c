@@ -1,5 +1,6 @@
 /* How does the viscosity of interpenetration hold wisps together? Two wisps that start in each
  * other and that gravity parts (section 5.3 of the thesis). */
+#include "captions.h"
 #include "hair_study.h"
 
 enum { OVERLAP };
@@ -111,4 +112,5 @@ const struct experiment viscosity_experiment = {
     .question = "thesis 5.3: how does viscosity hold wisps together?",
     .plan = viscosity_plan,
     .tabulate = viscosity_tabulate,
+    .caption = caption_hair,
 };

@@ -1,5 +1,6 @@
 /* Does a gust lay hair over, and does it fall back? A hundred wisps on a figure of ellipsoids, in
  * wind for a second and then in still air (section 5.6 of the thesis). */
+#include "captions.h"
 #include "hair_study.h"
 #include "vector.h"
 
@@ -76,4 +77,5 @@ const struct experiment wind_experiment = {
     .question = "thesis 5.6: does a gust lay hair over, and does it fall back?",
     .plan = wind_plan,
     .tabulate = wind_tabulate,
+    .caption = caption_hair,
 };

@@ -1,6 +1,7 @@
 /* What does accuracy cost? Every stepper on scenes of wisps, from steps that are too long for it to
  * steps that are shorter than anyone needs: integration error, against the tight solution of the
  * same treatment, over CPU time and force evaluations. */
+#include "captions.h"
 #include "race.h"
 
 static const char *const scenes[] = {"swing",        "swing-envelope", "radii",
@@ -45,4 +46,5 @@ const struct experiment work_precision_experiment = {
     .plan = plan,
     .refine = race_refine,
     .tabulate = race_tabulate,
+    .caption = caption_race,
 };

@@ -7,10 +7,18 @@
 #include <stdarg.h>
 #include <string.h>
 
-static const struct command *const commands[] = {
-    &list_command, &run_command,    &eval_command,   &experiment_command,
-    &plot_command, &render_command, &export_command, NULL,
+const struct command *const commands[] = {
+    &list_command, &run_command,    &eval_command,   &experiment_command, &report_command,
+    &plot_command, &render_command, &export_command, &man_command,        &completion_command,
+    NULL,
 };
+
+const char program_summary[] =
+    "wisplab compares time integrators on one deformable hair-wisp model.";
+const char program_exit_codes[] =
+    "Exit codes: 0 done, 1 the input or the command is wrong, 2 the machine failed\n"
+    "(disk full, no memory, gnuplot missing), 3 the integration failed and run.json says\n"
+    "how and when.\n";
 
 int complain(int code, const char *format, ...) {
     char line[1024];
@@ -164,17 +172,15 @@ static void print_command_help(const struct command *command) {
 }
 
 static void print_help(void) {
-    printf("wisplab compares time integrators on one deformable hair-wisp model.\n\n"
-           "usage: wisplab COMMAND ...\n\n");
+    printf("%s\n\nusage: wisplab COMMAND ...\n\n", program_summary);
     for (int i = 0; commands[i]; i++)
-        printf("  %-12s %s\n", commands[i]->name, commands[i]->summary);
+        if (!commands[i]->hidden)
+            printf("  %-12s %s\n", commands[i]->name, commands[i]->summary);
     printf("\nTry\n"
            "  wisplab run circle --stepper rk4 --step 3.2\n"
            "  wisplab experiment circle\n"
-           "  wisplab run --help\n\n"
-           "Exit codes: 0 done, 1 the input or the command is wrong, 2 the machine failed\n"
-           "(disk full, no memory, gnuplot missing), 3 the integration failed and run.json says\n"
-           "how and when.\n");
+           "  wisplab run --help\n\n");
+    fputs(program_exit_codes, stdout);
 }
 
 int cli_main(int argc, char **argv) {

@@ -33,11 +33,16 @@ struct command {
     const char *details; /* paragraphs and examples of --help */
     const struct cli_option *options;
     int words_least, words_most;
+    const char *first_word; /* for completion: what `wisplab list` calls it, or "kinds" of these */
+    int hidden;             /* for the build, and not in help */
     int (*run)(const struct arguments *arguments); /* returns the exit code */
 };
 
 extern const struct command list_command, run_command, eval_command, experiment_command,
-    plot_command, render_command, export_command;
+    plot_command, render_command, export_command, report_command, man_command, completion_command;
+
+/* All commands, NULL-terminated. */
+extern const struct command *const commands[];
 
 /* The last value of an option, or NULL; all of a repeated one; whether a flag was given. */
 const char *argument_text(const struct arguments *arguments, const char *name);
@@ -59,6 +64,9 @@ int argument_limits(const struct arguments *arguments, double default_seconds,
 
 /* Says one line on standard error and returns the exit code given. */
 int complain(int code, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* What --help says of the program and of its exit codes, in the man page too. */
+extern const char program_summary[], program_exit_codes[];
 
 /* The program: returns its exit code. */
 int cli_main(int argc, char **argv);

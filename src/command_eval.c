@@ -122,5 +122,6 @@ const struct command eval_command = {
     .options = options,
     .words_least = 1,
     .words_most = 1,
+    .first_word = "scenes",
     .run = eval,
 };

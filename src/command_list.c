@@ -122,5 +122,6 @@ const struct command list_command = {
     .details = "  wisplab list\n  wisplab list steppers -v\n",
     .options = options,
     .words_most = 1,
+    .first_word = "kinds",
     .run = list,
 };

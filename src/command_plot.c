@@ -72,5 +72,6 @@ const struct command plot_command = {
     .options = options,
     .words_least = 1,
     .words_most = 1,
+    .first_word = "experiments",
     .run = plot,
 };

@@ -196,5 +196,6 @@ const struct command run_command = {
     .options = options,
     .words_least = 1,
     .words_most = 1,
+    .first_word = "scenes",
     .run = run_scene,
 };

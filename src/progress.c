@@ -10,16 +10,31 @@ double monotonic_seconds(void) {
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
+/* The longer job that all others are parts of; none: `what` is NULL. */
+static struct {
+    const char *what;
+    double start, from, to;
+} whole;
+
+void progress_of_whole(const char *what, double start, double from, double to) {
+    whole.what = what;
+    whole.start = start;
+    whole.from = from;
+    whole.to = to;
+}
+
 struct progress progress_start(const char *what, int enabled) {
     return (struct progress){
         .what = what, .start = monotonic_seconds(), .enabled = enabled && isatty(STDERR_FILENO)};
 }
 
 void progress_show(struct progress *progress, double done, const char *note) {
-    const double spent = monotonic_seconds() - progress->start;
+    const double spent = monotonic_seconds() - (whole.what ? whole.start : progress->start);
     if (!progress->enabled || spent < 2)
         return;
-    fprintf(stderr, "\r\033[K%s: %3.0f %%", progress->what, 100 * done);
+    if (whole.what)
+        done = whole.from + done * (whole.to - whole.from);
+    fprintf(stderr, "\r\033[K%s: %3.0f %%", whole.what ? whole.what : progress->what, 100 * done);
     if (*note)
         fprintf(stderr, ", %s", note);
     if (done > 0.01) {

@@ -9,6 +9,12 @@ struct progress {
     int enabled;
 };
 
+/* From here on, jobs are parts of a longer one called `what`, which began at `start` (monotonic s):
+ * their lines speak of the whole, of which the next job is what lies from `from` to `to`, in [0,
+ * 1].
+ */
+void progress_of_whole(const char *what, double start, double from, double to);
+
 /* Shows nothing in the first two seconds, nor where standard error is no terminal. */
 struct progress progress_start(const char *what, int enabled);
 

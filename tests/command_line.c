@@ -1,4 +1,5 @@
 /* The program as a user meets it: what is wrong is said in one line, with the right exit code. */
+#include "cli.h"
 #include "support.h"
 
 #include <criterion/criterion.h>
@@ -76,6 +77,8 @@ static const struct {
     {{"run", "circle", "--stepper", "cvode", "--option", "method=adams", "--treatment",
       "projection"},
      {"adams", "constraint"}},
+    {{"report", "--jobs", "1.5"}, {"--jobs", "whole number"}},
+    {{"report", "circle"}, {"one word too many", "usage"}},
     {{"run", "circle", "--duration", "0"}, {"--duration", "positive"}},
     {{"run", "circle", "--duration", "long"}, {"--duration long", "positive"}},
     {{"run", "circle", "--time-limit", "0"}, {"--time-limit", "positive"}},
@@ -427,19 +430,23 @@ Test(command_line, sigterm_leaves_complete_files) {
 /* --- help and lists --- */
 
 Test(command_line, help_is_there_for_every_command) {
-    static const char *const commands[] = {"list", "run", "experiment", "plot"};
     struct finished f;
-    for (int i = 0; i < 4; i++) {
-        PROGRAM(&f, NULL, commands[i], "--help");
-        cr_assert_eq(f.code, 0, "%s --help: exit code %d", commands[i], f.code);
-        cr_assert(strstr(f.out, commands[i]) && strstr(f.out, "wisplab"), "%s --help says %s",
-                  commands[i], f.out);
-        cr_assert_eq(f.err[0], '\0', "%s --help complains: %s", commands[i], f.err);
+    for (int i = 0; commands[i]; i++) {
+        const char *name = commands[i]->name;
+        PROGRAM(&f, NULL, name, "--help");
+        cr_assert_eq(f.code, 0, "%s --help: exit code %d", name, f.code);
+        cr_assert(strstr(f.out, name) && strstr(f.out, "wisplab"), "%s --help says %s", name,
+                  f.out);
+        cr_assert_eq(f.err[0], '\0', "%s --help complains: %s", name, f.err);
     }
     PROGRAM(&f, NULL, "--help");
     cr_assert_eq(f.code, 0, "exit code %d", f.code);
-    for (int i = 0; i < 4; i++)
-        cr_assert(strstr(f.out, commands[i]), "--help does not know %s", commands[i]);
+    for (int i = 0; commands[i]; i++) {
+        char line[32];
+        snprintf(line, sizeof line, "\n  %s ", commands[i]->name);
+        cr_assert_eq(strstr(f.out, line) != NULL, !commands[i]->hidden, "--help and %s",
+                     commands[i]->name);
+    }
     PROGRAM(&f, NULL, "--version");
     cr_assert(f.code == 0 && strncmp(f.out, "wisplab ", 8) == 0, "--version says %s", f.out);
     const struct process process = program_start(NULL, (const char *const[]){NULL});

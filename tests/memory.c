@@ -7,6 +7,7 @@
 #include "fixture.h"
 #include "picture.h"
 #include "support.h"
+#include "text_table.h"
 
 #include <criterion/criterion.h>
 #include <gsl/gsl_errno.h>
@@ -179,6 +180,28 @@ Test(memory, models_are_made_or_not) {
     struct scene *scene = circle_scene(1, 0);
     try_all(scene->name, make_model, scene);
     scene_free(scene);
+}
+
+static int read_text_table(const void *path) {
+    struct text_table table;
+    char reason[REASON_SIZE];
+    failing = 1;
+    const int made = text_table_read(&table, path, reason) == 0;
+    if (made)
+        text_table_free(&table);
+    failing = 0;
+    return made ? MADE : NOT_MADE;
+}
+
+/* Long enough for more than one piece of memory. */
+Test(memory, tables_are_read_or_not) {
+    char folder[PATH_SIZE], path[PATH_SIZE], text[4096] = "a\tb\n";
+    for (int i = 0; i < 200; i++)
+        strcat(text, "1\tnumber two\n");
+    folder_make(folder);
+    file_write(folder, "table.tsv", text, path);
+    try_all("table", read_text_table, path);
+    folder_remove(folder);
 }
 
 /* A start of another treatment is converted. */

@@ -1,6 +1,7 @@
 /* How near is the kernel to what the hardware can? Evaluations against a plain twin and against
  * the machine's own rates, linear solvers, the seam, CVODE. Measured here and now, not by runs:
  * absolute times mean little, so all contestants are timed in turn and ratios count. */
+#include "captions.h"
 #include "kernel_measure.h"
 
 #include <errno.h>
@@ -125,4 +126,5 @@ const struct experiment kernel_experiment = {
     .question = "how near to the hardware are evaluations, linear solvers, the seam and contacts?",
     .plan = kernel_plan,
     .tabulate = kernel_tabulate,
+    .caption = caption_kernel,
 };

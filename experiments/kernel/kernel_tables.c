@@ -268,7 +268,7 @@ static int write_solvers(const struct tables *tables) {
     if (open_table(&file, tables, "solvers",
                    "ns per wisp of 12 nodes with skip springs; factor of klu and cholmod with the "
                    "assembly of their matrix; multiples: over one evaluation of a wisp's skeleton "
-                   "among 200 with 4 lanes",
+                   "among 200 with 4 lanes; nan: the solver has no such stage",
                    "system\tsamples\twisps\tsolver\tlanes\tstep\titerations" TRIPLE("linearise")
                        TRIPLE("factor") TRIPLE("solve") TRIPLE("linearise_evaluations")
                            TRIPLE("factor_evaluations") TRIPLE("solve_evaluations")
@@ -312,7 +312,8 @@ static int write_steppers(const struct tables *tables) {
     struct atomic_file file;
     if (open_table(&file, tables, "steppers",
                    "ns per step and wisp, and their ratio round by round; seam: rk4 of the "
-                   "registry against one by hand; cvode: as it comes against ours",
+                   "registry against one by hand; cvode: as it comes against ours; nan: steps "
+                   "are as long, and not counted",
                    "group\tsubject\tname\tthan\tsteps\tsteps_than" TRIPLE("ns") TRIPLE("ns_than")
                        TRIPLE("ratio")))
         return -1;

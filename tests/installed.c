@@ -1,0 +1,154 @@
+/* What stands beside the program: man page, completion, and the program where it is installed. */
+#include "cli.h"
+#include "support.h"
+
+#include <criterion/criterion.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* --- man page --- */
+
+/* Every command and every option that --help knows, each in its own command's part. */
+Test(man, page_has_every_option_of_every_command) {
+    struct finished f;
+    PROGRAM(&f, NULL, "man");
+    cr_assert_eq(f.code, 0, "%s", f.err);
+    for (int i = 0; commands[i]; i++) {
+        char head[80];
+        snprintf(head, sizeof head, "\n.SS wisplab %s ", commands[i]->name);
+        char *part = strstr(f.out, head);
+        cr_assert_eq(part != NULL, !commands[i]->hidden, "%s", commands[i]->name);
+        if (!part)
+            continue;
+        char *end = strstr(part + 1, "\n.SS ");
+        if (end)
+            *end = '\0';
+        for (const struct cli_option *o = commands[i]->options; o->name; o++) {
+            char text[128] = "\n\\fB\\-\\-";
+            for (const char *c = o->name; *c; c++)
+                snprintf(text + strlen(text), sizeof text - strlen(text), *c == '-' ? "\\-" : "%c",
+                         *c);
+            snprintf(text + strlen(text), sizeof text - strlen(text), "\\fR");
+            cr_assert(strstr(part, text), "%s lacks --%s", commands[i]->name, o->name);
+        }
+        if (end)
+            *end = '\n';
+    }
+    cr_assert(strstr(f.out, ".SH EXIT STATUS") && strstr(f.out, ".SH NAME"));
+}
+
+/* --- completion --- */
+
+/* What bash offers for the last of these words, each between blanks, one run of bash for all. */
+static void complete(const char *words, char *offered, size_t size) {
+    char folder[PATH_SIZE], script[PATH_SIZE], command[2 * PATH_SIZE];
+    struct finished f;
+    PROGRAM(&f, NULL, "completion");
+    cr_assert_eq(f.code, 0);
+    folder_make(folder);
+    file_write(folder, "wisplab.bash", f.out, script);
+    snprintf(command, sizeof command,
+             "bash -c '. %s && COMP_WORDS=(%s %s) && COMP_CWORD=$((${#COMP_WORDS[@]} - 1)) && "
+             "_wisplab && echo \" ${COMPREPLY[*]} \"' 2>&1",
+             script, WISPLAB_PROGRAM, words);
+    FILE *pipe = popen(command, "r");
+    cr_assert(pipe);
+    const size_t length = fread(offered, 1, size - 1, pipe);
+    offered[length] = '\0';
+    cr_assert_eq(pclose(pipe), 0, "%s: %s", words, offered);
+    folder_remove(folder);
+}
+
+static const struct {
+    const char *words;
+    const char *offers[4];
+    const char * not [2];
+} completions[] = {
+    {"\"\"", {"run", "report", "list", "eval"}, {"man", "completion"}},
+    {"rep", {"report"}, {"run"}},
+    {"list \"\"", {"scenes", "steppers", "linear", "experiments"}, {"circle"}},
+    {"run sw", {"swing", "swing-envelope"}, {"circle"}},
+    {"run swing --stepper \"\"", {"rk4", "implicit-euler", "reference"}, {"swing"}},
+    {"run swing --treatment p", {"projection", "penalty"}, {"free"}},
+    {"run swing --linear \"\"", {"direct", "klu", "cholmod", "cg"}, {"rk4"}},
+    {"run swing --option n", {"newton.iterations="}, {"max_order="}},
+    {"run swing --st", {"--step", "--stepper"}, {"--rate"}},
+    {"experiment w", {"work-precision", "wind"}, {"circle"}},
+    {"experiment circle --scene sw", {"swing"}, {"rk4"}},
+    {"report --", {"--quick", "--out", "--jobs", "--help"}, {"--stepper"}},
+};
+
+Test(man, completion_offers_what_the_tables_have) {
+    for (size_t i = 0; i < sizeof completions / sizeof *completions; i++) {
+        char offered[8192], word[64];
+        complete(completions[i].words, offered, sizeof offered);
+        for (int k = 0; k < 4 && completions[i].offers[k]; k++) {
+            snprintf(word, sizeof word, " %s ", completions[i].offers[k]);
+            cr_assert(strstr(offered, word), "wisplab %s: no%sin%s", completions[i].words, word,
+                      offered);
+        }
+        for (int k = 0; k < 2 && completions[i].not [k]; k++) {
+            snprintf(word, sizeof word, " %s ", completions[i].not [k]);
+            cr_assert(!strstr(offered, word), "wisplab %s:%sin%s", completions[i].words, word,
+                      offered);
+        }
+    }
+}
+
+/* A number is not completed, and least of all with options. */
+Test(man, completion_offers_nothing_for_a_number) {
+    char offered[8192];
+    complete("run swing --step \"\"", offered, sizeof offered);
+    cr_assert_eq(strspn(offered, " \n"), strlen(offered), "'%s'", offered);
+}
+
+/* --- installed --- */
+
+static int shell(const char *folder, const char *format, const char *prefix, char *out) {
+    char command[4 * PATH_SIZE], rest[2 * PATH_SIZE];
+    snprintf(rest, sizeof rest, format, prefix);
+    snprintf(command, sizeof command, "cd %s && %s 2>&1", folder, rest);
+    FILE *pipe = popen(command, "r");
+    cr_assert(pipe);
+    const size_t length = fread(out, 1, 8191, pipe);
+    out[length] = '\0';
+    while (!feof(pipe) && fgetc(pipe) != EOF) /* all of it, or it would die of a closed pipe */
+        ;
+    return pclose(pipe);
+}
+
+Test(installed, program_works_from_any_folder) {
+    static const char *const files[] = {
+        "bin/wisplab",
+        "share/man/man1/wisplab.1",
+        "share/bash-completion/completions/wisplab",
+        "share/wisplab/experiments/circle.cfg",
+        "share/wisplab/experiments/figure.inc",
+        "share/wisplab/experiments/wind-start.tsv",
+        "share/wisplab/plots/style.gp",
+        "share/wisplab/plots/work-precision.gp",
+    };
+    static const char *const commands_there[] = {
+        "%s/bin/wisplab list scenes | grep -q ^wind-settle",
+        "%s/bin/wisplab run circle --no-progress",
+        "%s/bin/wisplab run wind --duration 0.01 --no-progress --out wind",
+        "%s/bin/wisplab experiment interactions --quick --no-progress",
+    };
+    char prefix[PATH_SIZE], elsewhere[PATH_SIZE], path[PATH_SIZE], out[8192];
+    folder_make(prefix);
+    folder_make(elsewhere);
+    cr_assert_eq(
+        shell(".", WISPLAB_CMAKE " --install " WISPLAB_BUILD_DIR " --prefix %s", prefix, out), 0,
+        "%s", out);
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        path_format(path, "%s/%s", prefix, files[i]);
+        cr_assert(file_exists(path), "%s is not installed", files[i]);
+    }
+    for (size_t i = 0; i < sizeof commands_there / sizeof *commands_there; i++)
+        cr_assert_eq(shell(elsewhere, commands_there[i], prefix, out), 0, "%s: %s",
+                     commands_there[i], out);
+    path_format(path, "%s/results/interactions/frames.svg", elsewhere);
+    cr_assert(file_exists(path), "no figure");
+    folder_remove(prefix);
+    folder_remove(elsewhere);
+}
