@@ -233,6 +233,7 @@ static int write_attempts(struct plan *plan, const struct hair_study *study, FIL
 }
 
 static int write_steppers(struct plan *plan, const char *folder, const struct hair_study *study) {
+    const struct scene *main_scene = study->runs[study->question->main].timed->run.scene;
     struct atomic_file file;
     struct attempt base;
     int there;
@@ -244,7 +245,7 @@ static int write_steppers(struct plan *plan, const char *folder, const struct ha
         "where it failed); real_time: simulated over CPU time; largest |L/l - 1| of a stretch "
         "spring; distance: rms over free nodes and common frames from the run it is compared "
         "with, m; until: the last frame before it is more than 1 mm, s",
-        study->runs[study->question->main].timed->run.scene,
+        main_scene,
         "stepper\tsetting\tstatus\tfailure_time\tcpu_per_frame\treal_time\tstrain"
         "\tcompared_with\tdistance\tuntil\tnote",
         plan->reason);
@@ -257,6 +258,9 @@ static int write_steppers(struct plan *plan, const char *folder, const struct ha
         else
             code = atomic_commit(&file, plan->reason);
     }
+    if (there && base.one->run.scene->duration < main_scene->duration)
+        printf("  (%s goes to %g s only, for it takes minutes; distances are up to there)\n",
+               base.method->name, base.one->run.scene->duration);
     if (there)
         close_attempt(&base);
     return code;
