@@ -253,7 +253,7 @@ static int plan_axes(struct plan *plan, struct limits *limits) {
     return 0;
 }
 
-/* Steps of which MODEL's own measurements speak, on `swing`. */
+/* Steps on either side of the limits of `swing`, at round rates. */
 static int plan_known(struct plan *plan, const struct limits *limits, const struct cell *cell) {
     static const struct {
         const char *stepper;

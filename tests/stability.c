@@ -377,7 +377,7 @@ static void check_row(const struct scene *scene, const struct limit_row *row, do
     lab_run_free(&tight);
 }
 
-/* What the model's page says of `swing`: Euler at 9000 Hz is right, at 8000 finite and wrong;
+/* Measured on `swing`: Euler at 9000 Hz is right, at 8000 finite and wrong;
  * Runge-Kutta 4 at 4000 Hz is right, at 3000 finite and wrong by decimetres. */
 Test(stability, swing_fails_as_it_was_measured_before, .init = set_up, .fini = clean_up) {
     static const char *const known[] = {"euler\t0.000111111111\t9000\tstable\tnan\tyes",
