@@ -271,6 +271,83 @@ int caption_ladder(const char *folder, const char *figure, struct caption *capti
     return 0;
 }
 
+/* --- stability --- */
+
+/* The longest stable step of each method, and how the next one fails. */
+static void say_longest_steps(struct caption *caption, const struct text_table *table) {
+    say(caption, "The longest stable step:");
+    for (int i = 0; i < table->row_count; i++) {
+        const double step = text_table_number(table, i, "step");
+        say(caption, "%s %s (%s, %s) ", i ? ";" : "", text_table_cell(table, i, "stepper"),
+            text_table_cell(table, i, "scene"), text_table_cell(table, i, "treatment"));
+        if (isnan(step))
+            say(caption, "none that was tried");
+        else
+            say(caption, "%.3g ms, beyond it %s", 1e3 * step, text_table_cell(table, i, "kind"));
+    }
+    say(caption, ".");
+}
+
+/* How far what was measured is from theory, where there is one. */
+static void say_agreement(struct caption *caption, const struct text_table *table,
+                          const char *measured, const char *theory) {
+    double worst = 0;
+    int count = 0;
+    for (int i = 0; i < table->row_count; i++) {
+        const double a = text_table_number(table, i, measured),
+                     b = text_table_number(table, i, theory);
+        if (isnan(a) || isnan(b))
+            continue;
+        worst = fmax(worst, fabs(a - b) / fmax(1, fabs(b)));
+        count++;
+    }
+    say(caption,
+        "Measured by stepping the real code; where there is a stability function, at %d points, "
+        "the two differ by %.2g at most.",
+        count, worst);
+}
+
+int caption_stability(const char *folder, const char *figure, struct caption *caption,
+                      char *reason) {
+    const int limits = strcmp(figure, "limits") == 0, damping = strcmp(figure, "damping") == 0;
+    struct text_table table;
+    if (load(&table, folder, limits ? "largest-step" : figure, reason))
+        return -1;
+    drawn_from(caption, limits ? "limits largest-step failures" : figure);
+    if (limits)
+        say_longest_steps(caption, &table);
+    else
+        say_agreement(caption, &table, damping ? "damping" : "growth",
+                      damping ? "damping_theory" : "theory");
+    text_table_free(&table);
+    return 0;
+}
+
+/* --- needs --- */
+
+int caption_needs(const char *folder, const char *figure, struct caption *caption, char *reason) {
+    struct text_table table;
+    if (load(&table, folder, "smallest", reason))
+        return -1;
+    drawn_from(caption, "needs smallest");
+    for (int i = 0; i < table.row_count; i++) {
+        if (strcmp(text_table_cell(&table, i, "scene"), figure) != 0)
+            continue;
+        const double ratio = text_table_number(&table, i, "cost_ratio");
+        if (isnan(ratio))
+            say(caption, "There is no smaller model: %s.", text_table_cell(&table, i, "note"));
+        else
+            say(caption,
+                "The smallest model within a millimetre of the full one is %.2g mm away (rms) and "
+                "takes %.2g of its time; the scene as it is, %.2g mm and %.2g.",
+                1e3 * text_table_number(&table, i, "change_rms"), ratio,
+                1e3 * text_table_number(&table, i, "own_change_rms"),
+                text_table_number(&table, i, "own_cost_ratio"));
+    }
+    text_table_free(&table);
+    return 0;
+}
+
 /* --- hair: chapter 5 --- */
 
 /* What --quick makes of the statements, in the table's own words. */
@@ -319,7 +396,7 @@ static void say_measured(struct caption *caption, const struct text_table *table
 int caption_hair(const char *folder, const char *figure, struct caption *caption, char *reason) {
     const int cost = strcmp(figure, "cost") == 0, series = strcmp(figure, "series") == 0;
     struct text_table table;
-    if (!cost && !series && strcmp(figure, "frames") != 0)
+    if (!cost && !series && strcmp(figure, "frames") != 0 && strcmp(figure, "hair") != 0)
         return 0;
     if (load(&table, folder, cost ? "table" : "statement", reason))
         return -1;

@@ -13,6 +13,9 @@ int caption_race(const char *folder, const char *figure, struct caption *caption
 int caption_horizon(const char *folder, const char *figure, struct caption *caption, char *reason);
 int caption_ladder(const char *folder, const char *figure, struct caption *caption, char *reason);
 int caption_hair(const char *folder, const char *figure, struct caption *caption, char *reason);
+int caption_stability(const char *folder, const char *figure, struct caption *caption,
+                      char *reason);
+int caption_needs(const char *folder, const char *figure, struct caption *caption, char *reason);
 int caption_kernel(const char *folder, const char *figure, struct caption *caption, char *reason);
 
 #endif

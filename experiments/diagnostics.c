@@ -4,11 +4,14 @@
 #include <errno.h>
 #include <string.h>
 
+/* Returns the number of rows, the columns' names among them, or -1. */
 static int copy(FILE *from, struct atomic_file *to) {
-    char block[4096];
-    for (size_t n; (n = fread(block, 1, sizeof block, from)) > 0;)
-        fwrite(block, 1, n, to->stream);
-    return ferror(from);
+    int rows = 0, begins = 1;
+    for (int c; (c = fgetc(from)) != EOF; begins = c == '\n') {
+        rows += begins && c != '#';
+        fputc(c, to->stream);
+    }
+    return ferror(from) ? -1 : rows;
 }
 
 int keep_diagnostics(const struct run_case *run, const char *folder, const char *variant,
@@ -25,6 +28,8 @@ int keep_diagnostics(const struct run_case *run, const char *folder, const char 
         return -1;
     }
     FILE *from = fopen(source, "r");
+    if (!from && errno == ENOENT) /* the run died before it began the table */
+        return 0;
     if (!from || atomic_open(&file, target, reason)) {
         if (!from)
             snprintf(reason, REASON_SIZE, "%.150s: cannot be read: %s", source, strerror(errno));
@@ -32,11 +37,13 @@ int keep_diagnostics(const struct run_case *run, const char *folder, const char 
             fclose(from);
         return -1;
     }
-    const int failed = copy(from, &file);
+    const int rows = copy(from, &file);
     fclose(from);
-    if (!failed)
+    if (rows > 2)
         return atomic_commit(&file, reason);
     atomic_discard(&file);
+    if (rows >= 0) /* the run failed before there was a second frame: there is nothing to draw */
+        return 0;
     snprintf(reason, REASON_SIZE, "%.150s: cannot be read to its end", source);
     return -1;
 }

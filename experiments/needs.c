@@ -6,6 +6,7 @@
  * Runge-Kutta 4 integrates every model at the same share of its own stability limit, the thesis's
  * recipe of the longest step that holds: what a model costs is what its stiffness makes it cost.
  * That the integrator has no part in the changes is seen from runs with half the step. */
+#include "captions.h"
 #include "measure.h"
 #include "model.h"
 #include "needs_model.h"
@@ -527,7 +528,7 @@ static int write_needs(const struct plan *plan, const char *folder, char *reason
              "cost_ratio: over the "
              "full model's; needed: it changes more than %g m, and more than perturbed starts "
              "do; chaos: more than that, but no more than perturbed starts; smallest model: all "
-             "together that smallest.tsv says",
+             "together that smallest.tsv says; nan: the run failed or there was none, see note",
              STABILITY_SHARE, target);
     if (open_table(&file, folder, "needs", what, needs->study[0].subject->scene,
                    "scene\tthing\toption\tchange_rms\tchange_largest\tchange_end\tcpu_median"
@@ -585,7 +586,8 @@ static int write_answers(const struct plan *plan, const char *folder, char *reas
              "until a run of the whole is; its change and cost_ratio, those of the scene as it is; "
              "rms change, m, by half the step in the full model (step_full) and the smallest, and "
              "in the full one by starts displaced by 1e-10 m (perturbed) and 1e-4 m (scattered); "
-             "horizon: of the former's nodes, s; tried: combinations",
+             "horizon: of the former's nodes, s; tried: combinations; nan: the run failed or there "
+             "was none, see note",
              target);
     for (int thing = 0; thing < THINGS; thing++)
         used += snprintf(columns + used, sizeof columns - (size_t)used, "\t%s", thing_names[thing]);
@@ -648,4 +650,5 @@ const struct experiment needs_experiment = {
     .plan = needs_plan,
     .refine = needs_refine,
     .tabulate = needs_tabulate,
+    .caption = caption_needs,
 };

@@ -4,6 +4,8 @@
  * own, since stable is not accurate. */
 #include "stability.h"
 
+#include "captions.h"
+
 static int stability_tabulate(struct plan *plan, const char *folder) {
     return stability_maps(plan, folder) || limits_tabulate(plan, folder) ? -1 : 0;
 }
@@ -14,4 +16,5 @@ const struct experiment stability_experiment = {
     .plan = limits_plan,
     .refine = limits_refine,
     .tabulate = stability_tabulate,
+    .caption = caption_stability,
 };

@@ -504,12 +504,15 @@ static double largest_step(const struct cell *cell, const struct trial *trial) {
 static int write_limits(struct plan *plan, const char *folder) {
     const struct limits *limits = plan->memo;
     struct atomic_file file;
-    if (open_table(&file, folder, "limits",
-                   "longest stable step, s, over 0.5 s of swing (penalty_ratio: of swing-envelope "
-                   "with penalty), the next that is not, and the prediction by the stability "
-                   "function at the eigenvalues of the wisp linearised at its start",
-                   plan->loaded[0], "axis\tvalue\tstepper\tstep\tunstable_step\tpredicted\tkind",
-                   plan->reason))
+    if (open_table(
+            &file, folder, "limits",
+            "longest stable step, s, over 0.5 s of swing (penalty_ratio: of swing-envelope "
+            "with penalty), the next that is not, and the prediction by the stability "
+            "function at the eigenvalues of the wisp linearised at its start; nan: of step, none "
+            "that was tried is stable; of unstable_step, all are; of predicted, there is no "
+            "stability function or no bound",
+            plan->loaded[0], "axis\tvalue\tstepper\tstep\tunstable_step\tpredicted\tkind",
+            plan->reason))
         return -1;
     for (int a = 0; a < AXES; a++)
         for (int c = 0; c < limits->contestant_count; c++) {
@@ -547,7 +550,10 @@ static int write_scenes(struct plan *plan, const char *folder) {
             "it is, its "
             "rate in Hz, the predicted one, the next that is not stable with how and when "
             "that fails, the error of the stable one, m, and its CPU time per simulated s; "
-            "steps divide the time between stops of the clock",
+            "steps divide the time between stops of the clock; nan: of step, none that was tried "
+            "is "
+            "stable; of what fails, none does; of predicted, there is no stability function, no "
+            "bound, or there are too many unknowns for eigenvalues",
             plan->subjects[0].scene,
             "scene\ttreatment\tstepper\tstep\trate\tpredicted\tunstable_step\tkind\ttime\terror\t"
             "cpu_per_second\tnote",
@@ -615,7 +621,8 @@ static int write_failures(struct plan *plan, const char *folder) {
             "how methods fail at steps that are too long: kind, when it first shows, "
             "whether the state stays finite, and the error of the frames before, m (rms, "
             "largest); wrong: finished, with more than ten times the error that its order "
-            "lets it have, and more than 0.1 mm",
+            "lets it have, and more than 0.1 mm; nan: of time, it does not fail; of errors, there "
+            "is no frame to compare",
             plan->subjects[0].scene,
             "scene\ttreatment\tstepper\tstep\trate\tkind\ttime\tfinite\terror\tlargest_error",
             plan->reason))

@@ -41,7 +41,9 @@ static int write_regions(struct plan *plan, const char *folder) {
     if (open_map(plan, &file, folder, "regions",
                  "growth per step of u' = z u, h = 1, measured by stepping the real code (growth) "
                  "and by the stability function where there is one; adaptive methods take no step "
-                 "that is forced on them: growth per unit of time at rtol 0.01",
+                 "that is forced on them: growth per unit of time at rtol 0.01; nan: of theory, "
+                 "there is "
+                 "no stability function; of growth, the method failed there",
                  "stepper\tre\tim\tgrowth\ttheory"))
         return -1;
     for (int i = 0; stepper_methods[i]; i++) {
@@ -84,7 +86,8 @@ static int write_oscillators(struct plan *plan, const char *folder) {
     if (open_map(plan, &file, folder, "oscillator",
                  "growth per step of q'' = -omega^2 q - 2 zeta omega q' with fixed steps h, "
                  "measured by stepping the real code, and by the stability function where there "
-                 "is one; adaptive methods have no omega h",
+                 "is one; adaptive methods have no omega h; nan: of theory, there is no stability "
+                 "function; of growth, the method failed there",
                  "stepper\tomega_h\tzeta\tgrowth\ttheory"))
         return -1;
     for (int i = 0; stepper_methods[i]; i++)
@@ -108,13 +111,15 @@ static void write_ring(FILE *stream, const struct stepper_method *method, double
 
 static int write_damping(struct plan *plan, const char *folder) {
     struct atomic_file file;
-    if (open_map(plan, &file, folder, "damping",
-                 "an undamped oscillator let go: the damping that is the method's own (of "
-                 "critical; negative: it grows) and its relative shift of frequency, by ring-down "
-                 "of the real code and by |R(i omega h)| and arg R; setting: omega h, or rtol of "
-                 "adaptive methods, whose steps per period are the mean",
-                 "stepper\tsetting\tsteps_per_period\tdamping\tfrequency_shift\tdamping_theory\t"
-                 "frequency_shift_theory"))
+    if (open_map(
+            plan, &file, folder, "damping",
+            "an undamped oscillator let go: the damping that is the method's own (of "
+            "critical; negative: it grows) and its relative shift of frequency, by ring-down "
+            "of the real code and by |R(i omega h)| and arg R; setting: omega h, or rtol of "
+            "adaptive methods, whose steps per period are the mean; nan: of theory, there is no "
+            "stability function; else the ring-down grew or died too fast to be read",
+            "stepper\tsetting\tsteps_per_period\tdamping\tfrequency_shift\tdamping_theory\t"
+            "frequency_shift_theory"))
         return -1;
     for (int i = 0; stepper_methods[i]; i++) {
         const struct stepper_method *method = stepper_methods[i];

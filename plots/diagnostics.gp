@@ -66,6 +66,7 @@ do for [f = 1:words(files)] {
     stats table using (start = $0 == 0 ? column("gravity") : start, \
         from = $0 == 0 ? sum [i = 1:words(ENERGIES)] column(word(ENERGIES, i)) : from, \
         end = column("t"), frames = frames + 1, 0) nooutput
+    if (!(end > 0)) { end = 1. / 30 } # of a run that failed at once there is only its start
     stored = ''; rounding = 0
     do for [name in ENERGIES] {
         eval most_of(table, name)

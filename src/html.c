@@ -147,3 +147,30 @@ int html_svg(FILE *stream, const char *path, const char *prefix, const char *lab
     free(text);
     return 0;
 }
+
+/* Three bytes become four letters (RFC 4648, section 4). */
+static void write_base64(FILE *stream, FILE *from) {
+    static const char letters[] =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    unsigned char bytes[3] = {0};
+    for (size_t n; (n = fread(bytes, 1, 3, from)) > 0; memset(bytes, 0, 3)) {
+        const unsigned all = (unsigned)bytes[0] << 16 | (unsigned)bytes[1] << 8 | bytes[2];
+        for (size_t k = 0; k < 4; k++)
+            fputc(k <= n ? letters[all >> (18 - 6 * k) & 63] : '=', stream);
+    }
+}
+
+int html_png(FILE *stream, const char *path, const char *label, char *reason) {
+    FILE *file = fopen(path, "rb");
+    if (!file) {
+        snprintf(reason, REASON_SIZE, "%.150s: cannot be read", path);
+        return -1;
+    }
+    fputs("<div class=\"wide\"><img alt=\"", stream);
+    html_text(stream, label);
+    fputs("\" src=\"data:image/png;base64,", stream);
+    write_base64(stream, file);
+    fputs("\"/></div>\n", stream);
+    fclose(file);
+    return 0;
+}

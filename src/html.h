@@ -24,4 +24,7 @@ void html_table(FILE *stream, const struct text_table *table, const char *const 
  * Returns 0, or -1 with one line in `reason`. */
 int html_svg(FILE *stream, const char *path, const char *prefix, const char *label, char *reason);
 
+/* Likewise of a .png file, which is put into the page as it is. */
+int html_png(FILE *stream, const char *path, const char *label, char *reason);
+
 #endif

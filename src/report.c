@@ -19,7 +19,8 @@ static const char style[] =
     "solid "
     "#bbb;padding-top:1rem}h3{font-size:1.05rem;margin:1.6rem 0 .3rem}\n"
     "a{color:#00528a}figure{margin:1.2rem 0}figcaption{margin:.4rem 0}\n"
-    ".wide{overflow-x:auto;max-width:100%}.wide svg{display:block;height:auto;width:100%;"
+    ".wide{overflow-x:auto;max-width:100%}.wide img{display:block;max-width:100%;height:auto}.wide "
+    "svg{display:block;height:auto;width:100%;"
     "min-width:40rem}\n"
     "table{border-collapse:collapse;font-size:.8rem;margin:.5rem 0}"
     "th,td{border-bottom:1px solid #ddd;padding:.15rem .5rem;text-align:left;vertical-align:top}"
@@ -182,7 +183,9 @@ static int write_figure(FILE *stream, const struct report *report, const struct 
         return -1;
     snprintf(prefix, sizeof prefix, "%s-%s-", name, figure);
     fprintf(stream, "<figure id=\"%s-%s\">\n", name, figure);
-    if (html_svg(stream, path, prefix, caption->text, reason))
+    const int is_png = strcmp(path + strlen(path) - 4, ".png") == 0;
+    if (is_png ? html_png(stream, path, caption->text, reason)
+               : html_svg(stream, path, prefix, caption->text, reason))
         return -1;
     fprintf(stream, "<figcaption><b>%s/%s.</b> ", name, figure);
     html_text(stream, caption->text);
@@ -195,30 +198,47 @@ static int write_figure(FILE *stream, const struct report *report, const struct 
     return 0;
 }
 
+/* Whether a .png is only the same as an .svg that is there. */
+static int has_twin(const char *path) {
+    char twin[PATH_SIZE];
+    const int stem = (int)strlen(path) - 4;
+    return strcmp(path + stem, ".png") == 0 && path_format(twin, "%.*s.svg", stem, path) == 0 &&
+           file_exists(twin);
+}
+
 /* Figures, each with those of its tables that were not shown before, and then the tables that are
  * left. */
-static int write_part(FILE *stream, const struct report *report, const struct report_part *part,
-                      char *reason) {
-    char shown[8192] = "";
+static int write_figures(FILE *stream, const struct report *report, const struct report_part *part,
+                         const char *kind, char shown[8192], int *figures, char *reason) {
     glob_t found;
-    int code = find_files(report, part, "svg", &found), figures = 0;
+    int code = find_files(report, part, kind, &found);
     for (size_t i = 0; i < found.gl_pathc && !code; i++) {
         struct caption caption;
-        if (!is_of_report(part, found.gl_pathv[i]))
+        if (!is_of_report(part, found.gl_pathv[i]) || has_twin(found.gl_pathv[i]))
             continue;
-        figures++;
+        ++*figures;
         code = write_figure(stream, report, part, found.gl_pathv[i], &caption, reason);
         char *at = caption.tables;
         for (char *name; !code && (name = strsep(&at, " ")) != NULL;) {
             const size_t used = strlen(shown);
             if (has_word(shown, name))
                 continue;
-            snprintf(shown + used, sizeof shown - used, "%s%s", used ? " " : "", name);
+            snprintf(shown + used, 8192 - used, "%s%s", used ? " " : "", name);
             code = write_table(stream, report, part, name, reason);
         }
         fputs("</figure>\n", stream);
     }
     globfree(&found);
+    return code;
+}
+
+static int write_part(FILE *stream, const struct report *report, const struct report_part *part,
+                      char *reason) {
+    char shown[8192] = "";
+    int figures = 0;
+    int code = write_figures(stream, report, part, "png", shown, &figures, reason);
+    if (!code)
+        code = write_figures(stream, report, part, "svg", shown, &figures, reason);
     if (!code && !figures) {
         snprintf(reason, REASON_SIZE, "%.150s/%.80s: no figure is there", report->root,
                  part->experiment->name);
