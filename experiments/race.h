@@ -29,6 +29,12 @@ struct entry {
     char refused[REASON_SIZE]; /* why it cannot take part; empty: it can */
 };
 
+/* Largest at any frame: strain; depth of a node in a body, m; and |energy since the start that no
+ * work accounts for|, J, over the largest kinetic energy. NaN: unknown. */
+struct extent {
+    double strain, penetration, drift;
+};
+
 /* What came of one contestant at one setting. */
 struct point {
     const struct entry *entry;
@@ -37,6 +43,7 @@ struct point {
     int runs, failed;                   /* of jittered tolerances; 1 of a fixed step */
     struct cost cost;                   /* of the run with the median error; CPU time over all */
     struct deviation deviation;         /* likewise; NaN where a run did not finish */
+    struct extent extent;               /* likewise */
     double error_least, error_greatest; /* rms over the jittered runs, m */
     int limited;                        /* closer to the reference than ten times its bound */
     int front[2]; /* not limited, and none is cheaper and better: by CPU time, by evaluations */

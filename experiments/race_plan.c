@@ -250,10 +250,11 @@ static int wanted_rungs(const struct field *field, const struct entry *entry) {
 static double ladder_cost(const struct plan *plan, const struct field *field,
                           const struct entry *entry, int rungs, int jitters) {
     const int runs = contestant_is_adaptive(entry->contestant) ? jitters : 1;
+    const double diagnosed = 1.6; /* times as long as one that is not */
     double sum = 0;
     for (int k = 0; k < rungs; k++)
         if (race_takes(plan, k))
-            sum += runs * (1 + timings_at(field, entry, k)) * run_cost_at(field, entry, k);
+            sum += runs * (diagnosed + timings_at(field, entry, k)) * run_cost_at(field, entry, k);
     return sum;
 }
 
@@ -351,7 +352,8 @@ static struct run_request request_for(const struct field *field, const struct en
         contestant_request(entry->contestant, race_setting(field, entry, k) * jitter,
                            scene->run.atol / scene->run.rtol);
     request.treatment = race_treatment(field->treatment);
-    request.timings = timings_at(field, entry, k);
+    request.timings = timings_at(field, entry, k); /* these go without diagnoses */
+    request.diagnostics = 1;
     return request;
 }
 

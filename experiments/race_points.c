@@ -29,6 +29,7 @@ static struct point *new_point(struct field *field, const struct entry *entry, i
                         .failed = 1,
                         .cost = unknown,
                         .deviation = none,
+                        .extent = {NAN, NAN, NAN},
                         .error_least = NAN,
                         .error_greatest = NAN};
     snprintf(p->note, sizeof p->note, "%s", note);
@@ -41,8 +42,33 @@ struct outcome_of_run {
     enum outcome outcome;
     struct cost cost;
     struct deviation deviation;
+    struct extent extent;
     char reason[REASON_SIZE];
 };
+
+static double largest_of(const struct table *table, const char *name) {
+    const int column = table_column(table, name);
+    double largest = NAN;
+    for (int i = 0; i < table->row_count && column >= 0; i++)
+        largest = fmax(largest, fabs(table_value(table, i, column)));
+    return largest;
+}
+
+/* 0, or -1 with a reason. */
+static int read_extent(const char *folder, struct extent *extent, char *reason) {
+    struct table diagnoses;
+    char path[PATH_SIZE];
+    *extent = (struct extent){NAN, NAN, NAN};
+    if (path_format(path, "%s/diagnostics.tsv", folder) || !file_exists(path))
+        return 0; /* the run died before it had begun the table */
+    if (table_read(&diagnoses, path, reason))
+        return -1;
+    extent->strain = largest_of(&diagnoses, "strain");
+    extent->penetration = largest_of(&diagnoses, "penetration");
+    extent->drift = largest_of(&diagnoses, "residual") / largest_of(&diagnoses, "kinetic");
+    table_free(&diagnoses);
+    return 0;
+}
 
 static int read_run(struct plan *plan, const struct field *field, const struct labelled_case *one,
                     struct outcome_of_run *result) {
@@ -61,7 +87,7 @@ static int read_run(struct plan *plan, const struct field *field, const struct l
             measure_deviation(scene, &run.states, &field->reference.states,
                               scene->run.atol / scene->run.rtol, &result->deviation, plan->reason);
     run_free(&run);
-    return code;
+    return code ? code : read_extent(one->run.folder, &result->extent, plan->reason);
 }
 
 static int by_error(const void *a, const void *b) {
@@ -82,6 +108,7 @@ static void summarise(struct point *p, struct outcome_of_run *runs, int count) {
     qsort(runs, (size_t)count, sizeof *runs, by_error);
     p->cost = runs[count / 2].cost;
     p->deviation = runs[count / 2].deviation;
+    p->extent = runs[count / 2].extent;
     p->error_least = runs[0].deviation.rms;
     p->error_greatest = runs[count - 1].deviation.rms;
     if (count == 1)
@@ -98,6 +125,7 @@ static void record_failure(struct point *p, const struct outcome_of_run *runs, i
     while (runs[first].outcome == FINISHED)
         first++;
     p->cost = runs[first].cost;
+    p->extent = runs[first].extent;
     p->status = outcome_name(runs[first].outcome);
     if (count == 1)
         snprintf(p->note, sizeof p->note, "%s", runs[first].reason);

@@ -23,13 +23,15 @@ static const struct {
          "m; mescd at the end; CPU time, s: of repeated, or of the jittered runs, alone on the "
          "machine; equivalents: CPU time over that of a force evaluation of rk4's pilot; setting: "
          "step, s, or rtol; limited: within ten times the reference's bound, and so on no front; "
-         "front: Pareto, by CPU time and by force evaluations; nan: there is no number, see status "
+         "front: Pareto, by CPU time and by force evaluations; strain, penetration (m): largest at "
+         "any frame; drift: largest energy that no work accounts for, over the largest kinetic "
+         "energy, with the works' own error of second order; nan: there is no number, see status "
          "and note; parted: wisps split at other ticks than the reference's, from where on nothing "
          "is compared",
          "method\ttreatment\tstepper\tsetting\tstatus\tfailure_time\terror\tlargest\trelative"
          "\tend\tvelocity\tradius\tmescd\tcpu_median\tcpu_least\tcpu_greatest"
          "\tforce_evaluations\tsteps\tlimited\tfront_cpu\tfront_evaluations\terror_least"
-         "\terror_greatest\truns\tfailed\tequivalents\tnote"},
+         "\terror_greatest\truns\tfailed\tequivalents\tstrain\tpenetration\tdrift\tnote"},
     [REFERENCES] = {"-reference",
                     "the tight solutions: bound = largest difference from the second opinion, m; "
                     "treatment_error = rms over free nodes and frames from the treatment penalty "
@@ -68,9 +70,10 @@ static void write_point(FILE *stream, const struct field *field, const struct po
         cost->cpu.least, cost->cpu.greatest, cost->evaluations, cost->steps};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         fprintf(stream, "\t%.17g", numbers[i]);
-    fprintf(stream, "\t%d\t%d\t%d\t%.17g\t%.17g\t%d\t%d\t%.17g\t%s\n", p->limited, p->front[0],
-            p->front[1], p->error_least, p->error_greatest, p->runs, p->failed,
-            cost->cpu.median / field->evaluation,
+    fprintf(stream, "\t%d\t%d\t%d\t%.17g\t%.17g\t%d\t%d\t%.17g\t%.17g\t%.17g\t%.17g\t%s\n",
+            p->limited, p->front[0], p->front[1], p->error_least, p->error_greatest, p->runs,
+            p->failed, cost->cpu.median / field->evaluation, p->extent.strain,
+            p->extent.penetration, p->extent.drift,
             !*p->note && isnan(field->evaluation) ? "no pilot of rk4, and so no equivalents"
                                                   : p->note);
 }

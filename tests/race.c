@@ -117,6 +117,7 @@ Test(race, a_small_one_has_every_point_and_runs_nothing_twice, .timeout = 120) {
     cr_expect(rows_of(table, "cvode\tgeneralised\t") == 4, "every third of 11 tolerances");
     cr_expect(rows_of(table, "cvode order 5\tgeneralised\t") == 4);
     cr_expect(rows_of(table, "rk4\tgeneralised\t") >= 4);
+    cr_expect(strstr(table, "\tstrain\tpenetration\tdrift\tnote\n"), "measures of the state");
     cr_expect(strstr(table, "diverged") || strstr(table, "not finite"), "a long step of rk4 fails");
     free(table);
     PROGRAM(&f, NULL, "experiment", "work-precision", "--scene", scene, "--quick", "--stepper",
