@@ -223,7 +223,8 @@ static int push_out(const struct tick *tick, int i, unsigned near, double *rows)
     int pulled, opened = 0;
     near &= m->kernel->pull(part->system.ctx, part->q, part->v, bodies->obstacle, bodies->boxes,
                             bodies->count, (1u << m->batches[i].count) - 1, &pulled);
-    tick->changed[i] |= pulled > 0;
+    if (pulled > 0) /* no more is written than must be: threads share these lines of memory */
+        tick->changed[i] = 1;
     struct counters *counters = &part->system.counters;
     struct body_report report = {0, pulled, 0};
     for (int k = 0; k < m->batches[i].count; k++) {
@@ -258,8 +259,8 @@ static void collide_part(const struct tick *tick, int i, double *rows) {
     if (near && push_out(tick, i, near, rows))
         clamp = envelope;
     account_after(part, m->model.t, JUMP_BODY_CONTACT);
-    if (clamp)
-        tick->changed[i] |= m->kernel->clamp(ctx, part->q, part->v);
+    if (clamp && m->kernel->clamp(ctx, part->q, part->v))
+        tick->changed[i] = 1;
     account_after(part, m->model.t, JUMP_CLAMP);
 }
 

@@ -135,6 +135,16 @@ void wisp_take_rows(struct wisp_model *m, int wisp) {
     m->model.row_count += m->wisps[wisp].nodes;
 }
 
+/* Writes wisp and node into a wisp's rows of a frame; returns the first of these rows. */
+static double *number_rows(const struct wisp_model *m, int wisp, double *rows, int stride) {
+    double *first = rows + m->first_row[wisp] * stride;
+    for (int node = 0; node < m->wisps[wisp].nodes; node++) {
+        first[node * stride] = wisp;
+        first[node * stride + 1] = node;
+    }
+    return first;
+}
+
 static void wisps_sample(const struct model *model, double *rows) {
     const struct wisp_model *m = (const struct wisp_model *)model;
     const int stride = model->column_count;
@@ -143,11 +153,7 @@ static void wisps_sample(const struct model *model, double *rows) {
         m->kernel->prescribe(part->system.ctx, model->t);
         for (int k = 0; k < m->batches[i].count; k++) {
             const int wisp = m->batches[i].wisp[k];
-            double *first = rows + m->first_row[wisp] * stride;
-            for (int node = 0; node < m->wisps[wisp].nodes; node++) {
-                first[node * stride] = wisp;
-                first[node * stride + 1] = node;
-            }
+            double *first = number_rows(m, wisp, rows, stride);
             m->kernel->sample(part->system.ctx, k, part->q, part->v, first + 2, stride);
         }
     }
@@ -173,11 +179,7 @@ static void wisps_sample_accelerations(const struct model *model, double *const 
         m->kernel->prescribe(model->parts[i].system.ctx, model->t);
         for (int k = 0; k < m->batches[i].count; k++) {
             const int wisp = m->batches[i].wisp[k];
-            double *first = rows + m->first_row[wisp] * stride;
-            for (int node = 0; node < m->wisps[wisp].nodes; node++) {
-                first[node * stride] = wisp;
-                first[node * stride + 1] = node;
-            }
+            double *first = number_rows(m, wisp, rows, stride);
             m->kernel->sample_accelerations(model->parts[i].system.ctx, k, a[i], first + 2, stride);
         }
     }
