@@ -23,9 +23,9 @@ struct race {
 struct entry {
     const struct contestant *contestant;
     double cost;               /* CPU s of its pilot per simulated second; NaN: it left no time */
-    double steps;              /* of its pilot per simulated second */
     int rungs, jitters;        /* settings planned; runs of each adaptive one */
-    char cut[160];             /* what the budget left out; empty: nothing */
+    int shortened, thinned;    /* the budget left out rungs; jittered runs */
+    char cut[160];             /* both in words; empty: neither */
     char refused[REASON_SIZE]; /* why it cannot take part; empty: it can */
 };
 

@@ -183,7 +183,7 @@ static int read_pilot(struct plan *plan, struct field *field, struct entry *entr
     struct run_files run;
     snprintf(label, sizeof label, "pilot of %s", entry->contestant->name);
     const struct labelled_case *pilot = found(plan, field, label);
-    entry->cost = entry->steps = NAN;
+    entry->cost = NAN;
     if (!pilot)
         return 0;
     if (run_read(&run, pilot->run.folder, plan->reason))
@@ -191,7 +191,6 @@ static int read_pilot(struct plan *plan, struct field *field, struct entry *entr
     const double time = run_number(&run, "simulated_time"), cpu = run_number(&run, "cpu_seconds");
     if (time > 0 && cpu > 0) {
         entry->cost = cpu / time;
-        entry->steps = run_number(&run, "counters.steps") / time / field->whole->wisp_count;
         if (strcmp(entry->contestant->stepper, "rk4") == 0)
             field->evaluation = cpu / run_number(&run, "counters.force_evaluations");
     }
@@ -258,14 +257,19 @@ static double ladder_cost(const struct plan *plan, const struct field *field,
     return sum;
 }
 
+/* Runs of each tolerance where the budget allows all. */
+static int most_jitters(const struct plan *plan) {
+    return plan->quick ? 3 : JITTERS;
+}
+
 /* The longest ladder within a share of the budget; jittered runs become fewer before an adaptive
  * method's ladder does. */
 static void fit_ladder(const struct plan *plan, const struct field *field, struct entry *entry,
                        double share) {
-    static const int jitters[] = {JITTERS, 3, 1};
+    const int jitters[] = {most_jitters(plan), 3, 1};
     const int adaptive = contestant_is_adaptive(entry->contestant);
     const int wanted = wanted_rungs(field, entry);
-    for (int i = plan->quick ? 1 : 0; i < 3; i++) {
+    for (int i = 0; i < 3; i++) {
         entry->jitters = adaptive ? jitters[i] : 1;
         entry->rungs = wanted;
         while (entry->rungs > 0 &&
@@ -274,15 +278,16 @@ static void fit_ladder(const struct plan *plan, const struct field *field, struc
         if (!adaptive || entry->rungs == wanted)
             break;
     }
-    const int fewer = adaptive && entry->jitters < (plan->quick ? 3 : JITTERS);
-    if (entry->rungs < wanted)
+    entry->shortened = entry->rungs < wanted;
+    entry->thinned = adaptive && entry->jitters < most_jitters(plan);
+    if (entry->shortened)
         snprintf(entry->cut, sizeof entry->cut,
                  "this and shorter ones: a run would take about %.2g s; the budget left %.2g s%s",
                  run_cost_at(field, entry, entry->rungs), share,
-                 fewer ? ", and fewer jittered runs" : "");
-    else if (fewer)
+                 entry->thinned ? ", and fewer jittered runs" : "");
+    else if (entry->thinned)
         snprintf(entry->cut, sizeof entry->cut, "%d jittered runs instead of %d, for the budget",
-                 entry->jitters, plan->quick ? 3 : JITTERS);
+                 entry->jitters, most_jitters(plan));
 }
 
 /* --- the budget --- */
@@ -308,21 +313,22 @@ static void share_out(double seconds, struct share *shares, int count) {
     }
 }
 
+static double entry_need(const struct plan *plan, const struct field *field,
+                         const struct entry *entry) {
+    return ladder_cost(plan, field, entry, wanted_rungs(field, entry), most_jitters(plan));
+}
+
 static double field_need(const struct plan *plan, const struct field *field) {
     double sum = 0;
     for (int i = 0; i < field->entry_count; i++)
-        sum += ladder_cost(plan, field, &field->entries[i], wanted_rungs(field, &field->entries[i]),
-                           plan->quick ? 3 : JITTERS);
+        sum += entry_need(plan, field, &field->entries[i]);
     return sum;
 }
 
 static void fit_field(const struct plan *plan, struct field *field, double seconds) {
     struct share shares[CONTESTANTS_MAX];
     for (int i = 0; i < field->entry_count; i++)
-        shares[i] = (struct share){ladder_cost(plan, field, &field->entries[i],
-                                               wanted_rungs(field, &field->entries[i]),
-                                               plan->quick ? 3 : JITTERS),
-                                   i};
+        shares[i] = (struct share){entry_need(plan, field, &field->entries[i]), i};
     share_out(seconds, shares, field->entry_count);
     for (int i = 0; i < field->entry_count; i++)
         if (!field->entries[shares[i].index].refused[0])

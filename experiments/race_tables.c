@@ -3,7 +3,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 static const double targets[] = {1e-2, 1e-3, 1e-4, 1e-5}; /* m: errors that someone may want */
 enum { TARGETS = sizeof targets / sizeof *targets };
@@ -253,7 +252,7 @@ static double longest_wisp(const struct scene *scene) {
 
 /* Says once for each scene what part of it is compared, and what the budget left out. */
 static void say_cuts(const struct race_notes *notes, const struct subject *subject) {
-    int cut = 0, fewer = 0;
+    int shortened = 0, thinned = 0;
     for (int f = 0; f < notes->field_count; f++) {
         const struct field *field = &notes->fields[f];
         if (field->subject != subject)
@@ -262,15 +261,14 @@ static void say_cuts(const struct race_notes *notes, const struct subject *subje
             printf("  %s, %s: compared up to the separation horizon, %.3g s\n", subject->name,
                    race_treatment(field->treatment), field->scene->duration);
         for (int i = 0; i < field->entry_count; i++) {
-            cut += field->entries[i].cut[0] && !strstr(field->entries[i].cut, "instead of");
-            fewer += field->entries[i].cut[0] && strstr(field->entries[i].cut, "fewer");
-            fewer += field->entries[i].cut[0] && strstr(field->entries[i].cut, "instead of");
+            shortened += field->entries[i].shortened;
+            thinned += field->entries[i].thinned;
         }
     }
-    if (cut || fewer)
+    if (shortened || thinned)
         printf("  %s: the budget cut %d ladders short and jittered runs of %d; the table's rows "
                "'left out' say which\n",
-               subject->name, cut, fewer);
+               subject->name, shortened, thinned);
 }
 
 /* The figures' list: scenes with at least one reference. */
