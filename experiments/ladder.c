@@ -116,7 +116,7 @@ static double setting_at(const struct scene *scene, const struct contestant *con
 /* Whether a place is finer than is worth trying, and why in the search's note. */
 static int is_beyond(struct search *s, const struct scene *scene) {
     const double setting = setting_at(scene, s->contestant, s->place.at), longest = 3;
-    const double cost = estimated_cost(scene, s->contestant, WISP_GENERALISED, setting);
+    const double cost = estimated_cost(scene, WISP_GENERALISED, s->contestant->cost, setting);
     const int adaptive = contestant_is_adaptive(s->contestant);
     const int beyond = adaptive ? setting < 0.99 * s->contestant->finest : cost > longest;
     if (beyond && adaptive)
@@ -179,10 +179,9 @@ static int confirm_place(struct plan *plan, struct search *s, double first_error
 }
 
 static int time_place(struct plan *plan, struct search *s) {
-    const double setting =
-        setting_at(plan->subjects[s->cell].scene, s->contestant, s->place.reached);
-    const double cost =
-        estimated_cost(plan->subjects[s->cell].scene, s->contestant, WISP_GENERALISED, setting);
+    const struct scene *scene = plan->subjects[s->cell].scene;
+    const double setting = setting_at(scene, s->contestant, s->place.reached);
+    const double cost = estimated_cost(scene, WISP_GENERALISED, s->contestant->cost, setting);
     s->place.at = s->place.reached;
     await(plan, s, TIMING);
     return add_run(plan, s, 0, plan->quick || cost > 0.5 ? 3 : 5);
@@ -243,7 +242,7 @@ static int begin_search(struct plan *plan, struct ladder *ladder, int cell,
                          .missed_error = NAN,
                          .error = NAN,
                          .missed_time = NAN,
-                         .cost = {REFUSED, NAN, NAN, NAN, {NAN, NAN, NAN}}};
+                         .cost = no_cost};
     if (!is_beyond(s, plan->subjects[cell].scene))
         return try_place(plan, s);
     s->phase = DONE;

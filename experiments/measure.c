@@ -51,6 +51,16 @@ int open_table(struct atomic_file *file, const char *folder, const char *name, c
     return 0;
 }
 
+double estimated_cost(const struct scene *scene, enum wisp_treatment treatment, double cost,
+                      double step) {
+    int unknowns = 0;
+    for (int i = 0; i < scene->wisp_count; i++)
+        unknowns += (scene->wisps[i].nodes - 2) * wisp_node_unknowns(&scene->wisps[i], treatment);
+    return cost * unknowns * scene->duration / step;
+}
+
+const struct cost no_cost = {REFUSED, NAN, NAN, NAN, {NAN, NAN, NAN}};
+
 struct cost run_cost(const struct run_files *run) {
     struct cost cost = {.outcome = run->outcome,
                         .evaluations = run_number(run, "counters.force_evaluations"),

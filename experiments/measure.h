@@ -33,6 +33,10 @@ const struct labelled_case *find_case(const struct plan *plan, const char *group
 int open_table(struct atomic_file *file, const char *folder, const char *name, const char *what,
                const struct scene *scene, const char *columns, char *reason);
 
+/* CPU time of one run with fixed steps, s, roughly; `cost` of a step, s per unknown. */
+double estimated_cost(const struct scene *scene, enum wisp_treatment treatment, double cost,
+                      double step);
+
 /* What a run took, whether or not it got to its end; NaN where it could not say. */
 struct cost {
     enum outcome outcome;
@@ -40,6 +44,9 @@ struct cost {
     struct spread cpu; /* of one that failed: the one time that it took to get there */
 };
 struct cost run_cost(const struct run_files *run);
+
+/* Of a run that there was not. */
+extern const struct cost no_cost;
 
 /* Distance of one run of wisps from another, at all frames (the common start among them) or at the
  * last one; over the free nodes where nothing else is said. */

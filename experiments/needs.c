@@ -74,7 +74,7 @@ static const char *treatment_of(const struct menu *menu, const struct choice *ch
 static int add_run(struct plan *plan, const struct study *study, const struct scene *scene,
                    const struct variant *variant, double share, double perturbation,
                    const char *label) {
-    const double cost = model_seconds(scene, study->duration);
+    const double cost = model_seconds(scene);
     const int repeats = plan->quick ? 1 : 3;
     const struct run_request request = {
         .stepper = "rk4",
@@ -91,7 +91,7 @@ static int add_variant(struct plan *plan, struct study *study, struct variant *v
     const struct scene *scene =
         choose_scene(plan, study->subject, study->duration, &study->menu, &variant->choice);
     variant->change = (struct curve_deviation){NAN, NAN, NAN};
-    variant->cost = (struct cost){REFUSED, NAN, NAN, NAN, {NAN, NAN, NAN}};
+    variant->cost = no_cost;
     variant->fate = scene ? RUN : REFUSED_SCENE;
     if (!scene) {
         snprintf(variant->note, sizeof variant->note, "%.300s", plan->reason);
@@ -182,7 +182,7 @@ static double study_cost(struct plan *plan, const struct study *study, double du
     int singles = 0;
     for (int thing = 0; thing < THINGS; thing++)
         singles += study->menu.count[thing] - 1;
-    return scene ? (5 + 0.7 * singles) * model_seconds(scene, duration) : NAN;
+    return scene ? (5 + 0.7 * singles) * model_seconds(scene) : NAN;
 }
 
 /* The cheapest study that has no duration yet. */

@@ -206,11 +206,6 @@ double recipe_step(const struct scene *scene) {
     return STABILITY_SHARE * step;
 }
 
-double model_seconds(const struct scene *scene, double duration) {
-    const double unknown_seconds = 20e-9;
-    double unknowns = 0;
-    for (int w = 0; w < scene->wisp_count; w++)
-        unknowns +=
-            (scene->wisps[w].nodes - 2.) * wisp_node_unknowns(&scene->wisps[w], WISP_GENERALISED);
-    return unknown_seconds * unknowns * duration / recipe_step(scene);
+double model_seconds(const struct scene *scene) {
+    return estimated_cost(scene, WISP_GENERALISED, 20e-9, recipe_step(scene));
 }

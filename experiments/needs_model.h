@@ -58,6 +58,6 @@ const struct scene *choose_scene(struct plan *plan, const struct subject *subjec
 double recipe_step(const struct scene *scene);
 
 /* CPU time of a run with that step, s, roughly. */
-double model_seconds(const struct scene *scene, double duration);
+double model_seconds(const struct scene *scene);
 
 #endif

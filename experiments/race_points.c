@@ -22,12 +22,11 @@ static struct point *new_point(struct field *field, const struct entry *entry, i
                                const char *status, const char *note) {
     struct point *p = &field->points[field->point_count++];
     const struct deviation none = {NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
-    const struct cost unknown = {REFUSED, NAN, NAN, NAN, {NAN, NAN, NAN}};
     *p = (struct point){.entry = entry,
                         .setting = race_setting(field, entry, k),
                         .status = status,
                         .failed = 1,
-                        .cost = unknown,
+                        .cost = no_cost,
                         .deviation = none,
                         .extent = {NAN, NAN, NAN},
                         .error_least = NAN,

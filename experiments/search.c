@@ -31,14 +31,6 @@ int step_place(double interval, int stride, double step) {
     return place;
 }
 
-double estimated_cost(const struct scene *scene, const struct contestant *contestant,
-                      enum wisp_treatment treatment, double step) {
-    int unknowns = 0;
-    for (int i = 0; i < scene->wisp_count; i++)
-        unknowns += (scene->wisps[i].nodes - 2) * wisp_node_unknowns(&scene->wisps[i], treatment);
-    return contestant->cost * unknowns * scene->duration / step;
-}
-
 int judge_runs(struct plan *plan, int first, int count, const struct scene *scene,
                const struct run_files *tight, struct verdict *verdict) {
     *verdict = (struct verdict){0, FINISHED, NAN};

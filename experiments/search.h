@@ -24,10 +24,6 @@ double place_step(double interval, int stride, int place);
 /* The coarsest place of which the step is at most `step`. */
 int step_place(double interval, int stride, double step);
 
-/* CPU time of one run with fixed steps, s, roughly. */
-double estimated_cost(const struct scene *scene, const struct contestant *contestant,
-                      enum wisp_treatment treatment, double step);
-
 /* What runs have shown. */
 struct verdict {
     double error; /* the worst, rms over free nodes and all frames, m; NaN: one did not finish */

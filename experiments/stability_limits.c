@@ -150,7 +150,7 @@ static int add_failure(struct plan *plan, const struct cell *cell,
 
 static int is_beyond(const struct cell *cell, struct trial *trial) {
     const double step = step_at(cell, trial->place.at);
-    if (estimated_cost(cell->scene, trial->contestant, cell->treatment, step) <= longest_run)
+    if (estimated_cost(cell->scene, cell->treatment, trial->contestant->cost, step) <= longest_run)
         return 0;
     snprintf(trial->note, sizeof trial->note, "a run of shorter steps would take more than %g s",
              longest_run);
@@ -176,7 +176,7 @@ static int begin_trial(struct plan *plan, struct cell *cell, const struct contes
         .place = bracket_begin(-1, 0),
         .missed = {NAN, FINISHED, NAN},
         .error = NAN,
-        .cost = {REFUSED, NAN, NAN, NAN, {NAN, NAN, NAN}}};
+        .cost = no_cost};
     if (settings_resolve(cell->scene, &request, &settings, trial->note))
         return 0;
     trial->note[0] = 0;
