@@ -791,14 +791,6 @@ Test(interaction, contacts_do_not_depend_on_the_order_of_wisps) {
 #define BUNDLE(order)                                                              \
     "duration=0.25", "frame_rate=20.0", "run.step=2e-4", "contacts.threshold=0.5", \
         "wisps=(" order ")"
-#define WISP_A "{ root = [0.0, 0.0, 0.0]; direction = [1.0, 0.0, 0.1]; length = 0.2; nodes = 8; }"
-#define WISP_B \
-    "{ root = [0.0, 0.02, 0.02]; direction = [1.0, 0.1, -0.2]; length = 0.2; nodes = 8; }"
-#define WISP_C \
-    "{ root = [0.01, -0.02, 0.0]; direction = [1.0, 0.4, 0.2]; length = 0.15; nodes = 6; }"
-#define WISP_D \
-    "{ root = [0.1, 0.03, -0.1]; direction = [0.0, -0.1, 1.0]; length = 0.2; nodes = 8; }"
-#define WISP_E "{ root = [0.2, 0.0, 0.1]; direction = [-0.3, 0.0, -1.0]; length = 0.2; nodes = 8; }"
 
 /* Whole runs are the same by bits in any order of the file, for any number of threads. */
 Test(interaction, runs_do_not_depend_on_threads_or_on_the_file) {

@@ -697,14 +697,6 @@ Test(subdivision, a_rule_that_never_holds_changes_nothing) {
 }
 
 /* Five that meet; with a ratio this high all split, some more than once. */
-#define WISP_A "{ root = [0.0, 0.0, 0.0]; direction = [1.0, 0.0, 0.1]; length = 0.2; nodes = 8; }"
-#define WISP_B \
-    "{ root = [0.0, 0.02, 0.02]; direction = [1.0, 0.1, -0.2]; length = 0.2; nodes = 8; }"
-#define WISP_C \
-    "{ root = [0.01, -0.02, 0.0]; direction = [1.0, 0.4, 0.2]; length = 0.15; nodes = 6; }"
-#define WISP_D \
-    "{ root = [0.1, 0.03, -0.1]; direction = [0.0, -0.1, 1.0]; length = 0.2; nodes = 8; }"
-#define WISP_E "{ root = [0.2, 0.0, 0.1]; direction = [-0.3, 0.0, -1.0]; length = 0.2; nodes = 8; }"
 #define BUNDLE(order)                 \
     "duration=0.25", "run.step=2e-4", \
         "subdivision={ ratio = 0.9; separation = 4e-3; limit = 100; }", "wisps=(" order ")"

@@ -60,6 +60,16 @@ struct scene *lab_load(const char *name, const char *const *sets, int set_count)
     lab_load(name, (const char *const[]){NULL, __VA_ARGS__} + 1, \
              (int)(sizeof((const char *const[]){NULL, __VA_ARGS__}) / sizeof(char *)) - 1)
 
+/* Five wisps of a scene file that meet where gravity pulls them. */
+#define WISP_A "{ root = [0.0, 0.0, 0.0]; direction = [1.0, 0.0, 0.1]; length = 0.2; nodes = 8; }"
+#define WISP_B \
+    "{ root = [0.0, 0.02, 0.02]; direction = [1.0, 0.1, -0.2]; length = 0.2; nodes = 8; }"
+#define WISP_C \
+    "{ root = [0.01, -0.02, 0.0]; direction = [1.0, 0.4, 0.2]; length = 0.15; nodes = 6; }"
+#define WISP_D \
+    "{ root = [0.1, 0.03, -0.1]; direction = [0.0, -0.1, 1.0]; length = 0.2; nodes = 8; }"
+#define WISP_E "{ root = [0.2, 0.0, 0.1]; direction = [-0.3, 0.0, -1.0]; length = 0.2; nodes = 8; }"
+
 /* A run with all its frames. */
 struct lab_run {
     struct run_result result;
