@@ -2,6 +2,7 @@
  * and against the page's own words written down a second time, and whole runs. */
 #include "body.h"
 
+#include "vector.h"
 #include "wisp_support.h"
 
 #include <criterion/criterion.h>
@@ -9,14 +10,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-static double dot(const double a[3], const double b[3]) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static double length(const double a[3]) {
-    return sqrt(dot(a, a));
-}
 
 static void random_vector(unsigned *seed, double size, double x[3]) {
     for (int k = 0; k < 3; k++)
@@ -135,7 +128,8 @@ Test(body, normals_of_extreme_shapes) {
                 radii[k] * lab_between(&seed, -1, 1) * pow(10, -floor(lab_between(&seed, 0, 300)));
         }
         ellipsoid_normal(radii, x, n);
-        cr_assert(fabs(length(n) - 1) <= 4e-16, "a normal of length %.17g", length(n));
+        cr_assert(fabs(vector_length(n) - 1) <= 4e-16, "a normal of length %.17g",
+                  vector_length(n));
         for (int k = 0; k < 3; k++)
             cr_assert(n[k] * x[k] >= 0, "an inward normal");
     }
@@ -263,14 +257,14 @@ Test(body, a_body_at_rest_is_left_the_way_the_node_came_in) {
     /* not further back than it can have come since the last tick: 10 mm here */
     for (int i = 0; i < 2; i++) {
         double deep[3] = {-0.06 + (i ? 0.0101 : 0.0099), 0.08, 0}, u[3] = {3, 0, 0};
-        const double size = length(deep);
+        const double size = vector_length(deep);
         const double x = i ? deep[0] * 0.1 / size : -0.06, y = i ? deep[1] * 0.1 / size : 0.08;
         hit(&b, 1, 0, deep, u);
         near_vector(deep, x, y, 0, 1e-15, i ? "by the normal" : "the way it came in");
     }
     /* on its way out it leaves by the normal, and keeps every bit of its velocity */
     double out[3] = {-0.055, 0.08, 0}, u[3] = {-3, 0.1, 0.2};
-    const double size = length(out);
+    const double size = vector_length(out);
     hit(&b, 1, 0, out, u);
     near_vector(out, -0.0055 / size, 0.008 / size, 0, 1e-16, "by the normal");
     near_vector(u, -3, 0.1, 0.2, 0, "velocity of a node that leaves");
@@ -286,7 +280,7 @@ Test(body, a_moving_body_is_left_by_its_normal) {
     b.offset = 1e-4;
     const double kept = exp(-20. / 300);
     double p[3] = {-0.06, 0.0792, 0}, v[3] = {0, 0, 1}; /* of length 0.09936 */
-    const double size = length(p), n[3] = {p[0] / size, p[1] / size, 0}, into = 3 * n[0];
+    const double size = vector_length(p), n[3] = {p[0] / size, p[1] / size, 0}, into = 3 * n[0];
     hit(&b, 1, 2, p, v);
     near_vector(p, 0.1001 * n[0], 0.1001 * n[1], 0, 1e-15, "by the normal");
     /* u = (3, 0, 1); across it is (3 n_x) n */
@@ -366,7 +360,7 @@ Test(body, once_is_enough) {
         cr_assert(report.nodes == 1 && report.inside == 0, "%lld pushes, %lld inside", report.nodes,
                   report.inside);
         const double x[3] = {p[0] - b.centre[0], p[1] - b.centre[1], p[2] - b.centre[2]};
-        cr_assert(!ellipsoid_contains(b.radii, x) && isfinite(dot(v, v)));
+        cr_assert(!ellipsoid_contains(b.radii, x) && isfinite(vector_dot(v, v)));
     }
 }
 
@@ -512,7 +506,7 @@ static int twin_inside(const struct body *b, double t, const double p[3], double
 static void twin_normal(const struct body *b, const double x[3], double n[3]) {
     for (int k = 0; k < 3; k++)
         n[k] = x[k] / (b->radii[k] * b->radii[k]);
-    const double size = length(n);
+    const double size = vector_length(n);
     for (int k = 0; k < 3; k++)
         n[k] /= size;
 }
@@ -528,14 +522,15 @@ static void twin_node(struct strand *s, int i, const struct body *b, double t) {
     }
     const double *ray = g;
     double way = crossing_ahead(b->radii, x, g);
-    if (length(b->velocity) == 0 && dot(u, g) < 0 && crossing_ahead(b->radii, x, back) <= dt) {
+    if (vector_length(b->velocity) == 0 && vector_dot(u, g) < 0 &&
+        crossing_ahead(b->radii, x, back) <= dt) {
         ray = back;
         way = crossing_ahead(b->radii, x, back);
     }
     for (int k = 0; k < 3; k++)
         x[k] += way * ray[k];
     twin_normal(b, x, n);
-    const double across = dot(u, n);
+    const double across = vector_dot(u, n);
     for (int k = 0; k < 3; k++) {
         if (across < 0)
             u[k] = exp(-b->friction * dt) * (u[k] - across * n[k]) - b->elasticity * across * n[k];
@@ -561,7 +556,7 @@ static void twin_sample(struct strand *s, int i, int j, const struct body *b, do
     if (s->r[at] <= 0 || !twin_inside(b, t, end, x))
         return;
     const double r = fmax(bisect(b->radii, from, a, 0, s->r[at]), 1e-3 * s->wisp->radius);
-    const double rate = fmin(s->rate[at], dot(u, a));
+    const double rate = fmin(s->rate[at], vector_dot(u, a));
     for (int k = 0; k < 3; k++) {
         s->e[at][k] += (r - s->r[at]) * a[k];
         s->ev[at][k] += (rate - s->rate[at]) * a[k];
@@ -919,12 +914,12 @@ static void check_frames(const struct scene *scene, const struct lab_run *run,
                 cr_assert(!twin_inside(&scene->bodies[b], run->t[f], p, x),
                           "%s: node %g of wisp %g is inside at %g s", stepper, row[1], row[0],
                           run->t[f]);
-                least = fmin(least, length(x) - scene->bodies[b].radii[0]);
+                least = fmin(least, vector_length(x) - scene->bodies[b].radii[0]);
             }
             if (row[1] > 0) {
                 const double *q = p - run->columns;
                 const double d[3] = {p[0] - q[0], p[1] - q[1], p[2] - q[2]};
-                strain = fmax(strain, fabs(length(d) / wisp_spacing(wisp) - 1));
+                strain = fmax(strain, fabs(vector_length(d) / wisp_spacing(wisp) - 1));
             }
         }
     cr_log_info("%s: strain %g, %g m from the sphere, %lld contacts", stepper, strain, least,

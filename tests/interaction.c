@@ -3,6 +3,7 @@
 #include "interaction.h"
 
 #include "section.h"
+#include "vector.h"
 #include "wisp_support.h"
 
 #include <criterion/criterion.h>
@@ -26,10 +27,6 @@ static const struct interaction_settings usual = {.rate = 90,
                                                   .interpenetration = 1,
                                                   .collision = 1,
                                                   .reciprocal = 1};
-
-static double dot(const double a[3], const double b[3]) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 /* Nodes on a line with turns, samples about R, all in motion except the head. */
 static void set_state(struct strand *s, double turn, double speed, unsigned *seed) {
@@ -270,7 +267,7 @@ static int response(const struct twin *t, const struct meeting *m, double *lambd
     const double *w = B->axis_w[m->k];
     for (int c = 0; c < 3; c++)
         axis[c] = A->p[m->i + 1][c] - A->p[m->i][c];
-    length = sqrt(dot(axis, axis));
+    length = sqrt(vector_dot(axis, axis));
     *lambda = m->place.x / length < 0 ? 0 : m->place.x / length > 1 ? 1 : m->place.x / length;
     mean_velocity(A, m->i, v0);
     mean_velocity(A, m->i + 1, v1);
@@ -283,15 +280,16 @@ static int response(const struct twin *t, const struct meeting *m, double *lambd
     }
     for (int c = 0; c < 3; c++)
         n[c] = axis[(c + 1) % 3] * w[(c + 2) % 3] - axis[(c + 2) % 3] * w[(c + 1) % 3];
-    const int closing = dot(u, m->place.q) < 0;
-    const double speed = sqrt(dot(u, u)), sine = sqrt(dot(n, n));
-    const int through = speed < 1e-9 || fabs(dot(n, u)) < t->set.threshold * speed;
+    const int closing = vector_dot(u, m->place.q) < 0;
+    const double speed = sqrt(vector_dot(u, u)), sine = sqrt(vector_dot(n, n));
+    const int through = speed < 1e-9 || fabs(vector_dot(n, u)) < t->set.threshold * speed;
     const double keep = exp(-t->set.viscosity * thickness(A, m->i) / t->set.rate);
     for (int c = 0; c < 3; c++)
         change[c] =
             !through
                 ? -u[c]
-                : keep * (u[c] - (closing && sine > 0.05 ? dot(u, n) / sine * n[c] / sine : 0)) -
+                : keep * (u[c] -
+                          (closing && sine > 0.05 ? vector_dot(u, n) / sine * n[c] / sine : 0)) -
                       u[c];
     return through ? t->set.interpenetration : closing && t->set.collision;
 }
@@ -387,7 +385,7 @@ static double compare(const struct twin *t, const struct cluster *after) {
                 const int at = k * samples + j;
                 double a[3];
                 strand_half_line(s, k, j, a);
-                const double along = dot(t->dv[w * NODES + k][1 + j], a);
+                const double along = vector_dot(t->dv[w * NODES + k][1 + j], a);
                 cr_assert(fabs(now->rate[at] - s->rate[at] - along) < 1e-12, "sample %d", j);
                 for (int c = 0; c < 3; c++)
                     cr_assert(fabs(now->ev[at][c] - s->ev[at][c] - dv[c] - along * a[c]) < 1e-12,
@@ -396,7 +394,7 @@ static double compare(const struct twin *t, const struct cluster *after) {
                           "a sample is moved");
                 most = fmax(most, fabs(along));
             }
-            most = fmax(most, sqrt(dot(dv, dv)));
+            most = fmax(most, sqrt(vector_dot(dv, dv)));
         }
     }
     return most;
@@ -467,8 +465,8 @@ static struct motion motion_of(const struct cluster *c) {
                 const double *v = j < 0 ? s->v[k] : s->ev[k * s->wisp->samples + j];
                 for (int d = 0; d < 3; d++)
                     sum.momentum[d] += m * v[d];
-                sum.energy += m / 2 * dot(v, v);
-                sum.scale += m * sqrt(dot(v, v));
+                sum.energy += m / 2 * vector_dot(v, v);
+                sum.scale += m * sqrt(vector_dot(v, v));
             }
     }
     return sum;
@@ -918,18 +916,19 @@ static void see_pair(struct crossing *c, double *side, const double *p, const do
     }
     for (int k = 0; k < 3; k++)
         n[k] = d[(k + 1) % 3] * e[(k + 2) % 3] - d[(k + 2) % 3] * e[(k + 1) % 3];
-    const double sine2 = dot(n, n), dd = dot(d, d), ee = dot(e, e), de = dot(d, e);
-    const double s = (de * dot(e, r) - ee * dot(d, r)) / sine2,
-                 t = (dd * dot(e, r) - de * dot(d, r)) / sine2;
+    const double sine2 = vector_dot(n, n), dd = vector_dot(d, d), ee = vector_dot(e, e),
+                 de = vector_dot(d, e);
+    const double s = (de * vector_dot(e, r) - ee * vector_dot(d, r)) / sine2,
+                 t = (dd * vector_dot(e, r) - de * vector_dot(d, r)) / sine2;
     const double before = *side;
     *side = 0;
     if (!(s >= 0 && s <= 1 && t >= 0 && t <= 1))
         return;
     for (int k = 0; k < 3; k++)
         apart[k] = r[k] + s * d[k] - t * e[k];
-    c->least = fmin(c->least, sqrt(dot(apart, apart)));
-    *side = dot(n, r) > 0 ? 1 : -1;
-    c->crossed += *side * before < 0 && dot(apart, apart) < 0.02 * 0.02;
+    c->least = fmin(c->least, sqrt(vector_dot(apart, apart)));
+    *side = vector_dot(n, r) > 0 ? 1 : -1;
+    c->crossed += *side * before < 0 && vector_dot(apart, apart) < 0.02 * 0.02;
 }
 
 static struct crossing crossing_of(const struct lab_run *run) {

@@ -1,6 +1,7 @@
 /* Hair on a scalp: even, outside, along the normals, and as a scene's wisps. */
 #include "scalp.h"
 
+#include "vector.h"
 #include "wisp_support.h"
 
 #include <criterion/criterion.h>
@@ -38,10 +39,6 @@ static void give_back(void) {
     free(normals);
 }
 
-static double dot(const double a[3], const double b[3]) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 /* x / R^2 is along the normal, and the surface is `offset` below the point. */
 Test(scalp, points_are_outside_at_the_offset_along_the_normal, .init = make_room,
      .fini = give_back) {
@@ -62,9 +59,10 @@ Test(scalp, points_are_outside_at_the_offset_along_the_normal, .init = make_room
                 cr_assert(!ellipsoid_contains(b->radii, x), "shape %d: point %d is inside", s, i);
                 cr_assert(fabs(level - 1) <= 1e-13 * far / b->radii[1], "shape %d: level %g", s,
                           level - 1);
-                cr_assert(fabs(dot(along, normals[i]) / sqrt(dot(along, along)) - 1) <= 1e-9 * far,
+                cr_assert(fabs(vector_dot(along, normals[i]) / sqrt(vector_dot(along, along)) -
+                               1) <= 1e-9 * far,
                           "shape %d: point %d has another normal", s, i);
-                cr_assert(fabs(dot(normals[i], normals[i]) - 1) <= 1e-15);
+                cr_assert(fabs(vector_dot(normals[i], normals[i]) - 1) <= 1e-15);
                 cr_assert(side > 0, "shape %d: point %d is beyond the plane", s, i);
             }
         }
@@ -85,9 +83,9 @@ static double area_share(const struct body *b, const double crown[3], const doub
                 x[k] = b->radii[k] * y[k];
                 n[k] = y[k] / b->radii[k];
             }
-            const double area = dot(x, crown) > 0 ? sqrt(dot(n, n)) : 0;
+            const double area = vector_dot(x, crown) > 0 ? sqrt(vector_dot(n, n)) : 0;
             all += area;
-            part += dot(x, d) > beyond ? area : 0;
+            part += vector_dot(x, d) > beyond ? area : 0;
         }
     return part / all;
 }
@@ -108,7 +106,7 @@ Test(scalp, every_point_has_as_much_area, .init = make_room, .fini = give_back) 
                     double x[3];
                     for (int k = 0; k < 3; k++)
                         x[k] = points[p][k] - b->centre[k] - b->offset * normals[p][k];
-                    count += dot(x, d) > beyond;
+                    count += vector_dot(x, d) > beyond;
                 }
                 const double share = area_share(b, crowns[c], d, beyond);
                 /* both have errors of some 1e-3 */
@@ -141,7 +139,7 @@ Test(scalp, neighbours_are_evenly_far, .init = make_room, .fini = give_back) {
                     double d[3];
                     for (int k = 0; k < 3; k++)
                         d[k] = points[i][k] - points[j][k];
-                    nearest = i == j ? nearest : fmin(nearest, sqrt(dot(d, d)));
+                    nearest = i == j ? nearest : fmin(nearest, sqrt(vector_dot(d, d)));
                 }
                 least = fmin(least, nearest / each);
                 most = fmax(most, nearest / each);

@@ -2,6 +2,7 @@
  * is in one and only one of two triangles. */
 #include "section.h"
 
+#include "vector.h"
 #include "wisp_support.h"
 
 #include <criterion/criterion.h>
@@ -38,14 +39,10 @@ static struct strand *bent(struct wisp *wisp, int samples, double turn, double w
 
 /* --- the definition, written out --- */
 
-static double dot(const double a[3], const double b[3]) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 /* The ellipse-like arc between the two samples beside a direction. */
 static double arc(const struct strand *s, int node, const double d[3]) {
     const int samples = s->wisp->samples;
-    double theta = atan2(dot(d, s->axis_v[node]), dot(d, s->axis_u[node]));
+    double theta = atan2(vector_dot(d, s->axis_v[node]), vector_dot(d, s->axis_u[node]));
     if (theta < 0)
         theta += 2 * M_PI;
     int j = 0;
@@ -66,7 +63,7 @@ static void rim_point(const struct strand *s, int node, const double t[3], const
                         t[0] * q[1] - t[1] * q[0]};
     double line[3] = {normal[1] * w[2] - normal[2] * w[1], normal[2] * w[0] - normal[0] * w[2],
                       normal[0] * w[1] - normal[1] * w[0]};
-    const double side = dot(line, q) > 0 ? 1 : -1, length = sqrt(dot(line, line));
+    const double side = vector_dot(line, q) > 0 ? 1 : -1, length = sqrt(vector_dot(line, line));
     for (int k = 0; k < 3; k++)
         line[k] *= side / length;
     const double rho = arc(s, node, line);
@@ -82,15 +79,15 @@ static void lay_out(const struct strand *s, int i, const double x[3], struct pla
     double t[3], q[3], z[3], d[3];
     for (int k = 0; k < 3; k++)
         t[k] = s->p[i + 1][k] - s->p[i][k];
-    const double length = sqrt(dot(t, t));
+    const double length = sqrt(vector_dot(t, t));
     for (int k = 0; k < 3; k++) {
         t[k] /= length;
         d[k] = x[k] - s->p[i][k];
     }
-    const double along = dot(d, t);
+    const double along = vector_dot(d, t);
     for (int k = 0; k < 3; k++)
         q[k] = d[k] - along * t[k];
-    const double y = sqrt(dot(q, q));
+    const double y = sqrt(vector_dot(q, q));
     for (int k = 0; k < 3; k++)
         q[k] /= y;
     *flat = (struct plane_case){.corner = {{0, 0}, {length, 0}}, .x = {along, y}};
@@ -98,8 +95,8 @@ static void lay_out(const struct strand *s, int i, const double x[3], struct pla
         rim_point(s, i + end, t, q, z);
         for (int k = 0; k < 3; k++)
             d[k] = z[k] - s->p[i][k];
-        flat->corner[3 - end][0] = dot(d, t);
-        flat->corner[3 - end][1] = dot(d, q);
+        flat->corner[3 - end][0] = vector_dot(d, t);
+        flat->corner[3 - end][1] = vector_dot(d, q);
     }
 }
 
@@ -225,7 +222,8 @@ static void check_straight(int samples, double theta, double rho, const double *
             x[c] = y * (cos(theta) * s->axis_u[2][c] + sin(theta) * s->axis_v[2][c]);
         cr_assert_eq(section_contains(&section, x, &place),
                      k<0, "theta %g: %d at %.15g", theta, k> 0, y);
-        cr_assert(k > 0 || (fabs(place.x - 0.3) < 1e-15 && fabs(dot(place.q, x) - y) < 1e-14),
+        cr_assert(k > 0 ||
+                      (fabs(place.x - 0.3) < 1e-15 && fabs(vector_dot(place.q, x) - y) < 1e-14),
                   "the place is wrong");
     }
     strand_free(s);
@@ -263,7 +261,7 @@ Test(section, a_point_on_the_axis_is_in_one_section_only) {
             struct section_place place;
             section_make(&section, s, i);
             const int here = section_contains(&section, (const double[3]){0, 0, z}, &place);
-            cr_assert(!here || dot(place.q, place.q) == 0, "a direction from the axis");
+            cr_assert(!here || vector_dot(place.q, place.q) == 0, "a direction from the axis");
             in += here;
             /* a thousandth of R counts where r is less */
             cr_assert_eq(section_contains(&section, (const double[3]){4.99e-4, 0, z}, &place), here,
@@ -305,10 +303,10 @@ Test(section, sections_without_a_shape_contain_nothing) {
             double t[3];
             for (int k = 0; k < 3; k++)
                 t[k] = s->p[i + 1][k] - s->p[i][k];
-            const double length = sqrt(dot(t, t));
+            const double length = sqrt(vector_dot(t, t));
             const int sound = length > 0 && isfinite(length) &&
-                              dot(t, s->axis_w[i]) >= 0.1 * length &&
-                              dot(t, s->axis_w[i + 1]) >= 0.1 * length;
+                              vector_dot(t, s->axis_w[i]) >= 0.1 * length &&
+                              vector_dot(t, s->axis_w[i + 1]) >= 0.1 * length;
             cr_assert_eq(section.usable, sound, "case %zu, section %d", c, i);
             if (!sound)
                 cr_assert_not(section_contains(&section, s->p[i], &place));

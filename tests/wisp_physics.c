@@ -1,5 +1,6 @@
 /* What the forces of a wisp must obey: energies and their gradients, momentum, the frequencies of a
  * hanging chain, and the thesis's own procedure with positions in space. */
+#include "vector.h"
 #include "wisp_support.h"
 
 #include <criterion/criterion.h>
@@ -10,19 +11,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-static double dot(const double a[3], const double b[3]) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 static double distance(const double a[3], const double b[3]) {
     const double d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-    return sqrt(dot(d, d));
-}
-
-static void cross(const double a[3], const double b[3], double c[3]) {
-    c[0] = a[1] * b[2] - a[2] * b[1];
-    c[1] = a[2] * b[0] - a[0] * b[2];
-    c[2] = a[0] * b[1] - a[1] * b[0];
+    return sqrt(vector_dot(d, d));
 }
 
 /* --- forces of the skeleton --- */
@@ -59,8 +50,9 @@ static double bend_energy(const struct wisp *wisp, positions p) {
             a[c] = p[i][c] - p[i - 1][c];
             b[c] = p[i + 1][c] - p[i][c];
         }
-        cross(a, b, axis);
-        energy += wisp->bending_stiffness / l / 2 * pow(atan2(sqrt(dot(axis, axis)), dot(a, b)), 2);
+        vector_cross(a, b, axis);
+        energy += wisp->bending_stiffness / l / 2 *
+                  pow(atan2(sqrt(vector_dot(axis, axis)), vector_dot(a, b)), 2);
     }
     return energy;
 }
@@ -130,13 +122,13 @@ Test(wisp_physics, springs_change_neither_momentum_nor_moment) {
                         place(&wisp, q, p);
                         for (int i = 0; i < nodes; i++) {
                             double m[3];
-                            cross(p[i], f[i], m);
+                            vector_cross(p[i], f[i], m);
                             for (int k = 0; k < 3; k++) {
                                 force[k] += f[i][k];
                                 moment[k] += m[k];
                             }
-                            size += sqrt(dot(f[i], f[i]));
-                            arm_size += sqrt(dot(f[i], f[i]) * dot(p[i], p[i]));
+                            size += sqrt(vector_dot(f[i], f[i]));
+                            arm_size += sqrt(vector_dot(f[i], f[i]) * vector_dot(p[i], p[i]));
                         }
                         for (int k = 0; k < 3; k++)
                             cr_assert(fabs(force[k]) <= 1e-13 * size &&
@@ -522,11 +514,11 @@ static void literal_step(struct literal *l, double h) {
             const double *a = l->line[i][j];
             double *e = l->e[i][j], *ev = l->ev[i][j], outer[3];
             const double d[3] = {e[0] - p[0], e[1] - p[1], e[2] - p[2]};
-            const double s = k_e * (wisp->radius - dot(d, a)) - c_e * dot(ev, a);
+            const double s = k_e * (wisp->radius - vector_dot(d, a)) - c_e * vector_dot(ev, a);
             for (int k = 0; k < 3; k++)
                 outer[k] = mu * (l->around.gravity[k] +
                                  wisp->drag_rate * (l->around.wind.velocity[k] - v[k] - ev[k]));
-            const double along = (s + dot(outer, a)) / mu;
+            const double along = (s + vector_dot(outer, a)) / mu;
             for (int k = 0; k < 3; k++) {
                 force[k] -= s * a[k];
                 e[k] += h * ev[k]; /* along the old line, from where the node was */
@@ -541,8 +533,8 @@ static void literal_step(struct literal *l, double h) {
         for (int j = 0; j < wisp->samples; j++) {
             double *e = l->e[i][j], *ev = l->ev[i][j];
             const double d[3] = {e[0] - p[0], e[1] - p[1], e[2] - p[2]};
-            e[0] = dot(d, l->line[i][j]);
-            ev[0] = dot(ev, l->line[i][j]);
+            e[0] = vector_dot(d, l->line[i][j]);
+            ev[0] = vector_dot(ev, l->line[i][j]);
         }
     }
     for (int i = 2; i < wisp->nodes; i++)
@@ -602,8 +594,8 @@ Test(wisp_physics, explicit_euler_with_projection_is_the_thesis_procedure) {
                     const double *a = literal.line[i][j], *e = literal.e[i][j];
                     const double *p = &literal.p[3 * (i - 2)];
                     const double d[3] = {e[0] - p[0], e[1] - p[1], e[2] - p[2]};
-                    worst_p = fmax(worst_p, fabs(q[at + 3 + j] - dot(d, a)));
-                    worst_v = fmax(worst_v, fabs(v[at + 3 + j] - dot(literal.ev[i][j], a)));
+                    worst_p = fmax(worst_p, fabs(q[at + 3 + j] - vector_dot(d, a)));
+                    worst_v = fmax(worst_v, fabs(v[at + 3 + j] - vector_dot(literal.ev[i][j], a)));
                 }
             }
             stepper->method->free(stepper);
