@@ -1,7 +1,6 @@
 /* Wisps against wisps: the tick against its rules done by brute
  * force, what physics asks of it, and what it must not depend on. */
-#include "interaction.h"
-
+#include "interaction_oracle.h"
 #include "section.h"
 #include "vector.h"
 #include "wisp_support.h"
@@ -12,8 +11,6 @@
 #include <string.h>
 
 /* --- clusters of wisps --- */
-
-enum { SLOTS = 1 + SAMPLES_MAX };
 
 struct cluster {
     int count;
@@ -210,174 +207,15 @@ Test(interaction, crowds_coincident_wisps_and_outliers_are_found_too) {
 
 /* --- the tick, by the model's text --- */
 
-struct twin {
-    const struct cluster *c;
-    struct interaction_settings set;
-    double (*dv)[SLOTS][3]; /* by wisp * NODES + node; slot 0 is the node, 1 + j a sample */
-    int (*shares)[SLOTS], (*own)[SLOTS];
-};
-enum { NODES = 12 };
-
-static void mean_velocity(const struct strand *s, int k, double v[3]) {
-    const double m = wisp_node_mass(s->wisp, k), mu = wisp_sample_mass(s->wisp, k);
-    memcpy(v, s->v[k], 3 * sizeof *v);
-    for (int c = 0; c < 3 && k >= 2; c++) {
-        double sum = m * v[c];
-        for (int j = 0; j < s->wisp->samples; j++)
-            sum += mu * s->ev[k * s->wisp->samples + j][c];
-        v[c] = sum / (m + mu * s->wisp->samples);
-    }
-}
-
-/* 1/m of a node with its samples, or of a sample; 0 where it is prescribed. */
-static double yield(const struct strand *s, int k, int slot) {
-    const double mu = wisp_sample_mass(s->wisp, k);
-    return k < 2 ? 0 : slot ? 1 / mu : 1 / (wisp_node_mass(s->wisp, k) + mu * s->wisp->samples);
-}
-
-struct meeting {
-    int a, i, b, k, slot;
-    struct section_place place;
-};
-
-static int meets(const struct twin *t, struct meeting *m) {
-    struct section section;
-    const struct strand *s = t->c->strand[m->b];
-    if (m->a == m->b && !(m->i < m->k - 2 || m->i > m->k + 1))
-        return 0;
-    section_make(&section, t->c->strand[m->a], m->i);
-    return section_contains(
-        &section, m->slot ? s->e[m->k * s->wisp->samples + m->slot - 1] : s->p[m->k], &m->place);
-}
-
-static double thickness(const struct strand *s, int i) {
-    const struct wisp *w = s->wisp;
-    double mean = 0;
-    for (int k = i; k <= i + 1; k++)
-        for (int j = 0; j < w->samples; j++)
-            mean += pow(fmax(s->r[k * w->samples + j], 1e-3 * w->radius), 2) / (2 * w->samples);
-    return fmin(4, w->radius * w->radius / mean) / pow(2, w->splits);
-}
-
-/* lambda and u' - u; returns 0 where there is no response. */
-static int response(const struct twin *t, const struct meeting *m, double *lambda,
-                    double change[3]) {
-    const struct strand *A = t->c->strand[m->a], *B = t->c->strand[m->b];
-    double axis[3], u[3], v0[3], v1[3], n[3], length = 0;
-    const double *w = B->axis_w[m->k];
-    for (int c = 0; c < 3; c++)
-        axis[c] = A->p[m->i + 1][c] - A->p[m->i][c];
-    length = sqrt(vector_dot(axis, axis));
-    *lambda = m->place.x / length < 0 ? 0 : m->place.x / length > 1 ? 1 : m->place.x / length;
-    mean_velocity(A, m->i, v0);
-    mean_velocity(A, m->i + 1, v1);
-    mean_velocity(B, m->k, u);
-    for (int c = 0; c < 3; c++) {
-        axis[c] /= length;
-        if (m->slot)
-            u[c] = B->ev[m->k * B->wisp->samples + m->slot - 1][c];
-        u[c] -= (1 - *lambda) * v0[c] + *lambda * v1[c];
-    }
-    for (int c = 0; c < 3; c++)
-        n[c] = axis[(c + 1) % 3] * w[(c + 2) % 3] - axis[(c + 2) % 3] * w[(c + 1) % 3];
-    const int closing = vector_dot(u, m->place.q) < 0;
-    const double speed = sqrt(vector_dot(u, u)), sine = sqrt(vector_dot(n, n));
-    const int through = speed < 1e-9 || fabs(vector_dot(n, u)) < t->set.threshold * speed;
-    const double keep = exp(-t->set.viscosity * thickness(A, m->i) / t->set.rate);
-    for (int c = 0; c < 3; c++)
-        change[c] =
-            !through
-                ? -u[c]
-                : keep * (u[c] -
-                          (closing && sine > 0.05 ? vector_dot(u, n) / sine * n[c] / sine : 0)) -
-                      u[c];
-    return through ? t->set.interpenetration : closing && t->set.collision;
-}
-
-/* Whether a free node or sample of nodes i, i + 1 of A is in a section that node k of B bounds. */
-static int mutual(const struct twin *t, const struct meeting *m) {
-    for (int section = m->k - 1; section <= m->k && section < t->c->strand[m->b]->wisp->nodes - 1;
-         section++)
-        for (int node = m->i < 2 ? 2 : m->i; node <= m->i + 1; node++)
-            for (int slot = 0; slot <= t->c->strand[m->a]->wisp->samples; slot++)
-                if (meets(t, &(struct meeting){m->b, section, m->a, node, slot, {0, {0}}}))
-                    return 1;
-    return 0;
-}
-
-static void act(struct twin *t, const struct meeting *m, const double change[3], double lambda) {
-    double *x = t->dv[m->b * NODES + m->k][m->slot];
-    double *ends[2] = {t->dv[m->a * NODES + m->i][0], t->dv[m->a * NODES + m->i + 1][0]};
-    const double weight[2] = {1 - lambda, lambda};
-    double sum = yield(t->c->strand[m->b], m->k, m->slot);
-    const double of_point = sum;
-    int most = t->shares[m->b * NODES + m->k][m->slot];
-    for (int e = 0; e < 2; e++) {
-        sum += weight[e] * weight[e] * yield(t->c->strand[m->a], m->i + e, 0);
-        if (m->i + e >= 2)
-            most = (int)fmax(most, t->shares[m->a * NODES + m->i + e][0]);
-    }
-    for (int c = 0; c < 3; c++) {
-        if (!t->set.reciprocal) {
-            x[c] += change[c] / t->own[m->b * NODES + m->k][m->slot] * (mutual(t, m) ? 0.5 : 1);
-            continue;
-        }
-        const double impulse = change[c] / sum / most;
-        x[c] += impulse * of_point;
-        for (int e = 0; e < 2; e++)
-            ends[e][c] -= weight[e] * impulse * yield(t->c->strand[m->a], m->i + e, 0);
-    }
-}
-
-static void each_meeting(struct twin *t, int counting) {
-    double lambda, change[3];
-    struct meeting m;
-    for (m.a = 0; m.a < t->c->count; m.a++)
-        for (m.i = 1; m.i < t->c->strand[m.a]->wisp->nodes - 1; m.i++)
-            for (m.b = 0; m.b < t->c->count; m.b++)
-                for (m.k = 2; m.k < t->c->strand[m.b]->wisp->nodes; m.k++)
-                    for (m.slot = 0; m.slot <= t->c->strand[m.b]->wisp->samples; m.slot++) {
-                        if (!meets(t, &m) || !response(t, &m, &lambda, change))
-                            continue;
-                        if (!counting) {
-                            act(t, &m, change, lambda);
-                            continue;
-                        }
-                        t->own[m.b * NODES + m.k][m.slot]++;
-                        t->shares[m.b * NODES + m.k][m.slot]++;
-                        t->shares[m.a * NODES + m.i][0]++;
-                        t->shares[m.a * NODES + m.i + 1][0]++;
-                    }
-}
-
-/* The tick by the book, without changing anything. Returns what is asked of every velocity. */
-static void twin_tick(struct twin *t, const struct cluster *c,
-                      const struct interaction_settings *settings) {
-    const size_t rows = (size_t)c->count * NODES;
-    *t = (struct twin){.c = c,
-                       .set = *settings,
-                       .dv = calloc(rows, sizeof *t->dv),
-                       .shares = calloc(rows, sizeof *t->shares),
-                       .own = calloc(rows, sizeof *t->own)};
-    each_meeting(t, 1);
-    each_meeting(t, 0);
-}
-
-static void twin_free(struct twin *t) {
-    free(t->dv);
-    free(t->shares);
-    free(t->own);
-}
-
 /* What the tick did to a cluster, against the twin's word on what it was. */
 static double compare(const struct twin *t, const struct cluster *after) {
     double most = 0;
     for (int w = 0; w < after->count; w++) {
-        const struct strand *s = t->c->strand[w], *now = after->strand[w];
+        const struct strand *s = t->strand[w], *now = after->strand[w];
         const int samples = s->wisp->samples;
         cr_assert_eq(memcmp(s->p, now->p, (size_t)s->wisp->nodes * sizeof *s->p), 0, "moved");
         for (int k = 0; k < s->wisp->nodes; k++) {
-            const double *dv = k < 2 ? (double[3]){0, 0, 0} : t->dv[w * NODES + k][0];
+            const double *dv = k < 2 ? (double[3]){0, 0, 0} : t->dv[w * TWIN_NODES + k][0];
             for (int c = 0; c < 3; c++)
                 cr_assert(fabs(now->v[k][c] - s->v[k][c] - dv[c]) < 1e-12, "node %d of %d: %g", k,
                           w, now->v[k][c] - s->v[k][c] - dv[c]);
@@ -385,7 +223,7 @@ static double compare(const struct twin *t, const struct cluster *after) {
                 const int at = k * samples + j;
                 double a[3];
                 strand_half_line(s, k, j, a);
-                const double along = vector_dot(t->dv[w * NODES + k][1 + j], a);
+                const double along = vector_dot(t->dv[w * TWIN_NODES + k][1 + j], a);
                 cr_assert(fabs(now->rate[at] - s->rate[at] - along) < 1e-12, "sample %d", j);
                 for (int c = 0; c < 3; c++)
                     cr_assert(fabs(now->ev[at][c] - s->ev[at][c] - dv[c] - along * a[c]) < 1e-12,
@@ -426,7 +264,7 @@ Test(interaction, ticks_are_those_of_the_text) {
         }
         cluster_copy(&after, &before);
         struct interaction *it = make(&settings);
-        twin_tick(&twin, &before, &settings);
+        twin_tick(&twin, before.strand, before.count, &settings);
         cr_assert(interaction_tick(it, after.strand, after.count) >= 0, "no memory");
         const double most = compare(&twin, &after);
         happened += most > 1e-4;
@@ -600,8 +438,8 @@ Test(interaction, both_rules_agree_where_only_the_section_is_heavy) {
         for (int k = 0; k < 3 && at.sample < 0; k++) { /* u' is reached: all of the change */
             struct strand *fresh = c.strand[1];
             double was[3], is[3];
-            mean_velocity(fresh, at.node, is);
-            mean_velocity(d.strand[1], at.node, was);
+            twin_mean_velocity(fresh, at.node, is);
+            twin_mean_velocity(d.strand[1], at.node, was);
             cr_assert(fabs(is[k] - was[k]) < 1e-10, "means differ");
         }
         cr_assert(c.strand[1]->changed && d.strand[1]->changed && !d.strand[0]->changed,
@@ -626,9 +464,9 @@ Test(interaction, one_contact_reaches_what_it_asks_for) {
                                    in = interaction_section(it, contact.section);
         double u[2][3], v[3];
         for (int after = 0; after < 2; after++) {
-            mean_velocity(c.strand[1], at.node, u[after]);
+            twin_mean_velocity(c.strand[1], at.node, u[after]);
             for (int e = 0; e < 2; e++) {
-                mean_velocity(c.strand[0], in.node + e, v);
+                twin_mean_velocity(c.strand[0], in.node + e, v);
                 for (int d = 0; d < 3; d++)
                     u[after][d] -= (e ? contact.lambda : 1 - contact.lambda) * v[d];
             }
