@@ -6,10 +6,10 @@
  * Runge-Kutta 4 integrates every model at the same share of its own stability limit, the thesis's
  * recipe of the longest step that holds: what a model costs is what its stiffness makes it cost.
  * That the integrator has no part in the changes is seen from runs with half the step. */
+#include "needs.h"
+
 #include "captions.h"
-#include "measure.h"
 #include "model.h"
-#include "needs_model.h"
 
 #include <errno.h>
 #include <math.h>
@@ -17,54 +17,10 @@
 #include <string.h>
 
 static const char *const own_scenes[] = {"swing-envelope", "radii", "interactions", "wind"};
-static const double target = 1e-3;                    /* m, rms over curves and frames */
 static const double scatter = 1e-4;                   /* rms displacement of a perturbed start, m */
 static const double seconds = 220, quick_seconds = 3; /* of wall time, on two cores */
 
 /* --- its runs --- */
-
-/* A model of a scene, and what its run has shown. */
-enum fate { REFUSED_SCENE, RUN, CHANGED, FAILED };
-struct variant {
-    struct choice choice;
-    enum thing thing; /* that differs from the full model; THINGS: none, or several */
-    char name[40];
-    enum fate fate;                /* RUN: not judged yet */
-    int at;                        /* its case in the plan */
-    double step;                   /* s */
-    struct curve_deviation change; /* from the full model, m */
-    struct cost cost;
-    char note[REASON_SIZE];
-};
-
-enum { VARIANTS_MAX = 2 + THINGS * CHOICES, CHECKS = 4 };
-
-/* Runs beside the full model's that say how far its own states can be trusted: the integrator's
- * error, and what a perturbation makes of it; and half the step for the smallest model. */
-enum check { HALF_STEP, PERTURBED, SCATTERED, SMALLEST_HALF_STEP };
-
-enum phase { FULL, SINGLES, COMBINING, CHECKING, DONE };
-
-struct study {
-    const struct subject *subject;
-    double need;     /* CPU time of all its runs over the whole scene, s, roughly */
-    double duration; /* s */
-    struct menu menu;
-    struct variant full, own, single[VARIANTS_MAX], smallest;
-    int singles;
-    int check_case[CHECKS];
-    double check[CHECKS]; /* rms change that it makes, m; NaN: it did not finish */
-    double horizon;       /* s; NaN: a run did not finish */
-    int tried;            /* combinations */
-    enum phase phase;
-    char note[REASON_SIZE]; /* why there is no answer, or the full model is no finer */
-};
-
-/* The plan's memo. */
-struct needs {
-    int count;
-    struct study study[]; /* of the plan's subjects */
-};
 
 static const char *treatment_of(const struct menu *menu, const struct choice *choice) {
     return wisp_problem.treatments[(int)value_of(menu, choice, TREATMENT)].name;
@@ -126,7 +82,7 @@ static struct choice own_choice(const struct study *study) {
     return choice;
 }
 
-static int is_full(const struct study *study, enum thing thing, int option) {
+int needs_is_full(const struct study *study, enum thing thing, int option) {
     return study->full.choice.of[thing] == option;
 }
 
@@ -141,7 +97,7 @@ static int add_single(struct plan *plan, struct study *study, enum thing thing, 
 static int add_singles(struct plan *plan, struct study *study) {
     for (int thing = 0; thing < THINGS; thing++)
         for (int k = 0; k < study->menu.count[thing]; k++)
-            if (!is_full(study, (enum thing)thing, k) &&
+            if (!needs_is_full(study, (enum thing)thing, k) &&
                 add_single(plan, study, (enum thing)thing, k))
                 return -1;
     return 0;
@@ -251,13 +207,13 @@ static int needs_plan(struct plan *plan) {
 
 /* --- judging --- */
 
-/* The change that cannot be told from what a perturbation makes. */
-static double noise(const struct study *study) {
+double needs_noise(const struct study *study) {
     return fmax(study->check[PERTURBED], study->check[SCATTERED]);
 }
 
-static int is_near(const struct study *study, const struct variant *variant) {
-    return variant->fate == CHANGED && variant->change.rms <= fmax(target, noise(study));
+int needs_is_near(const struct study *study, const struct variant *variant) {
+    return variant->fate == CHANGED &&
+           variant->change.rms <= fmax(NEEDS_TARGET, needs_noise(study));
 }
 
 static int compare_to(struct plan *plan, const struct study *study, int at,
@@ -329,7 +285,7 @@ static double time_of(const struct variant *variant) {
 }
 
 static double change_of(const struct study *study, enum thing thing, int option) {
-    return is_full(study, thing, option) ? 0 : single_of(study, thing, option)->change.rms;
+    return needs_is_full(study, thing, option) ? 0 : single_of(study, thing, option)->change.rms;
 }
 
 /* The cheapest option of a thing that alone is near enough, and nearer than `limit`; the full
@@ -338,7 +294,7 @@ static int cheapest_option(const struct study *study, enum thing thing, double l
     int best = study->full.choice.of[thing];
     for (int k = 0; k < study->menu.count[thing]; k++) {
         const struct variant *single = single_of(study, thing, k);
-        if (is_near(study, single) && single->change.rms < limit &&
+        if (needs_is_near(study, single) && single->change.rms < limit &&
             time_of(single) < time_of(single_of(study, thing, best)))
             best = k;
     }
@@ -351,7 +307,7 @@ static enum thing worst_thing(const struct study *study) {
     const struct choice *choice = &study->smallest.choice;
     enum thing worst = THINGS;
     for (int thing = 0; thing < THINGS; thing++)
-        if (!is_full(study, (enum thing)thing, choice->of[thing]) &&
+        if (!needs_is_full(study, (enum thing)thing, choice->of[thing]) &&
             !is_moot(&study->menu, choice, (enum thing)thing) &&
             (worst == THINGS || change_of(study, (enum thing)thing, choice->of[thing]) >
                                     change_of(study, worst, choice->of[worst])))
@@ -411,7 +367,7 @@ static int begin_search(struct plan *plan, struct study *study) {
  * back too, at once. */
 static int go_on(struct plan *plan, struct study *study) {
     do {
-        if (is_near(study, &study->smallest)) {
+        if (needs_is_near(study, &study->smallest)) {
             study->phase = CHECKING;
             return add_check(plan, study, SMALLEST_HALF_STEP, &study->smallest, 0,
                              "smallest model, half the step");
@@ -458,189 +414,6 @@ static int needs_refine(struct plan *plan) {
     for (int i = 0; i < needs->count; i++)
         if (refine_study(plan, &needs->study[i]))
             return -1;
-    return 0;
-}
-
-/* --- the tables --- */
-
-/* An option of a model; - where the scene has no such thing, or another that is left out leaves it
- * without a meaning. */
-static const char *chosen(const struct study *study, const struct choice *choice,
-                          enum thing thing) {
-    const int there = study->menu.count[thing] > 1 && !is_moot(&study->menu, choice, thing);
-    return there ? study->menu.option[thing][choice->of[thing]].name : "-";
-}
-
-/* Lists a model's options: those that are the full model's, those that are not, or all. */
-enum which { AS_IN_FULL = 1, OTHER = 2, ALL = 3 };
-static void describe(const struct study *study, const struct choice *choice, enum which which,
-                     char text[REASON_SIZE]) {
-    int used = snprintf(text, REASON_SIZE, "%s", "");
-    for (int thing = 0; thing < THINGS; thing++) {
-        const char *name = chosen(study, choice, (enum thing)thing);
-        if (strcmp(name, "-") != 0 &&
-            (which & (is_full(study, (enum thing)thing, choice->of[thing]) ? AS_IN_FULL : OTHER)))
-            used +=
-                snprintf(text + used, REASON_SIZE - (size_t)used, "%s%s", used ? ", " : "", name);
-    }
-    if (used == 0)
-        snprintf(text, REASON_SIZE, "nothing");
-}
-
-static const char *verdict_of(const struct study *study, const struct variant *variant) {
-    if (variant->fate == REFUSED_SCENE)
-        return "impossible";
-    if (variant->fate != CHANGED)
-        return "failed";
-    if (!is_near(study, variant))
-        return "needed";
-    return variant->change.rms > target ? "chaos" : "not needed";
-}
-
-static double cost_ratio(const struct study *study, const struct variant *variant) {
-    return variant->fate == CHANGED ? time_of(variant) / time_of(&study->full) : NAN;
-}
-
-static void write_variant(FILE *stream, const struct study *study, const char *thing,
-                          const char *name, const struct variant *variant) {
-    const double numbers[] = {variant->change.rms,        variant->change.largest,
-                              variant->change.end,        variant->cost.cpu.median,
-                              variant->cost.cpu.least,    variant->cost.cpu.greatest,
-                              cost_ratio(study, variant), variant->step};
-    fprintf(stream, "%s\t%s\t%s", study->subject->name, thing, name);
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
-        fprintf(stream, "\t%.17g", numbers[i]);
-    char options[REASON_SIZE];
-    describe(study, &variant->choice, ALL, options);
-    fprintf(stream, "\t%s\t%s\t%s\n", verdict_of(study, variant), options, variant->note);
-}
-
-static int write_needs(const struct plan *plan, const char *folder, char *reason) {
-    const struct needs *needs = plan->memo;
-    struct atomic_file file;
-    char what[1024];
-    snprintf(what, sizeof what,
-             "what each thing buys: distance of the model in which it alone is this way from the "
-             "full one (first row of a scene), m: rms over 32 points at equal shares of arc length "
-             "of all wisps and all frames, largest, rms at the last frame; CPU time, s, of rk4 at "
-             "%g of its longest step by linear theory (step, s): median, least, greatest of three "
-             "runs (--quick: one), or where the full model's takes over 0.3 s that of one; "
-             "cost_ratio: over the "
-             "full model's; needed: it changes more than %g m, and more than perturbed starts "
-             "do; chaos: more than that, but no more than perturbed starts; smallest model: all "
-             "together that smallest.tsv says; nan: the run failed or there was none, see note",
-             STABILITY_SHARE, target);
-    if (open_table(&file, folder, "needs", what, needs->study[0].subject->scene,
-                   "scene\tthing\toption\tchange_rms\tchange_largest\tchange_end\tcpu_median"
-                   "\tcpu_least\tcpu_greatest\tcost_ratio\tstep\tverdict\tmodel\tnote",
-                   reason))
-        return -1;
-    for (int i = 0; i < needs->count; i++) {
-        const struct study *study = &needs->study[i];
-        write_variant(file.stream, study, "full", "full model", &study->full);
-        for (int k = 0; k < study->singles; k++) {
-            const struct variant *single = &study->single[k];
-            write_variant(file.stream, study, thing_names[single->thing], single->name, single);
-        }
-        if (study->full.fate != CHANGED)
-            continue;
-        write_variant(file.stream, study, "together", study->own.name, &study->own);
-        write_variant(file.stream, study, "together", "smallest model", &study->smallest);
-    }
-    return atomic_commit(&file, reason);
-}
-
-static void write_smallest(FILE *stream, const struct study *study) {
-    const int answered = study->full.fate == CHANGED;
-    const double numbers[] = {study->duration,
-                              study->subject->scene->duration,
-                              study->smallest.change.rms,
-                              study->smallest.change.largest,
-                              cost_ratio(study, &study->smallest),
-                              study->own.change.rms,
-                              cost_ratio(study, &study->own),
-                              study->check[HALF_STEP],
-                              study->check[SMALLEST_HALF_STEP],
-                              study->check[PERTURBED],
-                              study->check[SCATTERED],
-                              study->horizon};
-    fprintf(stream, "%s", study->subject->name);
-    for (int thing = 0; thing < THINGS; thing++)
-        fprintf(stream, "\t%s",
-                study->full.fate == CHANGED
-                    ? chosen(study, &study->smallest.choice, (enum thing)thing)
-                    : "-");
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
-        fprintf(stream, "\t%.17g", i < 2 || answered ? numbers[i] : NAN);
-    fprintf(stream, "\t%d\t%s\n", study->tried, study->note);
-}
-
-static int write_answers(const struct plan *plan, const char *folder, char *reason) {
-    const struct needs *needs = plan->memo;
-    struct atomic_file file;
-    char what[1024], columns[512];
-    int used = snprintf(columns, sizeof columns, "scene");
-    snprintf(what, sizeof what,
-             "the smallest model within %g m of the full one, or within what perturbed starts "
-             "make: found by leaving out all that alone is near enough, and taking back the worst "
-             "until a run of the whole is; its change and cost_ratio, those of the scene as it is; "
-             "rms change, m, by half the step in the full model (step_full) and the smallest, and "
-             "in the full one by starts displaced by 1e-10 m (perturbed) and 1e-4 m (scattered); "
-             "horizon: of the former's nodes, s; tried: combinations; nan: the run failed or there "
-             "was none, see note",
-             target);
-    for (int thing = 0; thing < THINGS; thing++)
-        used += snprintf(columns + used, sizeof columns - (size_t)used, "\t%s", thing_names[thing]);
-    snprintf(columns + used, sizeof columns - (size_t)used,
-             "\tcompared\tduration\tchange_rms\tchange_largest\tcost_ratio\town_change_rms"
-             "\town_cost_ratio\tstep_full\tstep_smallest\tperturbed\tscattered\thorizon\ttried"
-             "\tnote");
-    if (open_table(&file, folder, "smallest", what, needs->study[0].subject->scene, columns,
-                   reason))
-        return -1;
-    for (int i = 0; i < needs->count; i++)
-        write_smallest(file.stream, &needs->study[i]);
-    return atomic_commit(&file, reason);
-}
-
-/* --- the answer --- */
-
-static void print_study(const struct study *study) {
-    const double error = fmax(study->check[HALF_STEP], study->check[SMALLEST_HALF_STEP]);
-    char needed[REASON_SIZE], enough[REASON_SIZE];
-    if (study->full.fate != CHANGED) {
-        printf("  %s: no answer; the full model's runs: %s\n", study->subject->name, study->note);
-        return;
-    }
-    if (study->note[0])
-        printf("  %s: its full model is no finer, for with %s\n", study->subject->name,
-               study->note);
-    describe(study, &study->smallest.choice, AS_IN_FULL, needed);
-    describe(study, &study->smallest.choice, OTHER, enough);
-    if (study->tried == 0)
-        printf("  %s: nothing less is within %g mm of its full model: %s\n", study->subject->name,
-               1e3 * target, needed);
-    else
-        printf("  %s needs %s; otherwise enough: %s; %.2g times cheaper, within %.2g mm\n",
-               study->subject->name, needed, enough, 1 / cost_ratio(study, &study->smallest),
-               1e3 * study->smallest.change.rms);
-    printf("    as it is: %.2g times cheaper than the full model, %.2g mm from it\n",
-           1 / cost_ratio(study, &study->own), 1e3 * study->own.change.rms);
-    printf("    steps make %.1g mm of it; starts that differ by 1e-10 m %.1g mm, by 0.1 mm "
-           "%.1g mm\n",
-           1e3 * error, 1e3 * study->check[PERTURBED], 1e3 * study->check[SCATTERED]);
-    if (!(error < fmax(0.1 * target, noise(study)))) /* else they perturb like a start does */
-        printf("    its steps are too long for these differences to be the models' alone\n");
-    if (noise(study) > target)
-        printf("    after that there is no telling a model from another by a millimetre\n");
-}
-
-static int needs_tabulate(struct plan *plan, const char *folder) {
-    const struct needs *needs = plan->memo;
-    if (write_needs(plan, folder, plan->reason) || write_answers(plan, folder, plan->reason))
-        return -1;
-    for (int i = 0; i < needs->count; i++)
-        print_study(&needs->study[i]);
     return 0;
 }
 
