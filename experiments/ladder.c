@@ -275,16 +275,6 @@ static int ladder_plan(struct plan *plan) {
 
 /* --- from round to round --- */
 
-static int read_timing(struct plan *plan, struct search *s) {
-    struct run_files run;
-    if (run_read(&run, plan->cases[s->first].run.folder, plan->reason))
-        return -1;
-    s->cost = run_cost(&run);
-    s->phase = DONE;
-    run_free(&run);
-    return 0;
-}
-
 /* The next place after one has been judged, or the timing of the best. */
 static int go_on(struct plan *plan, struct search *s, int reached) {
     const int more =
@@ -300,8 +290,10 @@ static int go_on(struct plan *plan, struct search *s, int reached) {
 
 static int step_search(struct plan *plan, struct search *s, const struct run_files *tight) {
     struct verdict verdict;
-    if (s->phase == TIMING)
-        return read_timing(plan, s);
+    if (s->phase == TIMING) {
+        s->phase = DONE;
+        return read_cost(plan, s->first, &s->cost);
+    }
     if (judge_runs(plan, s->first, s->count, plan->subjects[s->cell].scene, tight, &verdict))
         return -1;
     if (s->phase == CONFIRMING && verdict.outcome == FINISHED)

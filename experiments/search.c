@@ -53,3 +53,12 @@ int judge_runs(struct plan *plan, int first, int count, const struct scene *scen
     }
     return 0;
 }
+
+int read_cost(struct plan *plan, int at, struct cost *cost) {
+    struct run_files run;
+    if (run_read(&run, plan->cases[at].run.folder, plan->reason))
+        return -1;
+    *cost = run_cost(&run);
+    run_free(&run);
+    return 0;
+}

@@ -36,4 +36,7 @@ struct verdict {
 int judge_runs(struct plan *plan, int first, int count, const struct scene *scene,
                const struct run_files *tight, struct verdict *verdict);
 
+/* What the run of a case cost. Returns 0, or -1 with plan->reason. */
+int read_cost(struct plan *plan, int at, struct cost *cost);
+
 #endif

@@ -71,7 +71,7 @@ double complex *scene_modes(const struct scene *scene, enum wisp_treatment treat
  * plan->reason. */
 int stability_maps(struct plan *plan, const char *folder);
 
-/* --- stability_limits.c: the searches, stages of struct experiment --- */
+/* --- stability_limits.c, stability_tables.c: the searches, stages of struct experiment --- */
 
 int limits_plan(struct plan *plan);
 int limits_refine(struct plan *plan);

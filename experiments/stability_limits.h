@@ -1,0 +1,97 @@
+/* Inside experiment stability: the searches for the longest stable step on wisps. */
+#ifndef WISPLAB_STABILITY_LIMITS_H
+#define WISPLAB_STABILITY_LIMITS_H
+
+#include "stability.h"
+
+enum { STEPPERS_MAX = 32, VALUES_MAX = 6, AXES = 4 };
+
+/* What is varied, on which scene, and by which setting. */
+struct axis {
+    const char *name, *scene, *setting;
+    enum wisp_treatment treatment;
+    int values;
+    double value[VALUES_MAX];
+};
+extern const struct axis limits_axes[AXES];
+
+enum phase { ANCHORING, SEARCHING, TIMING, DONE };
+
+/* One method in one cell. */
+struct trial {
+    const struct contestant *contestant;
+    double predicted; /* step, s; NaN: no prediction */
+    enum phase phase;
+    struct bracket place;
+    int run; /* its last case in the plan */
+    double anchor_step, anchor_error;
+    struct verdict missed; /* of the finest place that misses */
+    double error;          /* of the coarsest that reaches, m */
+    struct cost cost;      /* of the timed run */
+    char note[REASON_SIZE];
+};
+
+/* A scene with a treatment, and the methods on it. */
+struct cell {
+    const struct scene *scene;
+    enum wisp_treatment treatment;
+    const struct axis *axis; /* NULL: a whole scene */
+    double value;
+    const char *subject; /* its name; of a whole scene */
+    char name[96];       /* of its runs */
+    int tight;           /* its case in the plan */
+    struct trial trials[STEPPERS_MAX];
+    int trial_count;
+};
+
+/* The plan's memo. */
+struct limits {
+    struct contestant contestants[STEPPERS_MAX];
+    int contestant_count;
+    int cell_count;
+    struct cell cells[];
+};
+
+/* --- stability_trial.c --- */
+
+/* The rtol of adaptive methods, which choose their steps and are only timed. */
+#define LIMITS_TOLERANCE 1e-3
+
+/* The step of a place in a cell, s; NaN of a place below 0. */
+double limits_step(const struct cell *cell, int place);
+
+/* The coarsest place of which the step is at most `step`. */
+int limits_place(const struct cell *cell, double step);
+
+const char *limits_treatment(const struct cell *cell);
+struct run_request limits_request(const struct cell *cell, const struct contestant *contestant,
+                                  double step);
+
+/* What the order of the method lets the error be at a step, m. */
+double limits_tolerated(const struct trial *trial, double step);
+
+/* The time of the first frame of which a node is more than `bound` off, s; NaN: none is. */
+double limits_first_wrong(const struct table *run, const struct table *tight, double bound);
+
+/* Adds the trial of a method to a cell whose modes are these, or NULL, and its first run to
+ * the plan. A method that refuses the scene is done, and the note says why. 0, or -1 with
+ * plan->reason. */
+int limits_begin(struct plan *plan, struct cell *cell, const struct contestant *contestant,
+                 const double complex *modes, int mode_count);
+
+/* Takes what the trial's last run has shown, and plans its next one. 0, or -1 with plan->reason. */
+int limits_go_on(struct plan *plan, const struct cell *cell, struct trial *trial,
+                 const struct run_files *tight);
+
+/* --- stability_failures.c: 0, or -1 with plan->reason --- */
+
+/* Plans runs on either side of the limits of `swing`, at round rates. */
+int limits_plan_known(struct plan *plan, const struct limits *limits, const struct cell *cell);
+
+/* Plans runs above the limit that a trial has found. */
+int limits_plan_failures(struct plan *plan, const struct cell *cell, const struct trial *trial);
+
+/* Writes the table failures. */
+int limits_write_failures(struct plan *plan, const char *folder);
+
+#endif
