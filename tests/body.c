@@ -1,14 +1,13 @@
-/* Body contact: the ellipsoid, the response of one wisp against closed forms
- * and against the page's own words written down a second time, and whole runs. */
+/* Body contact at one tick: the ellipsoid, and the response of one wisp against closed forms and
+ * against the page's own words written down a second time. */
 #include "body.h"
 
+#include "body_oracle.h"
 #include "vector.h"
 #include "wisp_support.h"
 
 #include <criterion/criterion.h>
-#include <float.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static void random_vector(unsigned *seed, double size, double x[3]) {
@@ -27,35 +26,6 @@ static void near_vector(const double a[3], double x, double y, double z, double 
 
 /* --- the ellipsoid --- */
 
-/* sum(x_k^2 / R_k^2) - 1, extended. */
-static long double level(const double radii[3], const double x[3], const double d[3],
-                         long double s) {
-    long double sum = -1;
-    for (int k = 0; k < 3; k++) {
-        const long double y = ((long double)x[k] + s * (d ? d[k] : 0)) / radii[k];
-        sum += y * y;
-    }
-    return sum;
-}
-
-/* The one s between two values at which the level has different signs. */
-static double bisect(const double radii[3], const double x[3], const double d[3], long double from,
-                     long double to) {
-    const int sign = level(radii, x, d, from) < 0;
-    for (int i = 0; i < 200; i++) {
-        const long double middle = (from + to) / 2;
-        *((level(radii, x, d, middle) < 0) == sign ? &from : &to) = middle;
-    }
-    return (double)to;
-}
-
-static double crossing_ahead(const double radii[3], const double x[3], const double d[3]) {
-    long double to = 1e-3L;
-    while (level(radii, x, d, to) < 0)
-        to *= 2;
-    return bisect(radii, x, d, 0, to);
-}
-
 Test(body, rays_leave_and_enter_where_the_level_is_zero) {
     unsigned seed = 1;
     int entered = 0, missed = 0;
@@ -66,9 +36,9 @@ Test(body, rays_leave_and_enter_where_the_level_is_zero) {
             x[k] = radii[k] * lab_between(&seed, -1.5, 1.5);
         }
         random_vector(&seed, 1, d);
-        cr_assert_eq(ellipsoid_contains(radii, x), level(radii, x, NULL, 0) < 0);
+        cr_assert_eq(ellipsoid_contains(radii, x), twin_level(radii, x, NULL, 0) < 0);
         if (ellipsoid_contains(radii, x)) {
-            const double s = ellipsoid_exit(radii, x, d), exact = crossing_ahead(radii, x, d);
+            const double s = ellipsoid_exit(radii, x, d), exact = twin_exit(radii, x, d);
             cr_assert(fabs(s - exact) <= 1e-12 * exact + 1e-15, "exit at %.17g, not %.17g", s,
                       exact);
             continue;
@@ -77,13 +47,13 @@ Test(body, rays_leave_and_enter_where_the_level_is_zero) {
         if (s == INFINITY) {
             missed++;
             for (double t = 0; t < 100; t += 0.1)
-                cr_assert(level(radii, x, d, t) > -1e-12L, "a crossing is missed");
+                cr_assert(twin_level(radii, x, d, t) > -1e-12L, "a crossing is missed");
             continue;
         }
         entered++;
-        cr_assert(fabsl(level(radii, x, d, s)) <= 1e-11L, "level %Lg where it enters",
-                  level(radii, x, d, s));
-        cr_assert(level(radii, x, d, 0.999L * s) > 0, "not the first crossing");
+        cr_assert(fabsl(twin_level(radii, x, d, s)) <= 1e-11L, "level %Lg where it enters",
+                  twin_level(radii, x, d, s));
+        cr_assert(twin_level(radii, x, d, 0.999L * s) > 0, "not the first crossing");
     }
     cr_assert(entered > 1000 && missed > 1000, "%d entered, %d missed", entered, missed);
 }
@@ -496,96 +466,6 @@ static void random_bodies(const struct strand *s, int count, unsigned *seed, str
     }
 }
 
-/* x = p - c(t) */
-static int twin_inside(const struct body *b, double t, const double p[3], double x[3]) {
-    for (int k = 0; k < 3; k++)
-        x[k] = p[k] - (b->centre[k] + t * b->velocity[k]);
-    return level(b->radii, x, NULL, 0) < 0;
-}
-
-static void twin_normal(const struct body *b, const double x[3], double n[3]) {
-    for (int k = 0; k < 3; k++)
-        n[k] = x[k] / (b->radii[k] * b->radii[k]);
-    const double size = vector_length(n);
-    for (int k = 0; k < 3; k++)
-        n[k] /= size;
-}
-
-static void twin_node(struct strand *s, int i, const struct body *b, double t) {
-    double x[3], u[3], back[3], g[3], n[3], *v = s->v[i];
-    if (!twin_inside(b, t, s->p[i], x))
-        return;
-    twin_normal(b, x, g);
-    for (int k = 0; k < 3; k++) {
-        u[k] = v[k] - b->velocity[k];
-        back[k] = -u[k];
-    }
-    const double *ray = g;
-    double way = crossing_ahead(b->radii, x, g);
-    if (vector_length(b->velocity) == 0 && vector_dot(u, g) < 0 &&
-        crossing_ahead(b->radii, x, back) <= dt) {
-        ray = back;
-        way = crossing_ahead(b->radii, x, back);
-    }
-    for (int k = 0; k < 3; k++)
-        x[k] += way * ray[k];
-    twin_normal(b, x, n);
-    const double across = vector_dot(u, n);
-    for (int k = 0; k < 3; k++) {
-        if (across < 0)
-            u[k] = exp(-b->friction * dt) * (u[k] - across * n[k]) - b->elasticity * across * n[k];
-        const double p = b->centre[k] + t * b->velocity[k] + x[k] + b->offset * n[k];
-        for (int j = 0; j < s->wisp->samples; j++) {
-            s->e[i * s->wisp->samples + j][k] += p - s->p[i][k];
-            s->ev[i * s->wisp->samples + j][k] += b->velocity[k] + u[k] - v[k];
-        }
-        s->p[i][k] = p;
-        v[k] = b->velocity[k] + u[k];
-    }
-}
-
-static void twin_sample(struct strand *s, int i, int j, const struct body *b, double t) {
-    const int at = i * s->wisp->samples + j;
-    double a[3], x[3], from[3], end[3], u[3];
-    strand_half_line(s, i, j, a);
-    for (int k = 0; k < 3; k++) {
-        end[k] = s->p[i][k] + s->r[at] * a[k];
-        u[k] = b->velocity[k] - s->v[i][k];
-    }
-    twin_inside(b, t, s->p[i], from);
-    if (s->r[at] <= 0 || !twin_inside(b, t, end, x))
-        return;
-    const double r = fmax(bisect(b->radii, from, a, 0, s->r[at]), 1e-3 * s->wisp->radius);
-    const double rate = fmin(s->rate[at], vector_dot(u, a));
-    for (int k = 0; k < 3; k++) {
-        s->e[at][k] += (r - s->r[at]) * a[k];
-        s->ev[at][k] += (rate - s->rate[at]) * a[k];
-    }
-    s->r[at] = r;
-    s->rate[at] = rate;
-}
-
-/* Returns how many nodes are left inside. */
-static int twin_contact(struct strand *s, const struct body *b, int count, double t) {
-    int left = 0;
-    double x[3];
-    for (int i = 2; i < s->wisp->nodes; i++)
-        for (int pass = 0; pass < 4; pass++)
-            for (int k = 0; k < count; k++)
-                twin_node(s, i, &b[k], t);
-    strand_refresh(s);
-    for (int i = 2; i < s->wisp->nodes; i++) {
-        int inside = 0;
-        for (int k = 0; k < count; k++)
-            inside |= twin_inside(&b[k], t, s->p[i], x);
-        left += inside;
-        for (int k = 0; k < count && !inside; k++)
-            for (int j = 0; j < s->wisp->samples; j++)
-                twin_sample(s, i, j, &b[k], t);
-    }
-    return left;
-}
-
 static double largest_difference(const struct strand *a, const struct strand *b) {
     double most = 0;
     for (int i = 0; i < a->wisp->nodes; i++)
@@ -616,7 +496,7 @@ Test(body, agrees_with_the_page_written_down_twice) {
         random_bodies(s, count, &seed, bodies);
         struct body_report report = {0, 0, 0};
         contact(s, bodies, count, t, &report);
-        const int left = twin_contact(twin, bodies, count, t);
+        const int left = twin_contact(twin, bodies, count, t, dt);
         const double difference = largest_difference(s, twin);
         cr_assert(report.inside == left, "%lld left inside, not %d", report.inside, left);
         cr_assert(difference <= 1e-10, "case %d, %s: a difference of %g", i,
@@ -892,180 +772,4 @@ Test(body, the_box_test_misses_nobody) {
                             samples[m], touched, far, 1000 * lanes);
                 cr_assert(touched > 10 && far > 100, "%d touched, %d far", touched, far);
             }
-}
-
-/* --- whole runs --- */
-
-static void run_to(struct scene *scene, const struct run_request *request, struct lab_run *run) {
-    lab_run(scene, request, run);
-    cr_assert_eq(run->result.outcome, FINISHED, "%s", run->result.reason);
-}
-
-/* Nothing inside, no segment far from its length, in any frame. */
-static void check_frames(const struct scene *scene, const struct lab_run *run,
-                         const char *stepper) {
-    double strain = 0, least = INFINITY;
-    for (int f = 0; f < run->frames; f++)
-        for (int i = 0; i < run->rows; i++) {
-            const double *row = run->row + (f * run->rows + i) * run->columns, *p = row + 2;
-            const struct wisp *wisp = &scene->wisps[(int)row[0]];
-            for (int b = 0; b < scene->body_count && row[1] >= 2; b++) {
-                double x[3];
-                cr_assert(!twin_inside(&scene->bodies[b], run->t[f], p, x),
-                          "%s: node %g of wisp %g is inside at %g s", stepper, row[1], row[0],
-                          run->t[f]);
-                least = fmin(least, vector_length(x) - scene->bodies[b].radii[0]);
-            }
-            if (row[1] > 0) {
-                const double *q = p - run->columns;
-                const double d[3] = {p[0] - q[0], p[1] - q[1], p[2] - q[2]};
-                strain = fmax(strain, fabs(vector_length(d) / wisp_spacing(wisp) - 1));
-            }
-        }
-    cr_log_info("%s: strain %g, %g m from the sphere, %lld contacts", stepper, strain, least,
-                run->result.counters.body_contacts);
-    cr_assert_lt(strain, 0.1, "%s: a strain of %g", stepper, strain);
-    cr_assert(least < 0.01 && run->result.counters.body_contacts > 1000, "%s: no contact", stepper);
-    cr_assert_eq(run->result.counters.nodes_left_inside, 0);
-}
-
-Test(body, the_sphere_passes) {
-    struct scene *scene = lab_load("sphere", NULL, 0);
-    for (int i = 0; i < 2; i++) {
-        const struct run_request request = {.stepper = i ? "euler" : "rk4"};
-        struct lab_run run;
-        run_to(scene, &request, &run);
-        cr_assert_eq(run.frames, 219);
-        check_frames(scene, &run, request.stepper);
-        lab_run_free(&run);
-    }
-    scene_free(scene);
-}
-
-#define NEAR "body.[0].center=[-0.17, -0.24, 0.0]"
-#define FOUR                                                                                    \
-    "wisps=({ root=[-0.0625, 0.0, -0.0125]; direction=[0.0, -1.0, 0.0]; length=0.3; nodes=11; " \
-    "         grid=[2, 2]; spacing=0.025; across=([1.0, 0.0, 0.0], [0.0, 0.0, 1.0]); })"
-
-Test(body, the_sphere_passes_for_every_stepper_and_treatment) {
-    struct scene *scene = LAB_LOAD("sphere", "duration=1.3", NEAR, FOUR);
-    for (int treatment = 0; treatment < TREATMENTS; treatment++)
-        for (int m = 0; stepper_methods[m]; m++) {
-            const int implicit = stepper_methods[m]->capabilities & STEPPER_IMPLICIT;
-            const struct run_request request = {.stepper = stepper_methods[m]->name,
-                                                .treatment = treatment_names[treatment],
-                                                .linear = implicit ? "direct" : NULL};
-            struct lab_run run;
-            if (strcmp(request.stepper, "reference") == 0)
-                continue;
-            run_to(scene, &request, &run);
-            check_frames(scene, &run, request.stepper);
-            lab_run_free(&run);
-        }
-    scene_free(scene);
-}
-
-static void check_same(const struct lab_run *a, const struct lab_run *b, int wisps, int reversed) {
-    const int nodes = a->rows / wisps;
-    cr_assert(a->frames == b->frames && a->rows == b->rows);
-    for (int f = 0; f < a->frames; f++)
-        for (int i = 0; i < a->rows; i++) {
-            const int wisp = reversed ? wisps - 1 - i / nodes : i / nodes,
-                      j = wisp * nodes + i % nodes;
-            cr_assert_eq(memcmp(a->row + (f * a->rows + i) * a->columns + 1,
-                                b->row + (f * b->rows + j) * b->columns + 1,
-                                (size_t)(a->columns - 1) * sizeof(double)),
-                         0, "frame %d, row %d differs", f, i);
-        }
-}
-
-/* Same bits for any number of threads and any order of wisps; 3 x 3 wisps leave padding. */
-Test(body, threads_and_order_change_nothing) {
-    static const char *const steppers[] = {"rk4", "cvode"};
-    for (int m = 0; m < 2; m++)
-        for (int treatment = 0; treatment < TREATMENTS; treatment++) {
-            struct scene *scene = LAB_LOAD("sphere", "duration=0.9", NEAR, "wisps.[0].grid=[3, 3]");
-            struct run_request request = {.stepper = steppers[m],
-                                          .treatment = treatment_names[treatment]};
-            struct lab_run run[4];
-            for (int threads = 1; threads <= 3; threads++) {
-                request.threads = threads;
-                run_to(scene, &request, &run[threads - 1]);
-            }
-            for (int i = 0; i < 4; i++) {
-                const struct wisp wisp = scene->wisps[i];
-                scene->wisps[i] = scene->wisps[8 - i];
-                scene->wisps[8 - i] = wisp;
-            }
-            run_to(scene, &request, &run[3]);
-            cr_assert_gt(run[0].result.counters.body_contacts, 50);
-            for (int i = 1; i < 4; i++)
-                check_same(&run[0], &run[i], 9, i == 3);
-            for (int i = 0; i < 4; i++)
-                lab_run_free(&run[i]);
-            scene_free(scene);
-        }
-}
-
-/* A wisp swings down onto a ball at rest and bounces: a tick is the same map for all. */
-#define BALL                                                                                     \
-    "body=({ name=\"ball\"; center=[0.15, -0.2, 0.02]; radii=[0.06, 0.08, 0.07]; friction=20.0;" \
-    "        elasticity=0.5; offset=1e-4; })"
-
-Test(body, steppers_agree_on_a_bounce) {
-    static const char *const scenes[] = {"swing", "swing-envelope"};
-    for (int i = 0; i < 2; i++)
-        for (int treatment = 0; treatment < (i ? TREATMENTS : 1); treatment++) {
-            struct scene *scene = LAB_LOAD(scenes[i], "duration=0.3", BALL);
-            const struct run_request fixed = {
-                .stepper = "rk4", .treatment = treatment_names[treatment], .step = 1 / 24000.};
-            const struct run_request tight = {.stepper = "cvode",
-                                              .treatment = treatment_names[treatment],
-                                              .rtol = 1e-11,
-                                              .atol = 1e-13};
-            struct lab_run a, b;
-            run_to(scene, &fixed, &a);
-            run_to(scene, &tight, &b);
-            const struct lab_distance d = lab_distance(&a, &b, 1, 2);
-            cr_log_info("%s, %s: %lld and %lld contacts, %g m apart", scenes[i], fixed.treatment,
-                        a.result.counters.body_contacts, b.result.counters.body_contacts,
-                        d.largest);
-            cr_assert_gt(a.result.counters.body_contacts, 5);
-            cr_assert_gt(b.result.counters.restarts, 1);
-            cr_assert_eq(a.result.counters.body_contacts, b.result.counters.body_contacts);
-            cr_assert_lt(d.largest, 1e-7, "%s, %s: %g m apart", scenes[i], fixed.treatment,
-                         d.largest);
-            lab_run_free(&a);
-            lab_run_free(&b);
-            scene_free(scene);
-        }
-}
-
-/* A body that nobody touches changes no bit; without envelope and body there are no ticks. */
-Test(body, a_distant_body_changes_nothing) {
-    static const char *const distant =
-        "body=({ name=\"far\"; center=[5, 5, 5]; radii=[1, 1, 1]; friction=20; elasticity=0;"
-        "        offset=1e-4; })";
-    struct scene *without = LAB_LOAD("swing-envelope", "duration=0.2"),
-                 *with = LAB_LOAD("swing-envelope", "duration=0.2", distant);
-    const struct run_request request = {.stepper = "cvode"};
-    struct lab_run a, b;
-    run_to(without, &request, &a);
-    run_to(with, &request, &b);
-    check_same(&a, &b, 1, 0);
-    cr_assert(b.result.counters.body_contacts == 0 &&
-              a.result.counters.restarts == b.result.counters.restarts);
-    lab_run_free(&a);
-    lab_run_free(&b);
-    scene_free(without);
-    scene_free(with);
-    without = lab_load("swing", NULL, 0);
-    with = LAB_LOAD("swing", distant);
-    struct model *plain = wisp_problem.create(without, WISP_GENERALISED, 1),
-                 *ticking = wisp_problem.create(with, WISP_GENERALISED, 1);
-    cr_assert(plain && ticking && plain->collision_rate == 0 && ticking->collision_rate == 300);
-    wisp_problem.free(plain);
-    wisp_problem.free(ticking);
-    scene_free(without);
-    scene_free(with);
 }

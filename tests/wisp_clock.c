@@ -128,10 +128,7 @@ Test(wisp_clock, no_frame_of_any_stepper_has_a_sample_inside) {
                                    "wisps=(" LEVEL ")", "run.step=5e-5");
     for (int treatment = 0; treatment < TREATMENTS; treatment++) {
         for (int m = 0; stepper_methods[m]; m++) {
-            const int implicit = stepper_methods[m]->capabilities & STEPPER_IMPLICIT;
-            const struct run_request request = {.stepper = stepper_methods[m]->name,
-                                                .treatment = treatment_names[treatment],
-                                                .linear = implicit ? "direct" : NULL};
+            const struct run_request request = lab_request(stepper_methods[m], treatment);
             struct lab_run run;
             int clamped = 0;
             lab_run(scene, &request, &run);
@@ -366,10 +363,7 @@ Test(wisp_clock, kinks_at_awkward_times) {
         for (int m = 0; stepper_methods[m]; m++) {
             struct scene *scene =
                 LAB_LOAD("swing-envelope", LIMP, "duration=0.1", "frame_rate=20.0", gusts[i]);
-            const int implicit = stepper_methods[m]->capabilities & STEPPER_IMPLICIT;
-            const struct run_request request = {.stepper = stepper_methods[m]->name,
-                                                .treatment = "generalised",
-                                                .linear = implicit ? "direct" : NULL};
+            const struct run_request request = lab_request(stepper_methods[m], WISP_GENERALISED);
             struct lab_run run;
             lab_run(scene, &request, &run);
             cr_assert_eq(run.result.outcome, FINISHED, "%s, %s: %s: %s", request.stepper, gusts[i],

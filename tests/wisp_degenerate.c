@@ -242,10 +242,7 @@ Test(wisp_degenerate, runs_end_with_an_outcome_and_finite_frames) {
                     "swing-envelope", laws[law], "duration=0.4", "material.stretch_stiffness=2.0",
                     "material.stretch_time=1e-2", "material.bending_stiffness=1e-8",
                     "wisps=({ root=[0,0,0]; direction=[0,1,0]; length=0.3; nodes=5; })");
-                const int implicit = stepper_methods[m]->capabilities & STEPPER_IMPLICIT;
-                struct run_request request = {.stepper = stepper_methods[m]->name,
-                                              .treatment = treatment_names[treatment],
-                                              .linear = implicit ? "direct" : NULL};
+                struct run_request request = lab_request(stepper_methods[m], treatment);
                 struct lab_run run;
                 if (!(stepper_methods[m]->capabilities & STEPPER_ADAPTIVE))
                     request.step = 1e-4;

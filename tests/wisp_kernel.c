@@ -344,10 +344,7 @@ Test(wisp_kernel, runs_do_not_depend_on_order_or_company) {
     for (int treatment = 0; treatment < TREATMENTS; treatment++)
         for (int m = 0; stepper_methods[m]; m++) {
             const struct stepper_method *method = stepper_methods[m];
-            const int implicit = (method->capabilities & STEPPER_IMPLICIT) != 0;
-            const struct run_request request = {.stepper = method->name,
-                                                .treatment = treatment_names[treatment],
-                                                .linear = implicit ? "direct" : NULL};
+            const struct run_request request = lab_request(method, treatment);
             struct lab_run a, b, c;
             char what[80];
             snprintf(what, sizeof what, "%s, %s", method->name, treatment_names[treatment]);

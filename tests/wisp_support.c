@@ -202,6 +202,13 @@ static int keep(void *ctx, const struct model *model, double t, const double *ro
     return 0;
 }
 
+struct run_request lab_request(const struct stepper_method *method, int treatment) {
+    const int implicit = (method->capabilities & STEPPER_IMPLICIT) != 0;
+    return (struct run_request){.stepper = method->name,
+                                .treatment = treatment_names[treatment],
+                                .linear = implicit ? "direct" : NULL};
+}
+
 void lab_run(const struct scene *scene, const struct run_request *request, struct lab_run *run) {
     struct settings settings;
     char reason[REASON_SIZE];

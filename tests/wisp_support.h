@@ -77,6 +77,9 @@ struct lab_run {
     double *t, *row; /* by frame; by frame, row, column */
 };
 
+/* With what every method runs in every treatment: implicit ones solve directly. */
+struct run_request lab_request(const struct stepper_method *method, int treatment);
+
 /* Runs; stops the test where the request is refused. lab_run_free it. */
 void lab_run(const struct scene *scene, const struct run_request *request, struct lab_run *run);
 void lab_run_free(struct lab_run *run);

@@ -1,0 +1,179 @@
+/* Whole runs of wisps that touch bodies. */
+#include "body_oracle.h"
+#include "vector.h"
+#include "wisp_support.h"
+
+#include <criterion/criterion.h>
+#include <math.h>
+#include <string.h>
+
+static void run_to(struct scene *scene, const struct run_request *request, struct lab_run *run) {
+    lab_run(scene, request, run);
+    cr_assert_eq(run->result.outcome, FINISHED, "%s", run->result.reason);
+}
+
+/* Nothing inside, no segment far from its length, in any frame. */
+static void check_frames(const struct scene *scene, const struct lab_run *run,
+                         const char *stepper) {
+    double strain = 0, least = INFINITY;
+    for (int f = 0; f < run->frames; f++)
+        for (int i = 0; i < run->rows; i++) {
+            const double *row = run->row + (f * run->rows + i) * run->columns, *p = row + 2;
+            const struct wisp *wisp = &scene->wisps[(int)row[0]];
+            for (int b = 0; b < scene->body_count && row[1] >= 2; b++) {
+                double x[3];
+                cr_assert(!twin_inside(&scene->bodies[b], run->t[f], p, x),
+                          "%s: node %g of wisp %g is inside at %g s", stepper, row[1], row[0],
+                          run->t[f]);
+                least = fmin(least, vector_length(x) - scene->bodies[b].radii[0]);
+            }
+            if (row[1] > 0) {
+                const double *q = p - run->columns;
+                const double d[3] = {p[0] - q[0], p[1] - q[1], p[2] - q[2]};
+                strain = fmax(strain, fabs(vector_length(d) / wisp_spacing(wisp) - 1));
+            }
+        }
+    cr_log_info("%s: strain %g, %g m from the sphere, %lld contacts", stepper, strain, least,
+                run->result.counters.body_contacts);
+    cr_assert_lt(strain, 0.1, "%s: a strain of %g", stepper, strain);
+    cr_assert(least < 0.01 && run->result.counters.body_contacts > 1000, "%s: no contact", stepper);
+    cr_assert_eq(run->result.counters.nodes_left_inside, 0);
+}
+
+Test(body_runs, the_sphere_passes) {
+    struct scene *scene = lab_load("sphere", NULL, 0);
+    for (int i = 0; i < 2; i++) {
+        const struct run_request request = {.stepper = i ? "euler" : "rk4"};
+        struct lab_run run;
+        run_to(scene, &request, &run);
+        cr_assert_eq(run.frames, 219);
+        check_frames(scene, &run, request.stepper);
+        lab_run_free(&run);
+    }
+    scene_free(scene);
+}
+
+#define NEAR "body.[0].center=[-0.17, -0.24, 0.0]"
+#define FOUR                                                                                    \
+    "wisps=({ root=[-0.0625, 0.0, -0.0125]; direction=[0.0, -1.0, 0.0]; length=0.3; nodes=11; " \
+    "         grid=[2, 2]; spacing=0.025; across=([1.0, 0.0, 0.0], [0.0, 0.0, 1.0]); })"
+
+Test(body_runs, the_sphere_passes_for_every_stepper_and_treatment) {
+    struct scene *scene = LAB_LOAD("sphere", "duration=1.3", NEAR, FOUR);
+    for (int treatment = 0; treatment < TREATMENTS; treatment++)
+        for (int m = 0; stepper_methods[m]; m++) {
+            const struct run_request request = lab_request(stepper_methods[m], treatment);
+            struct lab_run run;
+            if (strcmp(request.stepper, "reference") == 0)
+                continue;
+            run_to(scene, &request, &run);
+            check_frames(scene, &run, request.stepper);
+            lab_run_free(&run);
+        }
+    scene_free(scene);
+}
+
+static void check_same(const struct lab_run *a, const struct lab_run *b, int wisps, int reversed) {
+    const int nodes = a->rows / wisps;
+    cr_assert(a->frames == b->frames && a->rows == b->rows);
+    for (int f = 0; f < a->frames; f++)
+        for (int i = 0; i < a->rows; i++) {
+            const int wisp = reversed ? wisps - 1 - i / nodes : i / nodes,
+                      j = wisp * nodes + i % nodes;
+            cr_assert_eq(memcmp(a->row + (f * a->rows + i) * a->columns + 1,
+                                b->row + (f * b->rows + j) * b->columns + 1,
+                                (size_t)(a->columns - 1) * sizeof(double)),
+                         0, "frame %d, row %d differs", f, i);
+        }
+}
+
+/* Same bits for any number of threads and any order of wisps; 3 x 3 wisps leave padding. */
+Test(body_runs, threads_and_order_change_nothing) {
+    static const char *const steppers[] = {"rk4", "cvode"};
+    for (int m = 0; m < 2; m++)
+        for (int treatment = 0; treatment < TREATMENTS; treatment++) {
+            struct scene *scene = LAB_LOAD("sphere", "duration=0.9", NEAR, "wisps.[0].grid=[3, 3]");
+            struct run_request request = {.stepper = steppers[m],
+                                          .treatment = treatment_names[treatment]};
+            struct lab_run run[4];
+            for (int threads = 1; threads <= 3; threads++) {
+                request.threads = threads;
+                run_to(scene, &request, &run[threads - 1]);
+            }
+            for (int i = 0; i < 4; i++) {
+                const struct wisp wisp = scene->wisps[i];
+                scene->wisps[i] = scene->wisps[8 - i];
+                scene->wisps[8 - i] = wisp;
+            }
+            run_to(scene, &request, &run[3]);
+            cr_assert_gt(run[0].result.counters.body_contacts, 50);
+            for (int i = 1; i < 4; i++)
+                check_same(&run[0], &run[i], 9, i == 3);
+            for (int i = 0; i < 4; i++)
+                lab_run_free(&run[i]);
+            scene_free(scene);
+        }
+}
+
+/* A wisp swings down onto a ball at rest and bounces: a tick is the same map for all. */
+#define BALL                                                                                     \
+    "body=({ name=\"ball\"; center=[0.15, -0.2, 0.02]; radii=[0.06, 0.08, 0.07]; friction=20.0;" \
+    "        elasticity=0.5; offset=1e-4; })"
+
+Test(body_runs, steppers_agree_on_a_bounce) {
+    static const char *const scenes[] = {"swing", "swing-envelope"};
+    for (int i = 0; i < 2; i++)
+        for (int treatment = 0; treatment < (i ? TREATMENTS : 1); treatment++) {
+            struct scene *scene = LAB_LOAD(scenes[i], "duration=0.3", BALL);
+            const struct run_request fixed = {
+                .stepper = "rk4", .treatment = treatment_names[treatment], .step = 1 / 24000.};
+            const struct run_request tight = {.stepper = "cvode",
+                                              .treatment = treatment_names[treatment],
+                                              .rtol = 1e-11,
+                                              .atol = 1e-13};
+            struct lab_run a, b;
+            run_to(scene, &fixed, &a);
+            run_to(scene, &tight, &b);
+            const struct lab_distance d = lab_distance(&a, &b, 1, 2);
+            cr_log_info("%s, %s: %lld and %lld contacts, %g m apart", scenes[i], fixed.treatment,
+                        a.result.counters.body_contacts, b.result.counters.body_contacts,
+                        d.largest);
+            cr_assert_gt(a.result.counters.body_contacts, 5);
+            cr_assert_gt(b.result.counters.restarts, 1);
+            cr_assert_eq(a.result.counters.body_contacts, b.result.counters.body_contacts);
+            cr_assert_lt(d.largest, 1e-7, "%s, %s: %g m apart", scenes[i], fixed.treatment,
+                         d.largest);
+            lab_run_free(&a);
+            lab_run_free(&b);
+            scene_free(scene);
+        }
+}
+
+/* A body that nobody touches changes no bit; without envelope and body there are no ticks. */
+Test(body_runs, a_distant_body_changes_nothing) {
+    static const char *const distant =
+        "body=({ name=\"far\"; center=[5, 5, 5]; radii=[1, 1, 1]; friction=20; elasticity=0;"
+        "        offset=1e-4; })";
+    struct scene *without = LAB_LOAD("swing-envelope", "duration=0.2"),
+                 *with = LAB_LOAD("swing-envelope", "duration=0.2", distant);
+    const struct run_request request = {.stepper = "cvode"};
+    struct lab_run a, b;
+    run_to(without, &request, &a);
+    run_to(with, &request, &b);
+    check_same(&a, &b, 1, 0);
+    cr_assert(b.result.counters.body_contacts == 0 &&
+              a.result.counters.restarts == b.result.counters.restarts);
+    lab_run_free(&a);
+    lab_run_free(&b);
+    scene_free(without);
+    scene_free(with);
+    without = lab_load("swing", NULL, 0);
+    with = LAB_LOAD("swing", distant);
+    struct model *plain = wisp_problem.create(without, WISP_GENERALISED, 1),
+                 *ticking = wisp_problem.create(with, WISP_GENERALISED, 1);
+    cr_assert(plain && ticking && plain->collision_rate == 0 && ticking->collision_rate == 300);
+    wisp_problem.free(plain);
+    wisp_problem.free(ticking);
+    scene_free(without);
+    scene_free(with);
+}
