@@ -57,8 +57,7 @@ static const char crossed[] =
 
 struct answer {
     char folder[PATH_SIZE];
-    struct finished f;
-    char *statement, *table, *steppers; /* the files; NULL: not there */
+    char *statement, *table, *steppers; /* the files */
 };
 
 static char *table_of(const struct answer *answer, const char *experiment, const char *name) {
@@ -67,20 +66,26 @@ static char *table_of(const struct answer *answer, const char *experiment, const
     return file_read(path);
 }
 
-/* With explicit Euler alone, on a scene of the text or the experiment's own. */
-static void ask(struct answer *answer, const char *experiment, const char *scene) {
+/* Runs an experiment of a stepper, or of all with --quick where it is NULL, on a scene of the text
+ * or the experiment's own. */
+static void ask(struct answer *answer, const char *experiment, const char *stepper,
+                const char *scene) {
     char path[PATH_SIZE] = "";
+    struct finished f;
+    const char *words[10] = {"experiment", experiment, "--out", answer->folder};
+    int count = 4;
     folder_make(answer->folder);
+    words[count++] = stepper ? "--stepper" : "--quick";
+    if (stepper)
+        words[count++] = stepper;
     if (scene) {
         file_write(answer->folder, "small.cfg", scene, path);
-        PROGRAM(&answer->f, NULL, "experiment", experiment, "--stepper", "euler", "--out",
-                answer->folder, "--scene", path);
-    } else {
-        PROGRAM(&answer->f, NULL, "experiment", experiment, "--stepper", "euler", "--out",
-                answer->folder);
+        words[count++] = "--scene";
+        words[count++] = path;
     }
-    cr_assert_eq(answer->f.code, 0, "%s: exit code %d: %s", experiment, answer->f.code,
-                 answer->f.err);
+    const struct process process = program_start(NULL, words);
+    program_wait(&process, &f);
+    cr_assert_eq(f.code, 0, "%s: exit code %d: %s", experiment, f.code, f.err);
     answer->statement = table_of(answer, experiment, "statement");
     answer->table = table_of(answer, experiment, "table");
     answer->steppers = table_of(answer, experiment, "steppers");
@@ -138,11 +143,16 @@ static void says(const struct answer *answer, const char *name, const char *verd
     cr_assert_str_eq(field(row, 3, text), verdict, "%s: %s, not %s: %s", name, text, verdict, row);
 }
 
-static void ask_one(const char *experiment, const char *scene, const char *name,
-                    const char *verdict) {
+#define HOLD(answer, ...) all_hold(answer, (const char *const[]){__VA_ARGS__, NULL})
+static void all_hold(const struct answer *answer, const char *const *names) {
+    for (; *names; names++)
+        says(answer, *names, "holds");
+}
+
+static void must_not_hold(const char *experiment, const char *scene, const char *name) {
     struct answer answer;
-    ask(&answer, experiment, scene);
-    says(&answer, name, verdict);
+    ask(&answer, experiment, "euler", scene);
+    says(&answer, name, "does not hold");
     forget(&answer);
 }
 
@@ -152,69 +162,58 @@ static void ask_one(const char *experiment, const char *scene, const char *name,
 
 Test(chapter5, slow_interactions_tell_who_passes_through, QUIET) {
     struct answer answer;
-    ask(&answer, "interactions", NULL);
-    says(&answer, "crossings, none", "holds");
-    says(&answer, "crossings, interpenetration", "holds");
-    says(&answer, "crossings, collision", "holds");
-    says(&answer, "crossings, all", "holds");
+    ask(&answer, "interactions", "euler", NULL);
+    HOLD(&answer, "crossings, none", "crossings, interpenetration", "crossings, collision",
+         "crossings, all");
     cr_assert_gt(number(answer.statement, "influence, all", "value"), 1);
     forget(&answer);
-    ask_one("interactions", radii, "crossings, none", "does not hold");
-    ask_one("interactions", fast, "crossings, collision", "does not hold");
+    must_not_hold("interactions", radii, "crossings, none");
+    must_not_hold("interactions", fast, "crossings, collision");
 }
 
 Test(chapter5, slow_viscosity_tells_when_wisps_part, QUIET) {
     struct answer answer;
-    ask(&answer, "viscosity", NULL);
-    says(&answer, "overlap at the start", "holds");
-    says(&answer, "parted", "holds");
-    says(&answer, "stuck", "holds");
-    says(&answer, "stay", "holds");
+    ask(&answer, "viscosity", "euler", NULL);
+    HOLD(&answer, "overlap at the start", "parted", "stuck", "stay");
     cr_assert_float_eq(number(answer.statement, "parted", "value"), 12, 1e-9);
     cr_assert_float_eq(number(answer.statement, "stay", "value"), 54, 2.1);
     forget(&answer);
-    ask_one("viscosity", radii, "parted", "does not hold");
-    ask_one("viscosity", crossed, "stay", "does not hold");
+    must_not_hold("viscosity", radii, "parted");
+    must_not_hold("viscosity", crossed, "stay");
 }
 
 Test(chapter5, slow_the_sphere_keeps_hair_out, QUIET) {
     struct answer answer;
-    ask(&answer, "sphere", NULL);
-    says(&answer, "touched", "holds");
-    says(&answer, "nodes left inside", "holds");
-    says(&answer, "deepest point", "holds");
-    says(&answer, "strain", "holds");
+    ask(&answer, "sphere", "euler", NULL);
+    HOLD(&answer, "touched", "nodes left inside", "deepest point", "strain");
     cr_assert_gt(number(answer.statement, "deepest segment", "value"), 0.1);
     cr_assert_float_eq(number(answer.table, "sphere", "thesis_per_frame"), 21.6, 0);
     forget(&answer);
-    ask_one("sphere", still, "touched", "does not hold");
+    must_not_hold("sphere", still, "touched");
 }
 
 Test(chapter5, slow_wind_lays_over_and_lets_fall, QUIET) {
     struct answer answer;
-    ask(&answer, "wind", gust);
-    says(&answer, "laid over", "holds");
-    says(&answer, "in the gust", "holds");
-    says(&answer, "fallen back", "holds");
+    ask(&answer, "wind", "euler", gust);
+    HOLD(&answer, "laid over", "in the gust", "fallen back");
     forget(&answer);
-    ask_one("wind", breath, "laid over", "does not hold");
-    ask_one("wind", long_gust, "fallen back", "does not hold");
+    must_not_hold("wind", breath, "laid over");
+    must_not_hold("wind", long_gust, "fallen back");
 }
 
 Test(chapter5, slow_hair_lags_a_head_that_shakes, QUIET) {
     struct answer answer;
-    ask(&answer, "shake", shaken);
-    says(&answer, "lag", "holds");
-    says(&answer, "returned", "holds");
+    ask(&answer, "shake", "euler", shaken);
+    HOLD(&answer, "lag", "returned");
     const double lag = number(answer.statement, "lag", "value");
     cr_assert(lag > 0.02 && lag < 0.5, "a lag of %g s", lag);
     forget(&answer);
-    ask_one("shake", still, "lag", "does not hold");
+    must_not_hold("shake", still, "lag");
 }
 
 Test(chapter5, slow_radii_are_compared_from_one_to_the_next, QUIET) {
     struct answer answer;
-    ask(&answer, "radii", radii);
+    ask(&answer, "radii", "euler", radii);
     double angles[3];
     for (int i = 0; i < 3; i++) {
         char name[32];
@@ -239,7 +238,7 @@ Test(chapter5, slow_costs_are_normalised_to_the_first_row, QUIET) {
     static const char *const names[] = {"none", "interpenetration", "collision", "all"};
     static const double thesis[] = {0.76, 0.86, 0.84, 0.91};
     struct answer answer;
-    ask(&answer, "interactions", NULL);
+    ask(&answer, "interactions", "euler", NULL);
     const char *table = answer.table;
     for (int i = 0; i < 4; i++) {
         const double cpu = number(table, names[i], "cpu_per_frame"),
@@ -270,13 +269,10 @@ Test(chapter5, slow_costs_are_normalised_to_the_first_row, QUIET) {
     forget(&answer);
 }
 
-/* Every stepper has a row, also one that fails; two are compared by their distance. */
+/* Every stepper has a row; two are compared by their distance. */
 Test(chapter5, slow_every_stepper_has_a_row, QUIET) {
     struct answer answer;
-    folder_make(answer.folder);
-    PROGRAM(&answer.f, NULL, "experiment", "viscosity", "--quick", "--out", answer.folder);
-    cr_assert_eq(answer.f.code, 0, "exit code %d: %s", answer.f.code, answer.f.err);
-    answer.steppers = table_of(&answer, "viscosity", "steppers");
+    ask(&answer, "viscosity", NULL, NULL);
     for (int i = 0; stepper_methods[i]; i++) {
         const char *name = stepper_methods[i]->name;
         const double distance = number(answer.steppers, name, "distance"),
@@ -288,22 +284,18 @@ Test(chapter5, slow_every_stepper_has_a_row, QUIET) {
     }
     cr_assert(number(answer.steppers, "rk4", "distance") <
               number(answer.steppers, "euler", "distance"));
-    answer.statement = answer.table = NULL;
     forget(&answer);
-    folder_make(answer.folder);
-    /* stiff beyond what 9000 Hz can do */
-    char path[PATH_SIZE];
-    file_write(answer.folder, "stiff.cfg",
-               "name = \"stiff\"; duration = 0.2; frame_rate = 30.0; gravity = [0.0, -9.81, 0.0];\n"
-               "material = { stretch_stiffness = 16800.0; }; envelope = { };\n"
-               "contacts = { };\n" HANGING,
-               path);
-    PROGRAM(&answer.f, NULL, "experiment", "viscosity", "--stepper", "euler", "--scene", path,
-            "--out", answer.folder);
-    cr_assert_eq(answer.f.code, 0, "exit code %d: %s", answer.f.code, answer.f.err);
-    answer.steppers = table_of(&answer, "viscosity", "steppers");
+}
+
+/* Also one that fails: the scene is stiff beyond what 9000 Hz can do. */
+Test(chapter5, slow_a_stepper_that_fails_has_a_row, QUIET) {
+    static const char stiff[] =
+        "name = \"stiff\"; duration = 0.2; frame_rate = 30.0; gravity = [0.0, -9.81, 0.0];\n"
+        "material = { stretch_stiffness = 16800.0; }; envelope = { };\n"
+        "contacts = { };\n" HANGING;
+    struct answer answer;
+    ask(&answer, "viscosity", "euler", stiff);
     cr_assert_not(strstr(row_named(answer.steppers, "euler"), "finished"), "%s", answer.steppers);
-    answer.statement = table_of(&answer, "viscosity", "statement");
     cr_assert(strstr(answer.statement, "did not reach its end"), "%s", answer.statement);
     forget(&answer);
 }

@@ -176,7 +176,23 @@ Test(failures, every_method_uses_the_callbacks) {
     each_variant(check_use, NULL);
 }
 
-/* --- not finite --- */
+/* --- models that fail from a call on, to the end of the run --- */
+
+/* A run of 20 s on the made-up oscillator with this done to it. */
+static void run_changed(const struct variant *variant, void (*change)(struct fixture *fixture),
+                        const struct observer *observer, struct run_result *result) {
+    char reason[REASON_SIZE];
+    struct settings settings;
+    fixture_start = (struct fixture_start){.make = fixture_manufactured, .change = change, .v = 1};
+    struct scene *scene = fixture_scene(20, 10, 0.1);
+    const struct run_request request = {.stepper = variant->method->name,
+                                        .options = &variant->option,
+                                        .option_count = variant->option != NULL};
+    cr_assert_eq(settings_resolve(scene, &request, &settings, reason), 0, "%s: %s", variant->name,
+                 reason);
+    simulate(scene, &settings, observer, NULL, result);
+    scene_free(scene);
+}
 
 static void nan_from_call_30(struct fixture *fixture) {
     fixture->fail_call = CALL_ACCELERATION;
@@ -196,20 +212,9 @@ static int finite_frames(void *ctx, const struct model *model, double t, const d
 /* A model whose accelerations turn to NaN is never finished, whatever the method makes of it. */
 static void check_nan(const struct variant *variant, void *ctx) {
     (void)ctx;
-    char reason[REASON_SIZE];
-    struct settings settings;
     struct run_result result;
     int frames = 0;
-    fixture_start =
-        (struct fixture_start){.make = fixture_manufactured, .change = nan_from_call_30, .v = 1};
-    struct scene *scene = fixture_scene(20, 10, 0.1);
-    const struct run_request request = {.stepper = variant->method->name,
-                                        .options = &variant->option,
-                                        .option_count = variant->option != NULL};
-    cr_assert_eq(settings_resolve(scene, &request, &settings, reason), 0, "%s: %s", variant->name,
-                 reason);
-    simulate(scene, &settings, &(struct observer){finite_frames, &frames}, NULL, &result);
-    scene_free(scene);
+    run_changed(variant, nan_from_call_30, &(struct observer){finite_frames, &frames}, &result);
     cr_assert(result.outcome == NOT_FINITE, "%s: '%s' (%s) where accelerations are NaN",
               variant->name, outcome_name(result.outcome), result.reason);
     cr_assert(result.time < 20 && result.reason[0], "%s: says nothing of when and why",
@@ -232,19 +237,8 @@ static void recoverable_for_ever(struct fixture *fixture) {
 /* What failed is what the run reports, with the time it had reached. */
 static void check_model_failure(const struct variant *variant, void *ctx) {
     (void)ctx;
-    char reason[REASON_SIZE];
-    struct settings settings;
     struct run_result result;
-    fixture_start = (struct fixture_start){
-        .make = fixture_manufactured, .change = recoverable_for_ever, .v = 1};
-    struct scene *scene = fixture_scene(20, 10, 0.1);
-    const struct run_request request = {.stepper = variant->method->name,
-                                        .options = &variant->option,
-                                        .option_count = variant->option != NULL};
-    cr_assert_eq(settings_resolve(scene, &request, &settings, reason), 0, "%s: %s", variant->name,
-                 reason);
-    simulate(scene, &settings, NULL, NULL, &result);
-    scene_free(scene);
+    run_changed(variant, recoverable_for_ever, NULL, &result);
     cr_assert_eq(result.outcome, MODEL_FAILED, "%s: '%s' (%s) where the model failed",
                  variant->name, outcome_name(result.outcome), result.reason);
     cr_assert(strstr(result.reason, "told to fail"), "%s: the reason is '%s'", variant->name,

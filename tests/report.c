@@ -304,26 +304,26 @@ static void must_fail(const struct report *report, int code, const char *const *
               "half a report is there");
 }
 
-Test(report, an_empty_cell_without_a_reason_is_a_failure) {
+/* The page of circle with that table in its folder. */
+static void table_must_fail(const char *name, const char *text, const char *const *says) {
     struct report report;
     char root[PATH_SIZE], folder[PATH_SIZE];
     prepare(&report, root);
     path_format(folder, "%s/circle", root);
-    file_write(folder, "table.tsv",
-               "# x\nmethod\ttreatment\terror_30s\terror_160s\tnote\nrk4\tfree\t1\tnan\t\n", NULL);
-    must_fail(&report, 1,
-              (const char *const[]){"circle/table.tsv", "row 1", "column error_160s", NULL});
+    file_write(folder, name, text, NULL);
+    must_fail(&report, 1, says);
     folder_remove(root);
 }
 
+Test(report, an_empty_cell_without_a_reason_is_a_failure) {
+    table_must_fail("table.tsv",
+                    "# x\nmethod\ttreatment\terror_30s\terror_160s\tnote\nrk4\tfree\t1\tnan\t\n",
+                    (const char *const[]){"circle/table.tsv", "row 1", "column error_160s", NULL});
+}
+
 Test(report, tables_that_no_figure_shows_are_checked_too) {
-    struct report report;
-    char root[PATH_SIZE], folder[PATH_SIZE];
-    prepare(&report, root);
-    path_format(folder, "%s/circle", root);
-    file_write(folder, "other.tsv", "# x\na\tb\n1\t\n", NULL);
-    must_fail(&report, 1, (const char *const[]){"circle/other.tsv", "column b", NULL});
-    folder_remove(root);
+    table_must_fail("other.tsv", "# x\na\tb\n1\t\n",
+                    (const char *const[]){"circle/other.tsv", "column b", NULL});
 }
 
 Test(report, half_a_picture_and_none_are_failures) {
