@@ -8,7 +8,6 @@
 
 #include <criterion/criterion.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Turns of more than one revolution, of little, and of none. */
@@ -127,58 +126,37 @@ static const char scene_text[] =
     "%s\n";
 
 static struct scene *scene_with(const char *gravity, const char *more) {
-    char folder[] = "/tmp/prescribed-XXXXXX", path[64], reason[REASON_SIZE];
-    cr_assert(mkdtemp(folder));
-    snprintf(path, sizeof path, "%s/scene.cfg", folder);
-    FILE *file = fopen(path, "w");
-    cr_assert(file);
-    fprintf(file, scene_text, gravity, more);
-    fclose(file);
-    struct scene *scene = scene_load(path, NULL, 0, reason);
-    cr_assert(scene, "%s", reason);
-    remove(path);
-    remove(folder);
-    return scene;
-}
-
-/* A frame after a run with Runge-Kutta 4. */
-struct last {
-    double rows[6 * 40];
-    int count;
-};
-
-static int keep_last(void *ctx, const struct model *model, double t, const double *rows) {
-    (void)t;
-    struct last *last = ctx;
-    last->count = model->row_count * model->column_count;
-    memcpy(last->rows, rows, (size_t)last->count * sizeof *rows);
-    return 0;
+    char text[1000];
+    snprintf(text, sizeof text, scene_text, gravity, more);
+    return lab_read(text);
 }
 
 static void run_to_end(const struct scene *scene, const char *stepper, const char *treatment,
-                       struct last *last) {
-    const struct run_request request = {.stepper = stepper, .treatment = treatment};
-    struct settings settings;
-    struct run_result result;
-    char reason[REASON_SIZE];
-    cr_assert_eq(settings_resolve(scene, &request, &settings, reason), 0, "%s", reason);
-    simulate(scene, &settings, &(struct observer){keep_last, last}, NULL, &result);
-    cr_assert_eq(result.outcome, FINISHED, "%s", result.reason);
+                       struct lab_run *run) {
+    lab_run(scene, &(struct run_request){.stepper = stepper, .treatment = treatment}, run);
+    cr_assert_eq(run->result.outcome, FINISHED, "%s", run->result.reason);
+}
+
+/* A row of the last frame: of wisp 0, the node of that number. */
+static const double *last_row(const struct lab_run *run, int row) {
+    return run->row + ((run->frames - 1) * run->rows + row) * run->columns;
 }
 
 /* A constant style is gravity by another name. */
 Test(prescribed, a_constant_style_is_gravity) {
-    static const char *const treatments[] = {"projection", "penalty", "generalised"};
     struct scene *heavy = scene_with("gravity = [1.0, -9.0, 0.5];", "");
     struct scene *styled =
         scene_with("gravity = [0.0, 0.0, 0.0];",
                    "style = { times = [0.0]; accelerations = ([1.0, -9.0, 0.5]); };");
-    for (int i = 0; i < 3; i++) {
-        struct last one, other;
-        run_to_end(heavy, "rk4", treatments[i], &one);
-        run_to_end(styled, "rk4", treatments[i], &other);
-        cr_assert(memcmp(one.rows, other.rows, (size_t)one.count * sizeof(double)) == 0, "%s",
-                  treatments[i]);
+    for (int i = 0; i < TREATMENTS; i++) {
+        struct lab_run one, other;
+        run_to_end(heavy, "rk4", treatment_names[i], &one);
+        run_to_end(styled, "rk4", treatment_names[i], &other);
+        cr_assert(memcmp(last_row(&one, 0), last_row(&other, 0),
+                         (size_t)(one.rows * one.columns) * sizeof(double)) == 0,
+                  "%s", treatment_names[i]);
+        lab_run_free(&one);
+        lab_run_free(&other);
     }
     scene_free(heavy);
     scene_free(styled);
@@ -186,23 +164,23 @@ Test(prescribed, a_constant_style_is_gravity) {
 
 /* A head that has been turned for ever is a scene that is turned: gravity and direction. */
 Test(prescribed, a_head_turned_for_ever_is_a_turned_scene) {
-    static const char *const treatments[] = {"projection", "penalty", "generalised"};
     struct scene *plain = scene_with("gravity = [0.0, -9.81, 0.0];", "");
     /* a quarter turn about z takes x to y and y to -x, and gravity with them */
     struct scene *turned = scene_with("gravity = [9.81, 0.0, 0.0];",
                                       "head = { times = [0.0]; positions = ([0.0, 0.0, 0.0]); "
                                       "rotations = ([0.0, 0.0, 1.5707963267948966]); };");
-    for (int i = 0; i < 3; i++) {
-        struct last one, other;
-        run_to_end(plain, "rk4", treatments[i], &one);
-        run_to_end(turned, "rk4", treatments[i], &other);
-        for (int row = 0; row < 6; row++) {
-            const int columns = one.count / 6;
-            const double *a = one.rows + row * columns, *b = other.rows + row * columns;
-            cr_assert_float_eq(b[2], -a[3], 1e-11, "%s: node %d", treatments[i], row);
-            cr_assert_float_eq(b[3], a[2], 1e-11, "%s: node %d", treatments[i], row);
-            cr_assert_float_eq(b[4], a[4], 1e-11, "%s: node %d", treatments[i], row);
+    for (int i = 0; i < TREATMENTS; i++) {
+        struct lab_run one, other;
+        run_to_end(plain, "rk4", treatment_names[i], &one);
+        run_to_end(turned, "rk4", treatment_names[i], &other);
+        for (int row = 0; row < one.rows; row++) {
+            const double *a = last_row(&one, row), *b = last_row(&other, row);
+            cr_assert_float_eq(b[2], -a[3], 1e-11, "%s: node %d", treatment_names[i], row);
+            cr_assert_float_eq(b[3], a[2], 1e-11, "%s: node %d", treatment_names[i], row);
+            cr_assert_float_eq(b[4], a[4], 1e-11, "%s: node %d", treatment_names[i], row);
         }
+        lab_run_free(&one);
+        lab_run_free(&other);
     }
     scene_free(plain);
     scene_free(turned);
@@ -215,15 +193,17 @@ Test(prescribed, methods_agree_on_a_head_that_shakes) {
         "gravity = [0.0, -9.81, 0.0];",
         "head = { times = [0.02, 0.1, 0.21]; positions = ([0.0, 0.0, 0.0], [0.02, 0.0, 0.0], "
         "[0.0, 0.0, 0.0]); rotations = ([0.0, 0.0, 0.0], [0.0, 0.9, 0.2], [0.0, 0.0, 0.0]); };");
-    struct last one, other;
+    struct lab_run one, other;
     run_to_end(scene, "rk4", "generalised", &one);
     run_to_end(scene, "reference", "generalised", &other);
-    for (int row = 0; row < 6; row++)
+    cr_assert_eq(one.rows, 6);
+    for (int row = 0; row < one.rows; row++)
         for (int c = 2; c < 5; c++) {
-            const int at = row * one.count / 6 + c;
+            const double a = last_row(&one, row)[c], b = last_row(&other, row)[c];
             /* Runge-Kutta 4 at 10 kHz is good to some 1e-10 m on these scenes */
-            cr_assert_float_eq(one.rows[at], other.rows[at], 1e-8, "node %d: %g", row,
-                               one.rows[at] - other.rows[at]);
+            cr_assert_float_eq(a, b, 1e-8, "node %d: %g", row, a - b);
         }
+    lab_run_free(&one);
+    lab_run_free(&other);
     scene_free(scene);
 }

@@ -295,25 +295,20 @@ enum { ENTRIES = sizeof entries / sizeof *entries };
 
 /* A scene file with these entries in this order. */
 static struct scene *scene_of_entries(const int *order, int count) {
-    char path[] = "/tmp/wisp-order-XXXXXX", reason[REASON_SIZE];
-    const int handle = mkstemp(path);
-    FILE *file = handle >= 0 ? fdopen(handle, "w") : NULL;
-    cr_assert(file, "no temporary file");
-    fprintf(file,
-            "duration = 0.05; frame_rate = 60.0; gravity = [0.0, -9.81, 0.0]; material = { };\n"
-            "envelope = { radius = 0.01; };\n"
-            "wind = { kind = \"irregular\"; velocity = [1.0, 0.5, 2.0];\n"
-            "         amplitudes = [0.5, 0.2]; frequencies = [2.0, 7.0]; };\n"
-            "run = { step = 2e-4; rtol = 1e-5; atol = 1e-8; };\n"
-            "wisps = (");
+    char text[2000];
+    int used = snprintf(
+        text, sizeof text,
+        "duration = 0.05; frame_rate = 60.0; gravity = [0.0, -9.81, 0.0]; material = { };\n"
+        "envelope = { radius = 0.01; };\n"
+        "wind = { kind = \"irregular\"; velocity = [1.0, 0.5, 2.0];\n"
+        "         amplitudes = [0.5, 0.2]; frequencies = [2.0, 7.0]; };\n"
+        "run = { step = 2e-4; rtol = 1e-5; atol = 1e-8; };\n"
+        "wisps = (");
     for (int i = 0; i < count; i++)
-        fprintf(file, "%s\n%s", i ? "," : "", entries[order[i]]);
-    fprintf(file, ");\n");
-    fclose(file);
-    struct scene *scene = scene_load(path, NULL, 0, reason);
-    remove(path);
-    cr_assert(scene, "%s", reason);
-    return scene;
+        used += snprintf(text + used, sizeof text - (size_t)used, "%s\n%s", i ? "," : "",
+                         entries[order[i]]);
+    snprintf(text + used, sizeof text - (size_t)used, ");\n");
+    return lab_read(text);
 }
 
 /* The rows of one wisp in a frame, behind the column that numbers it. */

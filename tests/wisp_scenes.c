@@ -1,13 +1,11 @@
 /* Scene files of wisps: what is wrong is refused in one line with its place and reason, and what is
  * right becomes the stated numbers. */
+#include "support.h"
 #include "wisp_support.h"
 
 #include <criterion/criterion.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 /* --- what is wrong --- */
@@ -323,80 +321,55 @@ static const struct wrong {
 };
 enum { WRONGS = sizeof wrongs / sizeof *wrongs };
 
-static void write_scene(const char *path, const char *name, const char *text) {
-    FILE *file = fopen(path, "w");
-    cr_assert(file, "%s cannot be written", path);
+/* The sound scene with `instead` in the place of that setting, or behind all; NULL: as it is. */
+static const char *scene_text(const char *name, const char *instead) {
+    static char text[4000];
     int replaced = 0;
+    text[0] = '\0';
     for (int i = 0; i < SOUND; i++) {
         const int here = name && strcmp(sound[i].name, name) == 0;
         replaced |= here;
-        fprintf(file, "%s\n", here ? text : sound[i].text);
+        strcat(strcat(text, here ? instead : sound[i].text), "\n");
     }
     if (name && !replaced)
-        fprintf(file, "%s\n", text);
-    fclose(file);
-}
-
-/* `wisplab run` of a scene into a folder: its exit code, and what it says on standard error. */
-static int run_program(const char *scene, const char *out, char *said, size_t size) {
-    const int file = memfd_create("err", MFD_CLOEXEC);
-    cr_assert(file >= 0, "no memory");
-    const pid_t child = fork();
-    if (child == 0) {
-        dup2(file, 2);
-        execl(WISPLAB_PROGRAM, WISPLAB_PROGRAM, "run", scene, "--no-progress", "--out", out, NULL);
-        _exit(99);
-    }
-    int status;
-    cr_assert(child > 0 && waitpid(child, &status, 0) == child, "no process");
-    const ssize_t length = pread(file, said, size - 1, 0);
-    said[length > 0 ? length : 0] = '\0';
-    close(file);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+        strcat(strcat(text, instead), "\n");
+    return text;
 }
 
 Test(wisp_scenes, what_is_wrong_is_refused_in_one_line_with_its_place) {
-    char folder[] = "/tmp/wisp-scenes-XXXXXX", path[200], out[100], place[240], said[4000];
-    cr_assert(mkdtemp(folder), "no folder");
-    snprintf(path, sizeof path, "%s/bad.cfg", folder);
-    snprintf(out, sizeof out, "%s/out", folder);
+    char folder[PATH_SIZE], path[PATH_SIZE], out[PATH_SIZE], place[PATH_SIZE + 20];
+    struct finished f;
+    folder_make(folder);
+    path_format(out, "%s/out", folder);
     for (int i = 0; i < WRONGS; i++) {
         const struct wrong *w = &wrongs[i];
-        write_scene(path, w->name, w->text);
-        const int code = run_program(path, out, said, sizeof said);
-        cr_expect_eq(code, 1, "%s: exit code %d, '%s'", w->text, code, said);
-        const char *end = strchr(said, '\n');
-        cr_expect(end && end[1] == '\0', "%s: not one line: '%s'", w->text, said);
+        file_write(folder, "bad.cfg", scene_text(w->name, w->text), path);
+        PROGRAM(&f, NULL, "run", path, "--no-progress", "--out", out);
+        cr_expect_eq(f.code, 1, "%s: exit code %d, '%s'", w->text, f.code, f.err);
+        const char *end = strchr(f.err, '\n');
+        cr_expect(end && end[1] == '\0', "%s: not one line: '%s'", w->text, f.err);
         if (w->line > 0)
             snprintf(place, sizeof place, "%s:%d: ", path, w->line);
         else
             snprintf(place, sizeof place, "%s: ", path);
-        cr_expect(strstr(said, place), "%s: not at %s: '%s'", w->text, place, said);
+        cr_expect(strstr(f.err, place), "%s: not at %s: '%s'", w->text, place, f.err);
         for (int k = 0; k < 3 && w->says[k]; k++)
-            cr_expect(strstr(said, w->says[k]), "%s: does not say '%s': '%s'", w->text, w->says[k],
-                      said);
+            cr_expect(strstr(f.err, w->says[k]), "%s: does not say '%s': '%s'", w->text, w->says[k],
+                      f.err);
         cr_expect_neq(access(out, F_OK), 0, "%s: something was written", w->text);
     }
-    write_scene(path, NULL, NULL);
-    cr_expect_eq(run_program(path, out, said, sizeof said), 0, "the sound scene: %s", said);
-    cr_expect_eq(access(out, F_OK), 0, "the sound scene writes nothing");
-    remove(path);
-    snprintf(path, sizeof path, "%s/states.tsv", out);
-    remove(path);
-    snprintf(path, sizeof path, "%s/run.json", out);
-    remove(path);
-    cr_expect(rmdir(out) == 0 && rmdir(folder) == 0, "something else is in %s", folder);
+    file_write(folder, "bad.cfg", scene_text(NULL, NULL), path);
+    PROGRAM(&f, NULL, "run", path, "--no-progress", "--out", out);
+    cr_expect_eq(f.code, 0, "the sound scene: %s", f.err);
+    cr_expect(count_files(out, "") == 2 && count_files(folder, "") == 3, "something else is in %s",
+              folder);
+    folder_remove(folder);
 }
 
 /* --- what is right --- */
 
 Test(wisp_scenes, the_named_defaults_hold) {
-    char path[] = "/tmp/wisp-scene-XXXXXX", reason[REASON_SIZE];
-    cr_assert(close(mkstemp(path)) == 0);
-    write_scene(path, NULL, NULL);
-    struct scene *scene = scene_load(path, NULL, 0, reason);
-    remove(path);
-    cr_assert(scene, "%s", reason);
+    struct scene *scene = lab_read(scene_text(NULL, NULL));
     cr_assert_eq(scene->wisp_count, 1);
     const struct wisp *w = scene->wisps;
     cr_assert(w->nodes == 11 && w->samples == 4 && w->bending == BENDING_SKIP);
@@ -423,17 +396,13 @@ Test(wisp_scenes, the_named_defaults_hold) {
 
 /* Wherever the program is started, and errors in it have its name and line. */
 Test(wisp_scenes, includes_stand_beside_the_scene) {
-    char folder[] = "/tmp/wisp-include-XXXXXX", path[100], part[100], reason[REASON_SIZE];
-    cr_assert(mkdtemp(folder), "no folder");
-    snprintf(path, sizeof path, "%s/scene.cfg", folder);
-    snprintf(part, sizeof part, "%s/part.inc", folder);
-    write_scene(path, "material", "@include \"part.inc\"");
+    static const char *const parts[] = {"# made of\nmaterial = { drag_rate = 3.0; };\n",
+                                        "# made of\nmaterial = { drag_rate = -3.0; };\n"};
+    char folder[PATH_SIZE], path[PATH_SIZE], part[PATH_SIZE], reason[REASON_SIZE];
+    folder_make(folder);
+    file_write(folder, "scene.cfg", scene_text("material", "@include \"part.inc\""), path);
     for (int bad = 0; bad < 2; bad++) {
-        FILE *file = fopen(part, "w");
-        cr_assert(file);
-        fprintf(file, "# what wisps are made of\nmaterial = { drag_rate = %s; };\n",
-                bad ? "-3.0" : "3.0");
-        fclose(file);
+        file_write(folder, "part.inc", parts[bad], part);
         struct scene *scene = scene_load(path, NULL, 0, reason);
         if (bad) {
             cr_assert_null(scene);
@@ -447,8 +416,7 @@ Test(wisp_scenes, includes_stand_beside_the_scene) {
     remove(part);
     cr_assert_null(scene_load(path, NULL, 0, reason), "without what it includes");
     cr_assert(strstr(reason, "include"), "'%s'", reason);
-    remove(path);
-    cr_assert_eq(rmdir(folder), 0);
+    folder_remove(folder);
 }
 
 /* Rates hold without the group, responses only with it; without envelope there is nothing to

@@ -1,6 +1,7 @@
 #include "wisp_support.h"
 
 #include "kernel/sparse.h"
+#include "support.h"
 
 #include <criterion/criterion.h>
 #include <math.h>
@@ -182,6 +183,15 @@ struct scene *lab_load(const char *name, const char *const *sets, int set_count)
     char reason[REASON_SIZE];
     struct scene *scene = scene_load(name, sets, set_count, reason);
     cr_assert(scene, "%s", reason);
+    return scene;
+}
+
+struct scene *lab_read(const char *text) {
+    char folder[PATH_SIZE], path[PATH_SIZE];
+    folder_make(folder);
+    file_write(folder, "scene.cfg", text, path);
+    struct scene *scene = lab_load(path, NULL, 0);
+    folder_remove(folder);
     return scene;
 }
 

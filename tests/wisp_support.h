@@ -60,6 +60,9 @@ struct scene *lab_load(const char *name, const char *const *sets, int set_count)
     lab_load(name, (const char *const[]){NULL, __VA_ARGS__} + 1, \
              (int)(sizeof((const char *const[]){NULL, __VA_ARGS__}) / sizeof(char *)) - 1)
 
+/* The scene of a file with this text; stops the test where it cannot be read. */
+struct scene *lab_read(const char *text);
+
 /* Five wisps of a scene file that meet where gravity pulls them. */
 #define WISP_A "{ root = [0.0, 0.0, 0.0]; direction = [1.0, 0.0, 0.1]; length = 0.2; nodes = 8; }"
 #define WISP_B \
