@@ -31,13 +31,9 @@ static void set_state(struct strand *s, double turn, double speed, unsigned *see
     double along[3];
     memcpy(along, w->direction, sizeof along);
     for (int i = 0; i < w->nodes; i++) {
-        double square = 0;
+        if (i > 1)
+            lab_turn(along, turn, seed);
         for (int k = 0; k < 3; k++) {
-            along[k] += i > 1 ? turn * lab_between(seed, -1, 1) : 0;
-            square += along[k] * along[k];
-        }
-        for (int k = 0; k < 3; k++) {
-            along[k] /= sqrt(square);
             s->p[i][k] = i ? s->p[i - 1][k] + along[k] * wisp_spacing(w) : w->root[k];
             s->v[i][k] = i > 1 ? speed * lab_between(seed, -1, 1) : 0;
         }

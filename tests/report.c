@@ -199,6 +199,11 @@ static void make_page(const struct report *report, struct page *page) {
     cr_assert(page->text);
 }
 
+static void must_say(const struct page *page, const char *const *says) {
+    for (; *says; says++)
+        cr_assert(strstr(page->text, *says), "the page does not say: %s", *says);
+}
+
 Test(report, page_is_well_formed_and_stands_alone) {
     struct report report;
     struct page page;
@@ -229,6 +234,7 @@ Test(report, every_figure_has_its_sentence_and_its_data) {
         "<a href=\"work-precision/swing-cheapest.tsv\">",
         "positions &lt;exact &amp; computed&gt;",
         "left &quot;the&quot; plane",
+        NULL,
     };
     struct report report;
     struct page page;
@@ -238,8 +244,7 @@ Test(report, every_figure_has_its_sentence_and_its_data) {
     read_page(&page);
     cr_assert_eq(page.figures, 3);
     cr_assert_eq(page.captions, 3);
-    for (size_t i = 0; i < sizeof says / sizeof *says; i++)
-        cr_assert(strstr(page.text, says[i]), "the page does not say: %s", says[i]);
+    must_say(&page, says);
     page_free(&page);
     folder_remove(root);
 }
@@ -262,14 +267,14 @@ Test(report, answers_follow_from_the_tables) {
         "as a treatment (no farther from the exact motion than the method's own error) on 0 of 1",
         "10 mm: rk4 (1); 1 mm: cvode (1); 0.1 mm: none (1)",
         "Failed: euler in 1 of 3 runs. Never failed: rk4, cvode.",
+        NULL,
     };
     struct report report;
     struct page page;
     char root[PATH_SIZE];
     prepare(&report, root);
     make_page(&report, &page);
-    for (size_t i = 0; i < sizeof says / sizeof *says; i++)
-        cr_assert(strstr(page.text, says[i]), "the page does not say: %s", says[i]);
+    must_say(&page, says);
     page_free(&page);
     folder_remove(root);
 }

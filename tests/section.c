@@ -20,16 +20,10 @@ static struct strand *bent(struct wisp *wisp, int samples, double turn, double w
     double along[3];
     memcpy(along, wisp->direction, sizeof along);
     for (int i = 0; i < NODES; i++) {
-        double square = 0;
-        for (int k = 0; k < 3; k++) {
-            along[k] += i > 1 ? turn * lab_between(seed, -1, 1) : 0;
-            square += along[k] * along[k];
-        }
-        for (int k = 0; k < 3; k++) {
-            along[k] /= sqrt(square);
-            s->p[i][k] =
-                i == 0 ? wisp->root[k] : s->p[i - 1][k] + along[k] * wisp->length / (NODES - 1);
-        }
+        if (i > 1)
+            lab_turn(along, turn, seed);
+        for (int k = 0; k < 3; k++)
+            s->p[i][k] = i ? s->p[i - 1][k] + along[k] * wisp_spacing(wisp) : wisp->root[k];
         for (int j = 0; j < samples; j++)
             s->r[i * samples + j] = wisp->radius * lab_between(seed, 0.05, widest);
     }

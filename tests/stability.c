@@ -3,6 +3,7 @@
  * before; and that wrong is a failure however finite it is. */
 #include "stability.h"
 
+#include "closed_forms.h"
 #include "fixture.h"
 #include "support.h"
 #include "wisp_support.h"
@@ -12,40 +13,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* --- written out, to owe nothing to the tables of the methods --- */
-
-static double complex euler_r(double complex z) {
-    return 1 + z;
-}
-
-static double complex midpoint_r(double complex z) {
-    return 1 + z + z * z / 2;
-}
-
-static double complex rk4_r(double complex z) {
-    return 1 + z + z * z / 2 + z * z * z / 6 + z * z * z * z / 24;
-}
-
-static double complex implicit_euler_r(double complex z) {
-    return 1 / (1 - z);
-}
-
-static const struct closed_form {
-    const char *stepper;
-    double complex (*r)(double complex z);
-} closed_forms[] = {{"euler", euler_r},
-                    {"midpoint", midpoint_r},
-                    {"rk4", rk4_r},
-                    {"implicit-euler", implicit_euler_r}};
-enum { CLOSED_FORMS = sizeof closed_forms / sizeof *closed_forms };
+/* --- regions --- */
 
 static double growth_at(const char *stepper, double complex z) {
     struct small_system small;
     small_dahlquist(&small, z);
     return measured_growth(stepper_find(stepper), 1e-2, &small, 1);
 }
-
-/* --- regions --- */
 
 Test(stability, measured_growth_is_the_stability_function) {
     for (int i = 0; i < CLOSED_FORMS; i++)

@@ -2,6 +2,7 @@
 
 #include "kernel/sparse.h"
 #include "support.h"
+#include "vector.h"
 
 #include <criterion/criterion.h>
 #include <math.h>
@@ -18,18 +19,25 @@ double lab_between(unsigned *seed, double least, double most) {
     return least + (most - least) * (*seed >> 8) / 16777216.;
 }
 
+static void normalise(double d[3]) {
+    const double length = vector_length(d);
+    for (int k = 0; k < 3; k++)
+        d[k] /= length;
+}
+
 /* A random direction: not evenly spread, but never short. */
 static void direction(unsigned *seed, double d[3]) {
-    double square = 0;
-    while (square < 0.1) {
-        square = 0;
-        for (int k = 0; k < 3; k++) {
+    do
+        for (int k = 0; k < 3; k++)
             d[k] = lab_between(seed, -1, 1);
-            square += d[k] * d[k];
-        }
-    }
+    while (vector_dot(d, d) < 0.1);
+    normalise(d);
+}
+
+void lab_turn(double along[3], double turn, unsigned *seed) {
     for (int k = 0; k < 3; k++)
-        d[k] /= sqrt(square);
+        along[k] += turn * lab_between(seed, -1, 1);
+    normalise(along);
 }
 
 struct wisp lab_wisp(int nodes, int samples, enum bending law, unsigned *seed) {
@@ -80,26 +88,21 @@ struct surroundings lab_surroundings(enum wind_kind kind, unsigned *seed) {
 /* The node after `p` in a state, `along` being the last segment's direction. */
 static void next_node(const struct wisp *wisp, enum lab_state kind, unsigned *seed, double along[3],
                       double p[3]) {
-    const double l = wisp->length / (wisp->nodes - 1);
+    const double l = wisp_spacing(wisp);
     const double turn = kind == STATE_REST ? 0 : kind == STATE_FOLDED ? 2.5 : 0.7;
     const double length = kind == STATE_REST         ? l
                           : kind == STATE_COMPRESSED ? l * lab_between(seed, 0.4, 0.9)
                                                      : l * lab_between(seed, 0.7, 1.4);
-    double d[3], square = 0;
+    double d[3];
     direction(seed, d);
-    for (int k = 0; k < 3; k++) {
-        along[k] += turn * d[k];
-        square += along[k] * along[k];
-    }
-    for (int k = 0; k < 3; k++) {
-        along[k] /= sqrt(square);
-        p[k] += length * along[k];
-    }
+    vector_add(along, turn, d);
+    normalise(along);
+    vector_add(p, length, along);
 }
 
 void lab_state(const struct wisp *wisp, enum wisp_treatment treatment, enum lab_state kind,
                int still, unsigned *seed, double *q, double *v) {
-    const double l = wisp->length / (wisp->nodes - 1);
+    const double l = wisp_spacing(wisp);
     const int unknowns = wisp_node_unknowns(wisp, treatment);
     double along[3], p[3];
     for (int k = 0; k < 3; k++) {

@@ -17,6 +17,9 @@ extern const char *const law_names[LAWS];
 
 double lab_between(unsigned *seed, double least, double most);
 
+/* Turns a direction by up to about 2 `turn`. */
+void lab_turn(double along[3], double turn, unsigned *seed);
+
 /* A wisp with every number within a factor of about two of the defaults, in any direction. */
 struct wisp lab_wisp(int nodes, int samples, enum bending law, unsigned *seed);
 
