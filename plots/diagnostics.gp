@@ -50,11 +50,10 @@ most_of(table, name) = 'most = 0; stats table using (most = size(column("'.name.
 # A unit in which the largest number is between 1 and 1000.
 scale_of(x) = x >= 1 ? 1. : x >= 1e-3 ? 1e3 : x >= 1e-6 ? 1e6 : 1e9
 unit_of(scale, unit) = (scale == 1 ? '' : scale == 1e3 ? 'm' : scale == 1e6 ? 'µ' : 'n').unit
-# Tics for a low panel from 0 to x: steps of 1, 2 or 5.
+# Tics for a low panel from 0 to somewhat above x: steps of 0.5, 1 or 2.
 decade(x) = 10**floor(log10(x))
-step_for(x) = x / decade(x) < 1.5 ? 0.5 * decade(x) : x / decade(x) < 3 ? decade(x) \
-    : x / decade(x) < 6 ? 2 * decade(x) : 5 * decade(x)
-few_tics(x) = sprintf('set ytics 0, %g', step_for(x > 0 ? x : 1))
+step_for(x) = (x / decade(x) < 2 ? 0.5 : x / decade(x) < 4 ? 1 : 2) * decade(x)
+few_tics(x) = sprintf('set ytics 0, %g; set yrange [0:%g]', step_for(x > 0 ? x : 1), x > 0 ? 1.12 * x : 1)
 
 do for [f = 1:words(files)] {
     table = data.'/'.word(files, f)
@@ -99,8 +98,9 @@ do for [f = 1:words(files)] {
     eval figure(stem(word(files, f)), 900, touched ? 1030 : 865)
     set datafile columnheaders
     set multiplot
-    eval heading('Energy of '.escaped(says(word(files, f), 'scene \(.*\), hash.*')) \
-        .escaped(variant(word(files, f))), \
+    scene = says(word(files, f), 'scene \(.*\), hash.*')
+    eval heading('Energy of '.escaped(scene) \
+        .(variant(word(files, f)) eq ', '.scene ? '' : escaped(variant(word(files, f)))), \
         escaped(settings(word(files, f))))
 
     # --- where the energy is ---
@@ -139,7 +139,7 @@ do for [f = 1:words(files)] {
     # --- extremes; contacts only where there are any ---
     do for [k = 1:(!touched ? 2 : extreme[2] == 0 && extreme[5] == 0 ? 3 : 4)] {
         eval panel(85 + (k - 1) % 2 * 425, k <= 2 ? 715 : 880, 350, 95)
-        set xrange [0:end]; set yrange [0:*]
+        set xrange [0:end]
         if (k > 2 || !touched) { set xlabel 'time (s)' offset 0, 0.5; set format x '%g' } \
         else { unset xlabel; set format x '' }
         if (k == 1) {

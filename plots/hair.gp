@@ -52,7 +52,12 @@ unset border; unset tics; unset grid
 set size ratio -1
 set xrange [LEAST_X - 0.03 * SPAN_X:MOST_X + 0.03 * SPAN_X]
 set yrange [LEAST_Y - 0.03 * SPAN_Y:MOST_Y + 0.03 * SPAN_Y]
-if (!CELLS) { eval panel(LEFT, 70, 400, 200); plot @BLANK }
+if (!CELLS) {
+    eval panel(LEFT, 70, 400, 200)
+    set label 3 'The run ends before the first of the frames that are drawn.' at graph 0, graph 0.5 left \
+        textcolor rgb GREY
+    plot @BLANK
+}
 do for [c = 1:CELLS] {
     eval panel(LEFT + (CELL_WIDTH + 8) * column_of[c], 92 + ROW_HEIGHT * row_of[c], CELL_WIDTH, CELL_HEIGHT)
     set object 1 rectangle from graph 0, graph 0 to graph 1, graph 1 behind fillstyle empty \
@@ -86,10 +91,13 @@ unset multiplot
 
 # columns of table.tsv and steppers.tsv
 FAILED_AT = 3; CPU = 4; LEAST = 5; GREATEST = 6; RATIO = 7; THESIS = 10; THESIS_RATIO = 11
-eval figure('cost', 900, 500)
+eval figure('cost', 900, 520)
 eval names_of('steppers')
-has_thesis = 0
+did(status) = status eq 'finished'
+has_thesis = 0; has_failed = 0
 stats table('table') using (has_thesis = column(THESIS) > 0 ? 1 : has_thesis, 0) nooutput
+stats table('steppers') using (has_failed = place(names, strcol(1)) && !did(strcol(3)) ? 1 : has_failed, 0) \
+    nooutput
 set multiplot
 eval heading('What it costs: '.STORY, \
     'thesis: explicit Euler at 9000 Hz, one MIPS R4400 at 200 MHz; ours: the same recipe, median, least to greatest')
@@ -137,8 +145,7 @@ stats table('table') using (lowest = column(LEAST) < lowest ? column(LEAST) : lo
     highest = larger(highest, larger(column(GREATEST), column(THESIS) > 0 ? column(THESIS) : 0)), 0) nooutput
 stats table('steppers') using (lowest = $5 < lowest ? $5 : lowest, highest = larger(highest, $5 > 0 ? $5 : 0), 0) nooutput
 set xrange [0.5 * lowest:3 * highest]
-is_stepper(name) = place(names, name)
-did(status) = status eq 'finished'
+set style textbox opaque noborder margins 0.5, 0.5 fillcolor rgb 'white' # over the line of real time
 unset grid; set grid xtics lc rgb '#E2E2E2' lw 0.8 dt solid
 plot table('table') using CPU:(-place_of(strcol(1))):LEAST:GREATEST with xerrorbars lc rgb '#000000' pt 7 ps 1 lw 1.5, \
      '' using (column(THESIS) > 0 ? column(THESIS) : NaN):(-place_of(strcol(1))) with points pt 6 ps 1.3 lw 2 lc rgb '#D55E00', \
@@ -151,13 +158,13 @@ plot table('table') using CPU:(-place_of(strcol(1))):LEAST:GREATEST with xerrorb
      for [m = 1:words(names)] '' \
         using (strcol(1) eq word(names, m) && !did(strcol(3)) ? ($5 > 0 ? $5 : lowest) : NaN):(-VARIANTS_HERE - m) \
         :(strcol(3).($4 == $4 ? sprintf(' at %.2g s', $4) : '')) \
-        with labels left offset 1, 0 font ',11' textcolor rgb ink_of(word(names, m))
+        with labels left offset 1.2, 0 boxed font ',11' textcolor rgb ink_of(word(names, m))
 eval heading_done
-eval legend(0, 455, 900, 40, 1)
+eval legend(0, 475, 900, 40, 1)
 plot @BLANK, keyentry with points pt 7 ps 1 lc rgb '#000000' title 'ours', \
      keyentry with points pt 6 ps 1.3 lw 2 lc rgb (has_thesis ? '#D55E00' : 'white') \
         title has_thesis ? 'thesis' : '', \
-     keyentry with points pt FAILED ps 1.1 lw 2.2 lc rgb GREY title 'failed, and when'
+     keyentry with points pt FAILED ps 1.1 lw 2.2 lc rgb GREY title has_failed ? 'failed, and when' : ''
 unset multiplot
 
 # --- the series behind the statements ---
@@ -170,6 +177,8 @@ is_here(v) = strcol(1) eq word(variants_here, v)
 do for [k = 1:SERIES] {
     eval panel(90, 80 + 235 * (k - 1), 780, 180)
     set autoscale; set autoscale xfix; set offsets 0, 0, graph 0.06, 0
+    stats table('series') using (column(2 + k)) nooutput
+    if (STATS_records && STATS_min == 0 && STATS_max == 0) { set yrange [0:1] } # nothing is below none
     set ytics nomirror out scale 0.6 font ',11'
     set xlabel k == SERIES ? 't (s)' : '' offset 0, 0.4
     set ylabel word(NAMES, k).(word(UNITS, k) eq '-' ? '' : ' ('.word(UNITS, k).')') offset 0.5, 0

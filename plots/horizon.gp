@@ -15,13 +15,13 @@ eval figure('horizon', 900, 560)
 eval heading('How long can trajectories be compared?', \
     'largest distance of a node between two tight runs whose starts are 10^{−10} m apart (treatment generalised)')
 eval panel(85, 70, 785, 380)
-eval powers('y')
+eval powers('y'); set mytics 1
 set xlabel 'time (s)'; set ylabel 'separation (m)' offset 1, 0
 set yrange [1e-13:1]
 set arrow 1 from graph 0, first 1e-3 to graph 1, first 1e-3 nohead lt 2 lw 1.2
 set label 3 '1 mm: the separation horizon' at graph 0.99, first 1e-3 right offset 0, 0.6 font ',11' \
     textcolor rgb GREY
-set key at screen 0.5, screen 0.06 center center horizontal samplen 4
+set key at screen 0.5, screen 0.06 center center horizontal Left reverse samplen 4
 positive(x) = x > 1e-13 ? x : 1e-13
 plot for [s = 1:words(scenes)] table('growth') \
     using (strcol(1) eq word(scenes, s) ? $2 : NaN):(positive($3)) \
@@ -36,29 +36,30 @@ eval figure('ensembles', 1100, 560)
 set multiplot
 eval heading('What remains to be compared: ensembles of perturbed starts', \
     'distance of an ensemble''s mean from the reference''s, in yardsticks: the distance between two halves of the reference''s own; ×: runs failed')
+LEAST = 0.02 # yardsticks; what is less is drawn there, also none where the yardstick is none
+far(d, yardstick) = d > LEAST * yardstick ? d / yardstick : LEAST
 measures = '"mean shape" "mean energy" "number of contacts"'
 do for [p = 1:3] {
     c = 4 + 2 * p
-    eval panel(75 + 345 * (p - 1), 95, 310, 330)
+    eval panel(90 + 342 * (p - 1), 95, 310, 330)
     set title '{/:Bold '.word(measures, p).'}' offset 0, -0.5
     eval powers('y')
-    set yrange [0.02:2e4]
+    set yrange [LEAST:2e4]
+    set ytics add (p == 1 ? sprintf('≤ %g', LEAST) : '' LEAST)
     if (p > 1) { set format y '' }
     set ylabel p == 1 ? 'distance (yardsticks)' : '' offset 1, 0
     set xrange [0.4:words(members) + 0.6]
     set xtics ('' 0) rotate by -30 left
     do for [m = 1:words(members)] { set xtics add (word(members, m) m) }
     set arrow 1 from graph 0, first 0.7 to graph 1, first 0.7 nohead lt 2 lw 1.2
-    if (p == 1) { set label 3 'two ensembles of one distribution' at graph 0.02, first 0.7 left \
-        offset 0, -0.7 font ',10' textcolor rgb GREY } else { unset label 3 }
     shift(s) = (s - (words(scenes) + 1) / 2.) * 0.6 / words(scenes)
     plot for [s = 1:words(scenes)] table('ensembles') \
             using (strcol(2) eq word(scenes, s) && place(members, strcol(1)) && $4 == 0 \
-                ? place(members, strcol(1)) + shift(s) : NaN):(column(c) / column(c + 1)) \
+                ? place(members, strcol(1)) + shift(s) : NaN):(far(column(c), column(c + 1))) \
             with impulses lt line_of(s) lw 1, \
          for [s = 1:words(scenes)] '' \
             using (strcol(2) eq word(scenes, s) && place(members, strcol(1)) && $4 == 0 \
-                ? place(members, strcol(1)) + shift(s) : NaN):(column(c) / column(c + 1)) \
+                ? place(members, strcol(1)) + shift(s) : NaN):(far(column(c), column(c + 1))) \
             with points lt line_of(s) ps 1.1, \
          for [s = 1:words(scenes)] '' \
             using (strcol(2) eq word(scenes, s) && place(members, strcol(1)) && $4 > 0 \
@@ -67,6 +68,7 @@ do for [p = 1:3] {
     eval heading_done
 }
 eval legend(0, 510, 1100, 40, 1)
-plot @BLANK, for [s = 1:words(scenes)] keyentry with linespoints lt line_of(s) title word(scenes, s)
+plot @BLANK, for [s = 1:words(scenes)] keyentry with linespoints lt line_of(s) title word(scenes, s), \
+     keyentry with lines lt 2 lw 1.2 title 'two ensembles of one distribution'
 unset multiplot
 set output

@@ -105,8 +105,10 @@ do for [s = 1:words(scenes)] {
                     set object 100 + i rectangle from 0, y[i] - 0.32 to ratio[i], y[i] + 0.32 \
                         fillcolor rgb colour_here \
                         fillstyle solid share noborder
+                    # Where the line of the full model would go through it, it stands behind the line.
+                    text_at = ratio[i] < 1 && ratio[i] + 0.14 * dearest > 1 ? 1 : ratio[i]
                     set label 100 + i sprintf(ratio[i] < 0.095 ? '%.2f' : '%.1f', ratio[i]) \
-                        at ratio[i], y[i] left offset 0.4, 0 font ',11'
+                        at text_at, y[i] left offset 0.4, 0 font ',11'
                 }
             }
         }

@@ -65,6 +65,7 @@ do for [s = 1:words(scene_files)] {
         }
         titles = titles.quoted(word(names, m).(some ? slopes : ''))
     }
+    has_bound = 0; has_inexact = 0 # drawn somewhere: then in the legend, where no data are under it
     set multiplot
     eval heading(WHAT.': '.escaped(word(scene_names, s)), \
         'rms distance of the free nodes from the tight solution of the same treatment, all frames' \
@@ -110,18 +111,16 @@ do for [s = 1:words(scene_files)] {
         set xlabel measure == 0 ? 'CPU time (s): median, least to greatest' : 'force evaluations' \
             offset 0, 0.4
         set ylabel place_x == 0 ? 'integration error (m)' : '' offset 1, 0
-        unset arrow; unset label 3; unset label 4; unset label 5
+        unset arrow; unset label 3; unset label 4
         set arrow 1 from graph 0, first TOP to graph 1, first TOP nohead lc rgb GREY lw 0.8
         if (bound == bound && bound > bottom) {
             set arrow 2 from graph 0, first bound to graph 1, first bound nohead lt 2 lw 1.2
-            set label 4 'bound of the reference' at graph 0.01, first bound left \
-                offset 0, 0.5 font ',11' textcolor rgb GREY
+            has_bound = 1
         }
         if (inexact == inexact && inexact > bottom) {
             set arrow 3 from graph 0, first inexact to graph 1, first inexact nohead \
                 lc rgb GREY dt (8,4) lw 1.2
-            set label 5 'error of the treatment' at graph 0.01, first inexact left \
-                offset 0, 0.5 font ',11' textcolor rgb GREY
+            has_inexact = 1
         }
         if (!(bound == bound) && place_x == 0) {
             set label 4 'the reference has no bound' at graph 0.01, graph 0.03 left font ',11' \
@@ -158,7 +157,10 @@ do for [s = 1:words(scene_files)] {
             title word(titles, m), \
          keyentry with boxes fs solid 0.25 noborder lc rgb '#0072B2' title 'jittered tolerances', \
          keyentry with lines lw 7 lc rgb '#D9D9D9' dt solid title 'Pareto front', \
-         keyentry with points pt 7 ps 0.85 lc rgb '#BBBBBB' title 'within ten times the bound'
+         keyentry with points pt 7 ps 0.85 lc rgb '#BBBBBB' title 'within ten times the bound', \
+         keyentry with lines lt 2 lw 1.2 title has_bound ? 'bound of the reference' : '', \
+         keyentry with lines lt 1 dt (8,4) lw 1.2 \
+            title has_inexact ? 'error of the treatment' : ''
     unset multiplot
 }
 set output

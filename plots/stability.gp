@@ -138,13 +138,14 @@ if (words(all)) {
 PERIOD = 3; DAMPING = 4; SHIFT = 5; DAMPING_THEORY = 6; SHIFT_THEORY = 7
 eval names_of('damping')
 W = 330; H = 340
-eval figure('damping', 95 + (W + 60) * 3, 95 + H + 130)
+GAP = 80
+eval figure('damping', 70 + (W + GAP) * 3, 95 + H + 130)
 set multiplot
 eval heading('Stable is not accurate: what an undamped oscillator does', \
     'marks: ring-down of the real code; lines: |R(iωh)| and arg R(iωh); adaptive methods at rtol 10^{−2} to 10^{−8}')
 array what[3] = ['damps it', 'drives it', 'shifts its frequency']
 do for [p = 1:3] {
-    eval panel(85 + (W + 60) * (p - 1), 90, W, H)
+    eval panel(85 + (W + GAP) * (p - 1), 90, W, H)
     set logscale x; eval powers('y')
     set xrange [2.5:300]; set yrange [1e-9:1]
     set xtics (3, 10, 30, 100, 300)

@@ -100,9 +100,10 @@ figure(name, width, height) = sprintf('reset; unset multiplot; WIDTH = %d; HEIGH
       : sprintf('set terminal pngcairo size %d,%d enhanced font "%s,13" fontscale 1.5 ' \
                 .'linewidth 2 dashlength 2 pointscale 3 background "white"; ', 2 * width, 2 * height, FONT)) \
     .sprintf('set output out."/%s.%s"; ', name, format).page
+# gnuplot's own format of tics, '% h', has a space before a number, which then is not below its tic.
 page = 'set border 3 lc rgb "#444444" lw 1; set tics nomirror out scale 0.6; ' \
     .'set grid lc rgb "#E2E2E2" lw 0.8 dt solid, lc rgb "#E2E2E2" lw 0.8 dt solid; ' \
-    .'set key noautotitle noenhanced; set minussign; ' \
+    .'set key noautotitle noenhanced; set minussign; set format "%h"; ' \
     .'set datafile separator "\t"; set encoding utf8'
 
 # A user's text as it is: no character in it is markup.
