@@ -19,7 +19,8 @@ struct grid {
     unsigned mask;  /* number of hashes - 1; a power of two >= count, less 1 */
     int *start;     /* by hash: first of its slots; mask + 2 of them */
     unsigned *hash; /* by point */
-    double *x[3];   /* by slot; in the order of hashes, then of points */
+    double *x[4];   /* by slot: coordinates, and the point's number once more; in the order of
+                       hashes, then of points */
     int *point;     /* by slot */
 };
 
@@ -37,7 +38,7 @@ static void release(struct grid *g) {
     free(g->start);
     free(g->hash);
     free(g->point);
-    for (int k = 0; k < 3; k++)
+    for (int k = 0; k < 4; k++)
         free(g->x[k]);
 }
 
@@ -76,12 +77,13 @@ static int make_room(struct grid *g, int count) {
                        .start = malloc((hashes + 1) * sizeof *g->start),
                        .hash = malloc(hashes * sizeof *g->hash),
                        .point = calloc(hashes + LANES, sizeof *g->point)};
-    for (int k = 0; k < 3; k++)
+    int there = g->start && g->hash && g->point;
+    for (int k = 0; k < 4; k++) {
         g->x[k] = calloc(hashes + LANES, sizeof(double)); /* read in fours */
-    if (!g->start || !g->hash || !g->point || !g->x[0] || !g->x[1] || !g->x[2])
-        return -1;
-    g->room = (int)hashes;
-    return 0;
+        there = there && g->x[k];
+    }
+    g->room = there ? (int)hashes : 0;
+    return there ? 0 : -1;
 }
 
 int grid_fill(struct grid *g, double cell, const double (*points)[3], int count) {
@@ -105,6 +107,7 @@ int grid_fill(struct grid *g, double cell, const double (*points)[3], int count)
     for (int i = count - 1; i >= 0; i--) { /* and with the last point put, their start */
         const int slot = --g->start[g->hash[i]];
         g->point[slot] = i;
+        g->x[3][slot] = i;
         for (int k = 0; k < 3; k++)
             g->x[k][slot] = points[i][k];
     }
@@ -159,21 +162,31 @@ static void gather_runs(const struct grid *g, const double low[3], const double 
 
 enum { BLOCK = 64 }; /* slots that are looked at between looks at the room in `found` */
 
+/* The set bits of a number below 16, ascending; what follows them does not count. Slots are written
+ * four at a time and as many are kept as were hit: a loop over bits is a branch that nobody can
+ * guess (it made searches where wisps touch 1.9 times as long). */
+typedef int four_slots __attribute__((vector_size(16)));
+static const four_slots packed[1 << LANES] = {
+    {0}, {0},    {1},    {0, 1},    {2},    {0, 2},    {1, 2},    {0, 1, 2},
+    {3}, {0, 3}, {1, 3}, {0, 1, 3}, {2, 3}, {0, 2, 3}, {1, 2, 3}, {0, 1, 2, 3}};
+
 /* Four slots at a time; those behind the run are looked at for nothing. */
 static int find_in_run(const struct grid *g, int from, int to, const struct grid_search *s,
                        int *found) {
     const lane x0 = lane_all(s->low[0]), y0 = lane_all(s->low[1]), z0 = lane_all(s->low[2]);
     const lane x1 = lane_all(s->high[0]), y1 = lane_all(s->high[1]), z1 = lane_all(s->high[2]);
-    const unsigned first = (unsigned)s->except[0], own = (unsigned)s->except[1] - first;
+    const lane own = lane_all(s->except[0]), behind = lane_all(s->except[1]);
     int hits = 0;
     for (int i = from; i < to; i += LANES) {
         const lane x = load(g->x[0] + i, 0), y = load(g->x[1] + i, 0), z = load(g->x[2] + i, 0);
-        const mask in = (x >= x0) & (x <= x1) & (y >= y0) & (y <= y1) & (z >= z0) & (z <= z1);
-        for (unsigned bits = mask_bits(in); bits; bits &= bits - 1) {
-            const int slot = i + __builtin_ctz(bits);
-            found[hits] = slot; /* to stay if it counts: no branch to guess */
-            hits += (slot < to) & ((unsigned)g->point[slot] - first >= own);
-        }
+        const lane number = load(g->x[3] + i, 0);
+        const mask in = (x >= x0) & (x <= x1) & (y >= y0) & (y <= y1) & (z >= z0) & (z <= z1) &
+                        ((number < own) | (number >= behind));
+        const unsigned last = to - i < LANES ? (1u << (to - i)) - 1 : (1u << LANES) - 1;
+        const unsigned bits = mask_bits(in) & last;
+        const four_slots slots = packed[bits] + i;
+        memcpy(found + hits, &slots, sizeof slots);
+        hits += __builtin_popcount(bits);
     }
     return hits;
 }

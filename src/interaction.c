@@ -128,27 +128,38 @@ static int make_contact_room(struct contact **contact, int *room, size_t need) {
 
 /* --- points and sections of all strands --- */
 
+/* Masses of a node, the same for all of a wisp but the last. */
+struct weights {
+    double own, each;              /* part of the node and of a sample in all of it */
+    double node_yield, each_yield; /* 1 / mass: of the node with its samples; of a sample, 1/kg */
+};
+
+static struct weights weights_of(const struct wisp *wisp, int node) {
+    const double own = wisp_node_mass(wisp, node), each = wisp_sample_mass(wisp, node);
+    const double yield = 1 / (own + wisp->samples * each);
+    return (struct weights){own * yield, each * yield, yield, 1 / each};
+}
+
 /* A free node and its samples, from the point numbered `at` on. The mean velocity of the node is
  * that of its mass and theirs. Returns the number after the last. */
-static int add_node(struct interaction *it, int index, int node, int at) {
+static int add_node(struct interaction *it, int index, int node, int at,
+                    const struct weights *weights) {
     const struct strand *strand = it->strand[index];
     const int samples = strand->wisp->samples;
-    const double own = wisp_node_mass(strand->wisp, node),
-                 each = wisp_sample_mass(strand->wisp, node), yield = 1 / (own + samples * each);
     struct point *mean = &it->point[at];
-    *mean = (struct point){.place = {index, node, -1}, .yield = yield};
+    *mean = (struct point){.place = {index, node, -1}, .yield = weights->node_yield};
     memcpy(mean->direction, strand->axis_w[node], sizeof mean->direction);
     memcpy(it->x[at++], strand->p[node], sizeof *it->x);
     for (int j = 0; j < samples; j++, at++) {
         const int sample = node * samples + j;
         struct point *point = &it->point[at];
-        *point = (struct point){.place = {index, node, j}, .yield = 1 / each};
+        *point = (struct point){.place = {index, node, j}, .yield = weights->each_yield};
         memcpy(point->v, strand->ev[sample], sizeof point->v);
         memcpy(point->direction, mean->direction, sizeof point->direction);
         memcpy(it->x[at], strand->e[sample], sizeof *it->x);
-        vector_add(mean->v, each * yield, strand->ev[sample]);
+        vector_add(mean->v, weights->each, strand->ev[sample]);
     }
-    vector_add(mean->v, own * yield, strand->v[node]);
+    vector_add(mean->v, weights->own, strand->v[node]);
     return at;
 }
 
@@ -174,10 +185,13 @@ static void add_sections(struct interaction *it, int index) {
 static void gather_share(void *ctx, int index) {
     struct interaction *it = ctx;
     for (int s = it->share[index].from; s < it->share[index].to; s++) {
+        const struct wisp *wisp = it->strand[s]->wisp;
+        const int last = wisp->nodes - 1;
+        const struct weights inner = weights_of(wisp, 2), end = weights_of(wisp, last);
         int at = it->first[s].point;
         add_sections(it, s);
-        for (int i = 2; i < it->strand[s]->wisp->nodes; i++)
-            at = add_node(it, s, i, at);
+        for (int i = 2; i <= last; i++)
+            at = add_node(it, s, i, at, i < last ? &inner : &end);
     }
 }
 

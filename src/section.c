@@ -2,6 +2,8 @@
 
 #include "vector.h"
 
+#include <string.h>
+
 #define LANES 4
 #include "kernel/lanes.h"
 
@@ -30,41 +32,46 @@ static double largest_radius(const struct strand *strand, int node, double *squa
     return most;
 }
 
+/* Arithmetic on the three components of a vector at once; the fourth lane is idle. */
+static inline lane components(const double x[3]) {
+    return (lane){x[0], x[1], x[2], 0};
+}
+
+static inline void keep(double x[3], lane from) {
+    memcpy(x, &from, 3 * sizeof *x);
+}
+
 /* The volume is in the hull of the two discs in the bisector planes: z is no further from its node
  * than the largest r there, and within the plane. */
 static void make_box(struct section *s, const double most[2]) {
     const double slack = 1e-9 * (most[0] + most[1] + s->length);
-    for (int k = 0; k < 3; k++) {
-        s->low[k] = INFINITY;
-        s->high[k] = -INFINITY;
-        for (int end = 0; end < 2; end++) {
-            const double p = s->strand->p[s->index + end][k];
-            const double w = s->strand->axis_w[s->index + end][k];
-            const double square = 1 - w * w;
-            const double margin =
-                most[end] * sqrt(square > 0 ? square : 0) + slack + 1e-15 * fabs(p);
-            s->low[k] = p - margin < s->low[k] ? p - margin : s->low[k];
-            s->high[k] = p + margin > s->high[k] ? p + margin : s->high[k];
-        }
+    lane low[2], high[2];
+    for (int end = 0; end < 2; end++) {
+        const lane p = components(s->strand->p[s->index + end]);
+        const lane w = components(s->strand->axis_w[s->index + end]), square = 1 - w * w;
+        const lane in_plane = lane_sqrt(lane_select(square > 0, square, lane_all(0)));
+        const lane margin = most[end] * in_plane + slack + 1e-15 * lane_select(p < 0, -p, p);
+        low[end] = p - margin;
+        high[end] = p + margin;
     }
+    keep(s->low, lane_select(low[1] < low[0], low[1], low[0]));
+    keep(s->high, lane_select(high[1] > high[0], high[1], high[0]));
 }
 
 void section_make(struct section *s, const struct strand *strand, int index) {
     double most[2], squares = 0;
     *s = (struct section){.strand = strand, .index = index};
-    for (int k = 0; k < 3; k++)
-        s->t[k] = strand->p[index + 1][k] - strand->p[index][k];
+    const lane axis = components(strand->p[index + 1]) - components(strand->p[index]);
+    keep(s->t, axis);
     s->length = vector_length(s->t);
     if (!(s->length > 0) || isinf(s->length))
         return;
-    for (int k = 0; k < 3; k++)
-        s->t[k] /= s->length;
+    keep(s->t, axis / s->length);
     for (int end = 0; end < 2; end++) {
         const double *w = strand->axis_w[index + end], along = vector_dot(s->t, w);
         if (!(along >= least_lean))
             return;
-        for (int k = 0; k < 3; k++)
-            s->lean[end][k] = w[k] / along;
+        keep(s->lean[end], components(w) / along);
         s->turn[end][0] = vector_dot(s->t, strand->axis_u[index + end]);
         s->turn[end][1] = vector_dot(s->t, strand->axis_v[index + end]);
         most[end] = largest_radius(strand, index + end, &squares);

@@ -3,6 +3,7 @@
 #include "clock.h"
 #include "interaction.h"
 #include "kernel/kernel.h"
+#include "neighbours.h"
 #include "wisp_model.h"
 
 #include <math.h>
@@ -76,10 +77,14 @@ static int compare_strands(const void *one, const void *other) {
 }
 
 static int create_touch(struct wisp_model *m) {
-    const size_t wisps = (size_t)m->wisp_count;
+    const size_t wisps = (size_t)m->wisp_count, room = (size_t)m->wisp_room;
     m->interaction = interaction_create(&m->scene->interaction);
-    m->in_order = calloc((size_t)m->wisp_room, sizeof(struct strand *));
-    if (!m->interaction || !m->in_order)
+    m->neighbours = neighbours_create(m->wisp_room);
+    m->in_order = calloc(room, sizeof(struct strand *));
+    m->touching = calloc(room, sizeof(struct strand *));
+    m->boxes = calloc(room, sizeof *m->boxes);
+    m->near = calloc(room, sizeof *m->near);
+    if (!m->interaction || !m->neighbours || !m->in_order || !m->touching || !m->boxes || !m->near)
         return -1;
     memcpy(m->in_order, m->strands, wisps * sizeof(struct strand *));
     qsort(m->in_order, wisps, sizeof(struct strand *), compare_strands);
@@ -115,16 +120,18 @@ static void do_parts(struct tick *tick, struct workers *workers,
     workers_run(workers, do_task, tick, tick->tasks);
 }
 
-/* Lays a wisp of a part open. */
-static struct strand *open_strand(const struct tick *tick, int i, int lane, double *rows) {
+/* Lays wisps of a part open, those of the lanes whose bits are set. */
+static void open_strands(const struct tick *tick, int i, unsigned lanes) {
     const struct wisp_model *m = tick->m;
     const struct part *part = &m->model.parts[i];
-    struct strand *strand = m->strands[m->batches[i].wisp[lane]];
-    const int stride = m->model.column_count - 2;
-    m->kernel->sample(part->system.ctx, lane, part->q, part->v, rows, stride);
-    strand_turn(strand, &tick->head);
-    strand_load(strand, rows, stride);
-    return strand;
+    struct strand *strands[LANES_MAX] = {NULL};
+    for (int k = 0; k < m->batches[i].count; k++) {
+        if (!(lanes >> k & 1))
+            continue;
+        strands[k] = m->strands[m->batches[i].wisp[k]];
+        strand_turn(strands[k], &tick->head);
+    }
+    m->kernel->open(part->system.ctx, part->q, part->v, strands);
 }
 
 void wisp_close(const struct wisp_model *m, int i, int lane, double *rows) {
@@ -142,25 +149,67 @@ static void close_strand(const struct tick *tick, int i, int lane, double *rows)
     tick->changed[i] = 1;
 }
 
+static void box_part(const struct tick *tick, int i, double *rows) {
+    const struct wisp_model *m = tick->m;
+    const struct part *part = &m->model.parts[i];
+    double boxes[LANES_MAX][6];
+    (void)rows;
+    m->kernel->prescribe(part->system.ctx, m->model.t);
+    m->kernel->boxes(part->system.ctx, part->q, boxes);
+    for (int k = 0; k < m->batches[i].count; k++)
+        memcpy(m->boxes[m->batches[i].wisp[k]], boxes[k], sizeof boxes[k]);
+}
+
+/* Lanes of a part that may touch another wisp; without interactions, all of them. */
+static unsigned near_lanes(const struct wisp_model *m, int i) {
+    unsigned lanes = 0;
+    for (int k = 0; k < m->batches[i].count; k++)
+        if (!m->near || m->near[m->batches[i].wisp[k]])
+            lanes |= 1u << k;
+    return lanes;
+}
+
 static void open_part(const struct tick *tick, int i, double *rows) {
-    tick->m->kernel->prescribe(tick->m->model.parts[i].system.ctx, tick->m->model.t);
-    for (int k = 0; k < tick->m->batches[i].count; k++)
-        open_strand(tick, i, k, rows);
+    const struct wisp_model *m = tick->m;
+    const unsigned lanes = near_lanes(m, i);
+    (void)rows;
+    if (!lanes)
+        return;
+    m->kernel->prescribe(m->model.parts[i].system.ctx, m->model.t);
+    open_strands(tick, i, lanes);
 }
 
 static void close_part(const struct tick *tick, int i, double *rows) {
     struct part *part = &tick->m->model.parts[i];
+    const unsigned lanes = near_lanes(tick->m, i);
     account_before(part, tick->m->model.t);
     for (int k = 0; k < tick->m->batches[i].count; k++)
-        if (tick->m->strands[tick->m->batches[i].wisp[k]]->changed)
+        if (lanes >> k & 1 && tick->m->strands[tick->m->batches[i].wisp[k]]->changed)
             close_strand(tick, i, k, rows);
     account_after(part, tick->m->model.t, JUMP_WISP_CONTACT);
 }
 
+/* Which wisps may touch another. All of them are open where some may split. */
+static enum outcome find_near(struct tick *tick, struct workers *workers) {
+    struct wisp_model *m = tick->m;
+    if (wisps_split(m->scene)) {
+        memset(m->near, 1, (size_t)m->wisp_count);
+        return FINISHED;
+    }
+    do_parts(tick, workers, box_part);
+    return neighbours_find(m->neighbours, (const double(*)[6])m->boxes, m->wisp_count, m->near)
+               ? OUT_OF_MEMORY
+               : FINISHED;
+}
+
 static enum outcome interact(struct tick *tick, struct workers *workers) {
     const struct wisp_model *m = tick->m;
+    int count = 0;
+    for (int i = 0; i < m->wisp_count; i++)
+        if (m->near[m->in_order[i]->wisp - m->wisps])
+            m->touching[count++] = m->in_order[i];
     interaction_share(m->interaction, workers);
-    const int contacts = interaction_tick(m->interaction, m->in_order, m->wisp_count);
+    const int contacts = interaction_tick(m->interaction, m->touching, count);
     if (contacts < 0)
         return OUT_OF_MEMORY;
     /* they are of two wisps, and so of no part: the first one counts them */
@@ -172,7 +221,9 @@ static enum outcome interact(struct tick *tick, struct workers *workers) {
 /* Wisps that subdivision has made touch their twins only once they are separated from them. */
 static enum outcome meet(struct tick *tick, struct workers *workers) {
     struct wisp_model *m = tick->m;
-    enum outcome outcome = FINISHED;
+    enum outcome outcome = m->interaction ? find_near(tick, workers) : FINISHED;
+    if (outcome != FINISHED)
+        return outcome;
     do_parts(tick, workers, open_part);
     for (int i = m->scene->wisp_count; i < m->wisp_count; i++) /* of a pair one is always here */
         subdivision_separate(&m->scene->subdivision, m->strands[i]);
@@ -227,10 +278,13 @@ static int push_out(const struct tick *tick, int i, unsigned near, double *rows)
         tick->changed[i] = 1;
     struct counters *counters = &part->system.counters;
     struct body_report report = {0, pulled, 0};
+    near &= (1u << m->batches[i].count) - 1;
+    if (near)
+        open_strands(tick, i, near);
     for (int k = 0; k < m->batches[i].count; k++) {
         if (!(near >> k & 1))
             continue;
-        struct strand *strand = open_strand(tick, i, k, rows);
+        struct strand *strand = m->strands[m->batches[i].wisp[k]];
         body_contact(strand, bodies->body, bodies->motion, bodies->count, bodies->interval,
                      &report);
         if (strand->changed)
@@ -298,7 +352,11 @@ int wisp_ticks_create(struct wisp_model *m) {
 
 void wisp_ticks_free(struct wisp_model *m) {
     interaction_free(m->interaction);
+    neighbours_free(m->neighbours);
     free(m->in_order);
+    free(m->touching);
+    free(m->boxes);
+    free(m->near);
     for (int i = 0; m->strands && m->strands[i]; i++)
         strand_free(m->strands[i]);
     free(m->strands);

@@ -10,10 +10,10 @@
 static const struct kernel kernels[] = {
     {1, kernel_create_1, kernel_free_1, kernel_fill_1, kernel_rest_1, kernel_prescribe_1,
      kernel_sample_1, kernel_sample_accelerations_1, kernel_restore_1, kernel_clamp_1,
-     kernel_near_1, kernel_pull_1, kernel_strain_1, &kernel_ops_1},
+     kernel_near_1, kernel_pull_1, kernel_boxes_1, kernel_open_1, kernel_strain_1, &kernel_ops_1},
     {4, kernel_create_4, kernel_free_4, kernel_fill_4, kernel_rest_4, kernel_prescribe_4,
      kernel_sample_4, kernel_sample_accelerations_4, kernel_restore_4, kernel_clamp_4,
-     kernel_near_4, kernel_pull_4, kernel_strain_4, &kernel_ops_4},
+     kernel_near_4, kernel_pull_4, kernel_boxes_4, kernel_open_4, kernel_strain_4, &kernel_ops_4},
 };
 
 static const struct treatment treatments[] = {

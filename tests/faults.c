@@ -2,14 +2,51 @@
 #include "support.h"
 
 #include <criterion/criterion.h>
+#include <fnmatch.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static int occurrences(const char *text, const char *part) {
     int count = 0;
     for (const char *at = text; (at = strstr(at, part)) != NULL; at += strlen(part))
         count++;
     return count;
+}
+
+/* All tests of this program as `suite/test`, as it lists them itself. */
+enum { TESTS_MAX = 2000, NAME_SIZE = 160 };
+static int list_tests(char names[TESTS_MAX][NAME_SIZE]) {
+    char self[PATH_SIZE] = "", command[PATH_SIZE + 32], line[NAME_SIZE], suite[64] = "", name[96];
+    int count = 0;
+    cr_assert(readlink("/proc/self/exe", self, sizeof self - 1) > 0);
+    snprintf(command, sizeof command, "env -i LC_ALL=C '%s' --list", self);
+    FILE *list = popen(command, "r");
+    cr_assert(list, "no list of tests");
+    while (fgets(line, sizeof line, list) && count < TESTS_MAX) {
+        if (sscanf(line, "%*1[|`]-- %95s", name) == 1)
+            snprintf(names[count++], NAME_SIZE, "%s/%s", suite, name);
+        else
+            sscanf(line, "%63[^:]", suite);
+    }
+    pclose(list);
+    return count;
+}
+
+Test(faults, each_names_a_test) {
+    static char names[TESTS_MAX][NAME_SIZE];
+    char *list = file_read(WISPLAB_TESTS_DIR "/faults.tsv");
+    const int count = list_tests(names);
+    cr_assert(list, "no faults.tsv");
+    cr_assert_gt(count, 100, "only %d tests", count);
+    for (char *rest = list, *line; (line = strsep(&rest, "\n")) != NULL;) {
+        const char *test = strrchr(line, '\t');
+        int found = 0;
+        for (int i = 0; i < count && test; i++)
+            found |= fnmatch(test + 1, names[i], 0) == 0;
+        cr_expect(!test || line[0] == '#' || found, "no test is called %s", test + 1);
+    }
+    free(list);
 }
 
 Test(faults, each_text_is_in_its_file_once) {

@@ -8,6 +8,7 @@
 #include "wisp.h"
 
 struct obstacle;
+struct strand;
 
 #define KERNEL_DECLARE(lanes)                                                                      \
     /* A part for `lanes` wisps that agree in nodes, samples and bending law; `around` and         \
@@ -56,6 +57,15 @@ struct obstacle;
      * becomes the number of samples found inside in the lanes of `counted`. */                    \
     unsigned kernel_pull_##lanes(void *part, double *q, double *v, const struct obstacle *bodies,  \
                                  const double *boxes, int count, unsigned counted, int *pulled);   \
+                                                                                                   \
+    /* A box around each lane, padding included: of the volume from node 1 on and of all samples   \
+     * (least x y z, most x y z). */                                                               \
+    void kernel_boxes_##lanes(void *part, const double *q, double(*boxes)[6]);                     \
+                                                                                                   \
+    /* Lays lanes open: fills in all that strand_load does, but for lanes of NULL. Nodes 0 and 1   \
+     * are where they were last prescribed. */                                                     \
+    void kernel_open_##lanes(void *part, const double *q, const double *v,                         \
+                             struct strand *const *strands);                                       \
                                                                                                    \
     /* Largest | L / rest length - 1 | over the segments of a lane. */                             \
     double kernel_strain_##lanes(void *part, int which, const double *q);                          \

@@ -125,6 +125,13 @@ static inline void vec_store(double *x, int i, struct vec a) {
     store(x, i + 2, a.z);
 }
 
+/* One lane of a vector, as three numbers. */
+static inline void vec_get(double *to, struct vec x, int which) {
+    to[0] = lane_get(x.x, which);
+    to[1] = lane_get(x.y, which);
+    to[2] = lane_get(x.z, which);
+}
+
 static inline struct vec add(struct vec a, struct vec b) {
     return (struct vec){a.x + b.x, a.y + b.y, a.z + b.z};
 }

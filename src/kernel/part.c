@@ -186,21 +186,14 @@ void LANED(kernel_rest)(void *ctx, double *q, double *v) {
     }
 }
 
-/* One lane of a vector, as three numbers. */
-static void put_vec(double *to, struct vec x, int which) {
-    to[0] = lane_get(x.x, which);
-    to[1] = lane_get(x.y, which);
-    to[2] = lane_get(x.z, which);
-}
-
 /* Row of a node that follows the head, with its ring of fixed samples. */
 static void sample_prescribed(const struct kernel_part *part, int which, int i, double *row) {
-    put_vec(row, part->p[i], which);
-    put_vec(row + 3, part->v[i], which);
+    vec_get(row, part->p[i], which);
+    vec_get(row + 3, part->v[i], which);
     for (int j = 0; j < part->samples; j++) {
         if (part->treatment == WISP_PENALTY) {
-            put_vec(row + 6 + 6 * j, placed(&part->head, 0, rest_sample(part, i, j)), which);
-            put_vec(row + 9 + 6 * j, placed(&part->head, 1, rest_sample(part, i, j)), which);
+            vec_get(row + 6 + 6 * j, placed(&part->head, 0, rest_sample(part, i, j)), which);
+            vec_get(row + 9 + 6 * j, placed(&part->head, 1, rest_sample(part, i, j)), which);
         } else {
             row[6 + 2 * j] = lane_get(part->radius, which);
             row[6 + 2 * j + 1] = 0;
@@ -212,11 +205,11 @@ void LANED(kernel_sample_accelerations)(void *ctx, int which, const double *a, d
                                         int stride) {
     const struct kernel_part *part = ctx;
     for (int i = 0; i < 2; i++) {
-        put_vec(rows + i * stride, placed(&part->head, 2, rest_node(part, i)), which);
+        vec_get(rows + i * stride, placed(&part->head, 2, rest_node(part, i)), which);
         for (int j = 0; j < part->samples; j++) {
             double *to = rows + i * stride + 3;
             if (part->treatment == WISP_PENALTY)
-                put_vec(to + 3 * j, placed(&part->head, 2, rest_sample(part, i, j)), which);
+                vec_get(to + 3 * j, placed(&part->head, 2, rest_sample(part, i, j)), which);
             else
                 to[j] = 0;
         }

@@ -1,0 +1,135 @@
+/* Wisps of a part for contacts: boxes around them, and wisps laid open. */
+#include "frames.h"
+#include "kernel.h"
+#include "part.h"
+#include "span.h"
+#include "strand.h"
+
+/* --- boxes --- */
+
+static inline lane largest(lane a, lane b) {
+    return lane_select(b > a, b, a);
+}
+
+/* The largest distance of a sample from its node, the head's rings included. */
+static lane farthest_sample(const struct kernel_part *part, const double *q) {
+    lane most = part->samples > 0 ? part->radius : lane_all(0);
+    for (int i = 2; i < part->nodes; i++) {
+        const int at = (i - 2) * part->node_unknowns;
+        for (int j = 0; j < part->samples; j++) {
+            if (part->treatment == WISP_PENALTY) {
+                const struct vec d = sub(vec_load(q, at + 3 + 3 * j), vec_load(q, at));
+                most = largest(most, lane_sqrt(dot(d, d)));
+            } else {
+                most = largest(most, load(q, at + 3 + j));
+            }
+        }
+    }
+    return most;
+}
+
+/* Sections reach from node 1 to the last; points are free nodes and their samples. None of that is
+ * further from a node than its farthest sample. A part in a million more, for rounding. */
+void LANED(kernel_boxes)(void *ctx, const double *q, double (*boxes)[6]) {
+    const struct kernel_part *part = ctx;
+    const lane margin = (1 + 1e-6) * farthest_sample(part, q);
+    const struct span free = span_of(part, q);
+    const struct vec low = least(free.low, part->p[1]), high = most(free.high, part->p[1]);
+    const struct vec away = {margin, margin, margin};
+    for (int k = 0; k < LANES; k++) {
+        vec_get(boxes[k], sub(low, away), k);
+        vec_get(boxes[k] + 3, add(high, away), k);
+    }
+}
+
+/* --- laid open --- */
+
+/* A node and its samples. */
+struct ring {
+    struct vec p, v;
+    struct {
+        struct vec e, ev;
+        lane r, rate;
+    } sample[SAMPLES_MAX];
+};
+
+/* Samples of a free node from its unknowns: distances, or particles. */
+SPECIALISED void free_samples(const struct kernel_part *part, int i, const double *qi,
+                              const double *vi, int samples, struct ring *ring) {
+    for (int j = 0; j < samples; j++) {
+        const struct vec line = half_line(part, &part->frames[i], j, samples);
+        if (part->treatment == WISP_PENALTY) {
+            ring->sample[j].e = vec_load(qi, 3 + 3 * j);
+            ring->sample[j].ev = vec_load(vi, 3 + 3 * j);
+            ring->sample[j].r = dot(sub(ring->sample[j].e, ring->p), line);
+            ring->sample[j].rate = dot(sub(ring->sample[j].ev, ring->v), line);
+        } else {
+            ring->sample[j].r = load(qi, 3 + j);
+            ring->sample[j].rate = load(vi, 3 + j);
+            ring->sample[j].e = add_scaled(ring->p, ring->sample[j].r, line);
+            ring->sample[j].ev = add_scaled(ring->v, ring->sample[j].rate, line);
+        }
+    }
+}
+
+/* Of a node that follows the head: at rest on their half-lines. */
+static void fixed_samples(const struct kernel_part *part, int i, struct ring *ring) {
+    for (int j = 0; j < part->samples; j++) {
+        const struct vec line = half_line(part, &part->frames[i], j, part->samples);
+        ring->sample[j].r = part->radius;
+        ring->sample[j].rate = lane_all(0);
+        ring->sample[j].e = add_scaled(ring->p, part->radius, line);
+        ring->sample[j].ev = ring->v;
+    }
+}
+
+static void put_ring(const struct kernel_part *part, int i, const struct ring *ring, int k,
+                     struct strand *strand) {
+    const struct frame *frame = &part->frames[i];
+    vec_get(strand->p[i], ring->p, k);
+    vec_get(strand->v[i], ring->v, k);
+    vec_get(strand->axis_u[i], frame->u, k);
+    vec_get(strand->axis_v[i], frame->v, k);
+    vec_get(strand->axis_w[i], frame->w, k);
+    for (int j = 0; j < part->samples; j++) {
+        const int at = i * part->samples + j;
+        vec_get(strand->e[at], ring->sample[j].e, k);
+        vec_get(strand->ev[at], ring->sample[j].ev, k);
+        strand->r[at] = lane_get(ring->sample[j].r, k);
+        strand->rate[at] = lane_get(ring->sample[j].rate, k);
+    }
+}
+
+static void put_rings(const struct kernel_part *part, int i, const struct ring *ring,
+                      struct strand *const *strands) {
+    for (int k = 0; k < LANES; k++)
+        if (strands[k])
+            put_ring(part, i, ring, k, strands[k]);
+}
+
+void LANED(kernel_open)(void *ctx, const double *q, const double *v,
+                        struct strand *const *strands) {
+    struct kernel_part *part = ctx;
+    struct ring ring;
+    LANED(kernel_frames)(part, q);
+    for (int i = 0; i < 2; i++) {
+        ring.p = part->p[i];
+        ring.v = part->v[i];
+        fixed_samples(part, i, &ring);
+        put_rings(part, i, &ring, strands);
+    }
+    for (int i = 2; i < part->nodes; i++) {
+        const double *qi = q + (i - 2) * part->node_unknowns * LANES;
+        const double *vi = v + (i - 2) * part->node_unknowns * LANES;
+        ring.p = vec_load(qi, 0);
+        ring.v = vec_load(vi, 0);
+        if (part->samples == 4)
+            free_samples(part, i, qi, vi, 4, &ring);
+        else
+            free_samples(part, i, qi, vi, part->samples, &ring);
+        put_rings(part, i, &ring, strands);
+    }
+    for (int k = 0; k < LANES; k++)
+        if (strands[k])
+            strands[k]->changed = 0;
+}
