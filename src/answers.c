@@ -349,20 +349,31 @@ static int answer_failures(struct answer *answer, const char *scene, char *reaso
 
 /* --- tables that answer a question by themselves --- */
 
-/* Returns 1 where it was shown, 0 where it is not there, -1 with a reason. */
-static int show_table(FILE *stream, const struct report *report, const char *experiment,
+/* Returns 1 where it was read, 0 where it is not there, -1 with a reason. */
+static int read_table(struct text_table *table, const struct report *report, const char *experiment,
                       const char *name, char *reason) {
     char path[PATH_SIZE];
-    struct text_table table;
     if (!has_part(report, experiment) ||
         path_format(path, "%s/%s/%s.tsv", report->root, experiment, name) || !file_exists(path))
         return 0;
-    if (text_table_read(&table, path, reason))
-        return -1;
+    return text_table_read(table, path, reason) ? -1 : 1;
+}
+
+/* Likewise; `folded`: to be opened by whoever wants it. */
+static int show_table(FILE *stream, const struct report *report, const char *experiment,
+                      const char *name, int folded, char *reason) {
+    struct text_table table;
+    const int code = read_table(&table, report, experiment, name, reason);
+    if (code <= 0)
+        return code;
+    if (folded)
+        fprintf(stream, "<details><summary>%s.tsv: %d rows</summary>\n", name, table.row_count);
     fputs("<p class=\"about\">", stream);
     html_text(stream, table.about);
     fprintf(stream, " (<a href=\"%s/%s.tsv\">data</a>)</p>\n", experiment, name);
     html_table(stream, &table, NULL);
+    if (folded)
+        fputs("</details>\n", stream);
     text_table_free(&table);
     return 1;
 }
@@ -476,37 +487,65 @@ static void sum_up_failures(FILE *stream, const struct answer *answer) {
     }
 }
 
+/* From which rate on each stepper stays stable, scene by scene, with the treatment that stands
+ * first there, and what happens below. Returns 1, 0 where there is no such table, -1 with a reason.
+ */
+static int sum_up_limits(FILE *stream, const struct report *report, char *reason) {
+    struct text_table table;
+    const int code = read_table(&table, report, "stability", "largest-step", reason);
+    if (code <= 0)
+        return code;
+    const char *scene = "", *treatment = "";
+    for (int i = 0, said = 0; i < table.row_count; i++) {
+        const char *stepper = text_table_cell(&table, i, "stepper"),
+                   *kind = text_table_cell(&table, i, "kind");
+        if (strcmp(text_table_cell(&table, i, "scene"), scene) != 0) {
+            scene = text_table_cell(&table, i, "scene");
+            treatment = text_table_cell(&table, i, "treatment");
+            said = 0;
+            html_print(stream, "%sLongest stable steps on %s (%s): ", i ? ". " : "", scene,
+                       treatment);
+        }
+        if (strcmp(text_table_cell(&table, i, "treatment"), treatment) != 0)
+            continue;
+        if (isfinite(text_table_number(&table, i, "unstable_step")))
+            html_print(stream, "%s%s 1/%.4g s, then %s", said++ ? "; " : "", stepper,
+                       text_table_number(&table, i, "rate"), kind);
+        else if (strcmp(kind, "none") == 0)
+            html_print(stream, "%s%s any", said++ ? "; " : "", stepper);
+    }
+    html_print(stream, ".");
+    text_table_free(&table);
+    return 1;
+}
+
 static int write_failures(FILE *stream, const struct report *report, char *reason) {
-    static const char *const tables[] = {"largest-step", "failures"};
-    int shown = 0;
     ask(stream, "Where does each method fail?");
-    for (int i = 0; i < 2; i++) {
-        const int code = show_table(stream, report, "stability", tables[i], reason);
-        if (code < 0)
-            return -1;
-        shown += code;
-    }
-    if (!shown) {
-        fputs("<p>", stream);
+    fputs("<p class=\"answer\">", stream);
+    int code = sum_up_limits(stream, report, reason);
+    if (code == 0)
         say_missing(stream, report, "stability");
-        if (!has_part(report, "work-precision"))
-            say_missing(stream, report, "work-precision");
-        fputs("</p>\n", stream);
-    }
-    if (!has_part(report, "work-precision"))
-        return 0;
-    return write_answer(
-        stream, report, answer_failures, sum_up_failures,
-        "<details open=\"open\"><summary>Runs of work-precision</summary>\n<div class=\"wide\">"
-        "<table><thead><tr><th>scene</th><th>method</th><th>treatment</th><th>failed</th>"
-        "<th>how</th><th>none fails from setting</th><th>the last one's reason</th></tr></thead>"
-        "<tbody>\n",
-        "</tbody></table></div></details>\n", reason);
+    if (code >= 0 && !has_part(report, "work-precision"))
+        say_missing(stream, report, "work-precision");
+    fputs("</p>\n", stream);
+    if (code >= 0 && has_part(report, "work-precision"))
+        code = write_answer(
+            stream, report, answer_failures, sum_up_failures,
+            "<details><summary>Runs of work-precision</summary>\n<div class=\"wide\">"
+            "<table><thead><tr><th>scene</th><th>method</th><th>treatment</th><th>failed</th>"
+            "<th>how</th><th>none fails from setting</th><th>the last one's reason</th></tr>"
+            "</thead><tbody>\n",
+            "</tbody></table></div></details>\n", reason);
+    if (code >= 0)
+        code = show_table(stream, report, "stability", "largest-step", 1, reason);
+    if (code >= 0)
+        code = show_table(stream, report, "stability", "failures", 1, reason);
+    return code < 0 ? -1 : 0;
 }
 
 static int write_needs(FILE *stream, const struct report *report, char *reason) {
     ask(stream, "What does each scene need?");
-    const int code = show_table(stream, report, "needs", "smallest", reason);
+    const int code = show_table(stream, report, "needs", "smallest", 0, reason);
     if (code == 0) {
         fputs("<p>", stream);
         say_missing(stream, report, "needs");
