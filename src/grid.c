@@ -2,6 +2,7 @@
 
 #define LANES 4
 #include "kernel/lanes.h"
+#include "workers.h"
 
 #include <math.h>
 #include <stdint.h>
@@ -86,22 +87,43 @@ static int make_room(struct grid *g, int count) {
     return there ? 0 : -1;
 }
 
-int grid_fill(struct grid *g, double cell, const double (*points)[3], int count) {
+/* Points to be put, and in how many tasks their cells are looked for. */
+struct filling {
+    struct grid *grid;
+    const double (*points)[3];
+    int tasks;
+};
+enum { TASKS = 32, TASK_LEAST = 500 }; /* fewer points are not worth a thread's while */
+
+static void hash_points(void *ctx, int index) {
+    const struct filling *filling = ctx;
+    struct grid *g = filling->grid;
+    const int from = (int)((long long)g->count * index / filling->tasks),
+              to = (int)((long long)g->count * (index + 1) / filling->tasks);
+    for (int i = from; i < to; i++) {
+        const double *x = filling->points[i];
+        const int column[2] = {cell_along(x[0], g->per_metre[0]),
+                               cell_along(x[1], g->per_metre[1])};
+        g->hash[i] =
+            (hash_of_column(column[0], column[1]) + (unsigned)cell_along(x[2], g->per_metre[2])) &
+            g->mask;
+    }
+}
+
+int grid_fill(struct grid *g, double cell, const double (*points)[3], int count,
+              struct workers *workers) {
     g->count = 0;
     if (make_room(g, count))
         return -1;
     g->per_metre[0] = g->per_metre[1] = 1 / cell;
     g->per_metre[2] = FLATNESS / cell;
     g->count = count;
+    struct filling filling = {g, points,
+                              count < TASKS * TASK_LEAST ? 1 + count / TASK_LEAST : TASKS};
+    workers_run(workers, hash_points, &filling, filling.tasks);
     memset(g->start, 0, (g->mask + 2) * sizeof *g->start);
-    for (int i = 0; i < count; i++) {
-        const double *x = points[i];
-        g->hash[i] =
-            (hash_of_column(cell_along(x[0], g->per_metre[0]), cell_along(x[1], g->per_metre[1])) +
-             (unsigned)cell_along(x[2], g->per_metre[2])) &
-            g->mask;
+    for (int i = 0; i < count; i++)
         g->start[g->hash[i]]++;
-    }
     for (unsigned h = 1; h <= g->mask + 1; h++) /* now the end of each hash's slots */
         g->start[h] += g->start[h - 1];
     for (int i = count - 1; i >= 0; i--) { /* and with the last point put, their start */

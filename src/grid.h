@@ -10,9 +10,12 @@ enum { GRID_RUNS_MAX = 128, GRID_BATCH = 256 };
 struct grid *grid_create(void);
 void grid_free(struct grid *grid);
 
-/* Takes the place of what was there; `cell` is a cell's side, m. Returns 0, or -1 where memory
- * cannot be had. Memory is kept for the next time. */
-int grid_fill(struct grid *grid, double cell, const double (*points)[3], int count);
+/* Takes the place of what was there; `cell` is a cell's side, m; workers share what can be shared
+ * (NULL: nobody does). Returns 0, or -1 where memory cannot be had. Memory is kept for the next
+ * time. */
+struct workers;
+int grid_fill(struct grid *grid, double cell, const double (*points)[3], int count,
+              struct workers *workers);
 
 /* Points as they stand in the grid, those of a cell side by side; until the grid is filled again.
  */

@@ -34,6 +34,7 @@ struct share {
     int count, room;
     struct contact *contact; /* of their sections */
     int failed;              /* no memory for those */
+    double sides;            /* of their sections, see cell_side, m */
 };
 enum { SHARES = 32 };
 
@@ -182,14 +183,37 @@ static void add_sections(struct interaction *it, int index) {
     }
 }
 
+/* A cell is as large as a section's box in the mean (0.7: no difference; 0.5: up to a third slower
+ * where wisps hardly touch; 0.35: half as slow again and more). One that
+ * has flown apart must not make all cells large: none counts for more than eight at rest. */
+static double side_of(const struct section *section) {
+    const struct wisp *wisp = section->strand->wisp;
+    const double rest = wisp_spacing(wisp) + 2 * wisp->radius;
+    double side = section->usable ? 0 : rest;
+    for (int k = 0; k < 3 && section->usable; k++)
+        side = fmax(side, section->high[k] - section->low[k]);
+    return fmin(side, 8 * rest);
+}
+
+static double cell_side(const struct interaction *it) {
+    double sum = 0;
+    for (int i = 0; i < SHARES; i++)
+        sum += it->share[i].sides;
+    return sum / it->volume_count;
+}
+
 static void gather_share(void *ctx, int index) {
     struct interaction *it = ctx;
-    for (int s = it->share[index].from; s < it->share[index].to; s++) {
+    struct share *share = &it->share[index];
+    share->sides = 0;
+    for (int s = share->from; s < share->to; s++) {
         const struct wisp *wisp = it->strand[s]->wisp;
         const int last = wisp->nodes - 1;
         const struct weights inner = weights_of(wisp, 2), end = weights_of(wisp, last);
         int at = it->first[s].point;
         add_sections(it, s);
+        for (int i = 1; i < last; i++)
+            share->sides += side_of(&it->volume[it->first[s].volume + i - 1].section);
         for (int i = 2; i <= last; i++)
             at = add_node(it, s, i, at, i < last ? &inner : &end);
     }
@@ -277,23 +301,6 @@ static void respond(const struct interaction *it, struct contact *contact,
 }
 
 /* --- which points are in which sections --- */
-
-/* A cell is as large as a section's box in the mean (0.7: no difference; 0.5: up to a third slower
- * where wisps hardly touch; 0.35: half as slow again and more). One that
- * has flown apart must not make all cells large: none counts for more than eight at rest. */
-static double cell_side(const struct interaction *it) {
-    double sum = 0;
-    for (int i = 0; i < it->volume_count; i++) {
-        const struct section *section = &it->volume[i].section;
-        const struct wisp *wisp = section->strand->wisp;
-        const double rest = wisp_spacing(wisp) + 2 * wisp->radius;
-        double side = section->usable ? 0 : rest;
-        for (int k = 0; k < 3 && section->usable; k++)
-            side = fmax(side, section->high[k] - section->low[k]);
-        sum += fmin(side, 8 * rest);
-    }
-    return sum / it->volume_count;
-}
 
 /* Sorts by point: insertion at shrinking distances (Shell; Knuth's), for qsort may allocate. */
 static void sort(struct contact *contact, int count) {
@@ -389,7 +396,7 @@ int interaction_find(struct interaction *it, struct strand *const *strands, int 
         return -1;
     if (it->volume_count == 0)
         return 0;
-    if (grid_fill(it->grid, cell_side(it), (const double(*)[3])it->x, it->point_count))
+    if (grid_fill(it->grid, cell_side(it), (const double(*)[3])it->x, it->point_count, it->workers))
         return -1;
     workers_run(it->workers, find_share, it, SHARES);
     for (int i = 0; i < SHARES; i++) {

@@ -96,7 +96,7 @@ int neighbours_find(struct neighbours *n, const double (*boxes)[6], int count,
         memset(near, 1, (size_t)count);
         return 0;
     }
-    if (grid_fill(n->grid, largest, (const double(*)[3])n->centre, count))
+    if (grid_fill(n->grid, largest, (const double(*)[3])n->centre, count, NULL))
         return -1;
     for (int i = 0; i < count; i++)
         if (!near[i])

@@ -50,6 +50,7 @@ struct wisp_model {
     struct strand **strands; /* by wisp, where something happens to wisps; NULL-terminated */
     double *strand_rows;     /* by task: of the wisp with most nodes, without columns wisp, node */
     size_t strand_row_room;  /* numbers for a task */
+    struct bodies *bodies;   /* as they are at a tick */
     struct interaction *interaction; /* NULL where wisps do not touch */
     struct strand **in_order;        /* those of all wisps as they touch; NULL likewise */
     struct neighbours *neighbours;   /* likewise */

@@ -97,7 +97,6 @@ struct tick {
     int *changed; /* by part */
     int tasks;
     void (*do_part)(const struct tick *tick, int part, double *rows);
-    const struct bodies *bodies;
     struct placement head;
 };
 
@@ -236,21 +235,36 @@ static enum outcome meet(struct tick *tick, struct workers *workers) {
 
 /* --- the clock --- */
 
-/* A tick's bodies. */
+/* The bodies as they are at a tick. */
 struct bodies {
     const struct body *body;
     int count;
+    int rest; /* they never move: where they were put once they stay */
+    int placed;
     double interval; /* since the last tick, s */
     struct body_motion motion[BODIES_MAX];
     double boxes[6 * BODIES_MAX], hull[6]; /* around each, around all */
     struct obstacle obstacle[BODIES_MAX];  /* the same for the kernel */
 };
 
+static int create_bodies(struct wisp_model *m) {
+    const struct scene *scene = m->scene;
+    m->bodies = calloc(1, sizeof *m->bodies);
+    if (!m->bodies)
+        return -1;
+    m->bodies->body = scene->bodies;
+    m->bodies->count = scene->body_count;
+    m->bodies->interval = 1 / scene->collision_rate;
+    m->bodies->rest = scene->around.head.knots <= 1;
+    for (int i = 0; i < scene->body_count; i++)
+        for (int k = 0; k < 3; k++)
+            m->bodies->rest &= scene->bodies[i].velocity[k] == 0;
+    return 0;
+}
+
 static void place_bodies(const struct tick *tick, struct bodies *bodies) {
-    const struct scene *scene = tick->m->scene;
-    bodies->body = scene->bodies;
-    bodies->count = scene->body_count;
-    bodies->interval = 1 / scene->collision_rate;
+    if (bodies->rest && bodies->placed)
+        return;
     for (int i = 0; i < bodies->count; i++) {
         double *box = bodies->boxes + 6 * i, *hull = bodies->hull;
         bodies->motion[i] = body_motion(&bodies->body[i], &tick->head, tick->m->model.t);
@@ -261,6 +275,7 @@ static void place_bodies(const struct tick *tick, struct bodies *bodies) {
             hull[3 + k] = i == 0 || box[3 + k] > hull[3 + k] ? box[3 + k] : hull[3 + k];
         }
     }
+    bodies->placed = 1;
 }
 
 /* Body contact (section 4.2.2 of the thesis) for the wisps of a part that are near a body. Hair on
@@ -268,8 +283,8 @@ static void place_bodies(const struct tick *tick, struct bodies *bodies) {
  * four wisps at a time, and only a wisp with a node inside is laid open. Returns whether that
  * changed any: then the clamp must look. */
 static int push_out(const struct tick *tick, int i, unsigned near, double *rows) {
-    const struct bodies *bodies = tick->bodies;
     const struct wisp_model *m = tick->m;
+    const struct bodies *bodies = m->bodies;
     struct part *part = &m->model.parts[i];
     int pulled, opened = 0;
     near &= m->kernel->pull(part->system.ctx, part->q, part->v, bodies->obstacle, bodies->boxes,
@@ -300,7 +315,7 @@ static int push_out(const struct tick *tick, int i, unsigned near, double *rows)
  * look says so. */
 static void collide_part(const struct tick *tick, int i, double *rows) {
     const struct wisp_model *m = tick->m;
-    const struct bodies *bodies = tick->bodies;
+    const struct bodies *bodies = m->bodies;
     struct part *part = &m->model.parts[i];
     const int envelope = m->scene->wisps[0].samples > 0;
     void *ctx = part->system.ctx;
@@ -319,9 +334,7 @@ static void collide_part(const struct tick *tick, int i, double *rows) {
 }
 
 static void collide(struct tick *tick, struct workers *workers) {
-    struct bodies bodies;
-    place_bodies(tick, &bodies);
-    tick->bodies = &bodies;
+    place_bodies(tick, tick->m->bodies);
     do_parts(tick, workers, collide_part);
 }
 
@@ -347,10 +360,12 @@ int wisp_ticks_create(struct wisp_model *m) {
         m->model.collision_rate = m->scene->collision_rate;
     if (interacts(m->scene) || wisps_split(m->scene))
         m->model.interaction_rate = m->scene->interaction.rate;
-    return create_strands(m) || (interacts(m->scene) && create_touch(m)) ? -1 : 0;
+    return create_bodies(m) || create_strands(m) || (interacts(m->scene) && create_touch(m)) ? -1
+                                                                                             : 0;
 }
 
 void wisp_ticks_free(struct wisp_model *m) {
+    free(m->bodies);
     interaction_free(m->interaction);
     neighbours_free(m->neighbours);
     free(m->in_order);
