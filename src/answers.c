@@ -543,14 +543,42 @@ static int write_failures(FILE *stream, const struct report *report, char *reaso
     return code < 0 ? -1 : 0;
 }
 
+/* What the smallest model of each scene has, by the table's columns between its name and how far it
+ * was compared, and what that saves. Returns 1, 0 where there is no such table, -1 with a reason.
+ */
+static int sum_up_needs(FILE *stream, const struct report *report, char *reason) {
+    struct text_table table;
+    const int code = read_table(&table, report, "needs", "smallest", reason);
+    if (code <= 0)
+        return code;
+    const int from = text_table_column(&table, "scene") + 1,
+              to = text_table_column(&table, "compared");
+    for (int i = 0; i < table.row_count; i++) {
+        const double ratio = text_table_number(&table, i, "cost_ratio");
+        html_print(stream, "%s%s: ", i ? " " : "", text_table_cell(&table, i, "scene"));
+        for (int k = from, said = 0; k < to && isfinite(ratio); k++) {
+            const char *cell = text_table_cell(&table, i, table.name[k]);
+            if (strcmp(cell, "-") != 0)
+                html_print(stream, "%s%s", said++ ? ", " : "", cell);
+        }
+        if (isfinite(ratio))
+            html_print(stream, ", at %.2g of the full model's cost.", ratio);
+        else
+            html_print(stream, "no answer.");
+    }
+    text_table_free(&table);
+    return 1;
+}
+
 static int write_needs(FILE *stream, const struct report *report, char *reason) {
     ask(stream, "What does each scene need?");
-    const int code = show_table(stream, report, "needs", "smallest", 0, reason);
-    if (code == 0) {
-        fputs("<p>", stream);
+    fputs("<p class=\"answer\">", stream);
+    int code = sum_up_needs(stream, report, reason);
+    if (code == 0)
         say_missing(stream, report, "needs");
-        fputs("</p>\n", stream);
-    }
+    fputs("</p>\n", stream);
+    if (code > 0)
+        code = show_table(stream, report, "needs", "smallest", 0, reason);
     return code < 0 ? -1 : 0;
 }
 

@@ -279,6 +279,48 @@ Test(report, answers_follow_from_the_tables) {
     folder_remove(root);
 }
 
+/* Where each method fails and what each scene needs, in a sentence above the tables. */
+Test(report, limits_and_needs_are_answered_in_a_sentence) {
+    static const char *const says[] = {
+        "<p class=\"answer\">Longest stable steps on swing (projection): euler 1/8370 s, then "
+        "diverged; implicit-euler any. Longest stable steps on ball (penalty): rk4 1/3240 s, then "
+        "wrong.</p>",
+        "<p class=\"answer\">swing: 8 nodes, hinges, at 0.31 of the full model's cost. ball: no "
+        "answer.</p>",
+        NULL,
+    };
+    struct report report;
+    struct page page;
+    char root[PATH_SIZE], folder[PATH_SIZE];
+    prepare(&report, root);
+    add_part(&report, "stability", folder);
+    file_write(folder, "largest-step.tsv",
+               "# steps; nan: of what fails, none does\n"
+               "scene\ttreatment\tstepper\trate\tunstable_step\tkind\n"
+               "swing\tprojection\teuler\t8370\t0.00012\tdiverged\n"
+               "swing\tprojection\timplicit-euler\t300\tnan\tnone\n"
+               "swing\tprojection\tcvode\t1000\tnan\tchooses its steps\n"
+               "swing\tpenalty\teuler\t8100\t0.00012\tdiverged\n"
+               "ball\tpenalty\tcvode\t1000\tnan\tchooses its steps\n"
+               "ball\tpenalty\trk4\t3240\t0.0003\twrong\n",
+               NULL);
+    file_write(folder, "largest-step.svg", picture, NULL);
+    add_part(&report, "needs", folder);
+    file_write(folder, "swing.svg", picture, NULL);
+    file_write(folder, "needs.tsv", "# needs\nscene\tthing\tverdict\nswing\tnodes\tneeded\n", NULL);
+    file_write(folder, "smallest.tsv",
+               "# needs; nan: the run failed\n"
+               "scene\tnodes\tenvelope\tbending law\tcompared\tcost_ratio\tnote\n"
+               "swing\t8 nodes\t-\thinges\t1\t0.3075\t\n"
+               "ball\t-\t-\t-\t1\tnan\tnone\n",
+               NULL);
+    make_page(&report, &page);
+    read_page(&page);
+    must_say(&page, says);
+    page_free(&page);
+    folder_remove(root);
+}
+
 Test(report, what_is_missing_is_said_with_its_reason) {
     struct report report;
     struct page page;
