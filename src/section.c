@@ -163,8 +163,8 @@ static inline mask crosses(struct flat a, struct flat b, struct flat at) {
     const mask order = a.y < b.y;
     const struct flat low = {lane_select(order, a.x, b.x), lane_select(order, a.y, b.y)};
     const struct flat high = {lane_select(order, b.x, a.x), lane_select(order, b.y, a.y)};
-    const lane edge = low.x + (at.y - low.y) * (high.x - low.x) / (high.y - low.y);
-    return ((low.y > at.y) ^ (high.y > at.y)) & (at.x < edge);
+    const mask before = (at.x - low.x) * (high.y - low.y) < (at.y - low.y) * (high.x - low.x);
+    return ((low.y > at.y) ^ (high.y > at.y)) & before;
 }
 
 /* The quadrilateral 0, L, z_(i+1), z_i; its side on the axis is crossed by no ray off the axis. */
@@ -179,8 +179,7 @@ static inline mask decide(const struct section *s, const struct probe *probe, st
     const lane y = lane_sqrt(probe->square);
     const mask on = y < on_axis;
     const struct vec none = {lane_all(0), lane_all(0), lane_all(0)};
-    *q =
-        vec_select(on, none, (struct vec){probe->away.x / y, probe->away.y / y, probe->away.z / y});
+    *q = vec_select(on, none, scale(1 / y, probe->away));
     const mask along = (probe->x >= 0) & (probe->x < s->length);
     const mask inside = in_quadrilateral(s, *q, (struct flat){probe->x, y});
     return probe->in & ((on & along) | (~on & inside));
