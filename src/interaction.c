@@ -12,19 +12,17 @@
 struct volume {
     struct section section;
     int strand;
-    int end[2];      /* points that are its nodes; -1: prescribed */
-    const double *v; /* of node i where it is prescribed, m/s */
-    double density;  /* chi */
-    int own[2];      /* points too near along its own wisp, i - 1 <= k <= i + 2: from, to before */
+    double density;    /* chi */
     int first_contact; /* first of its contacts, which end where the next one's begin */
 };
 
-/* A free node, standing for itself and its samples, or a sample. */
-struct point {
-    double v[3];         /* V of a node: the mean with its samples; else its own; m/s */
-    double direction[3]; /* w of its node; a copy beside v, for points are met in any order */
-    double yield;        /* 1 / mass, of a node with its samples', 1/kg */
-    int shares;          /* corrections in which it takes part */
+/* A free node with its samples. Sections and free nodes of a wisp are equal in number: node i + 1
+ * has the number of section (i, i + 1), which it ends. Points are numbered node by node, each
+ * before its samples. */
+struct node {
+    double v[3];         /* V: the mean of its own velocity and its samples', m/s */
+    double direction[3]; /* w */
+    double yield[2];     /* 1 / mass: of all of it, of one sample, 1/kg */
     struct contact_place place;
 };
 
@@ -45,13 +43,13 @@ struct interaction {
     int volume_count, point_count, contact_count;
     int strand_room, volume_room, point_room, contact_room;
     struct strand *const *strand; /* of the tick */
-    struct first {
-        int volume, point;
-    } * first; /* by strand */
-    struct volume *volume;
-    struct point *point;
-    double (*x)[3];  /* by point, m */
-    double (*dv)[3]; /* by point: what corrections add up to, m/s */
+    int bunch;                    /* points of a node: 1 and its samples */
+    int *first;                   /* by strand: number of its first section and first free node */
+    struct volume *volume;        /* by section */
+    struct node *node;            /* by section */
+    double (*x)[3];               /* by point, m */
+    double (*dv)[3];              /* by point: what corrections add up to, m/s */
+    int *shares;                  /* by point: corrections in which it takes part */
     struct contact *contact;
     struct share share[SHARES];
 };
@@ -78,9 +76,10 @@ void interaction_free(struct interaction *it) {
         free(it->share[i].contact);
     free(it->first);
     free(it->volume);
-    free(it->point);
+    free(it->node);
     free(it->x);
     free(it->dv);
+    free(it->shares);
     free(it->contact);
     free(it);
 }
@@ -98,17 +97,19 @@ static int make_room(struct interaction *it, int strands, int volumes, int point
     }
     if (volumes > it->volume_room) {
         free(it->volume);
+        free(it->node);
         it->volume = malloc((size_t)volumes * sizeof *it->volume);
-        it->volume_room = it->volume ? volumes : 0;
+        it->node = malloc((size_t)volumes * sizeof *it->node);
+        it->volume_room = it->volume && it->node ? volumes : 0;
     }
     if (points > it->point_room) {
-        free(it->point);
         free(it->x);
         free(it->dv);
-        it->point = malloc((size_t)points * sizeof *it->point);
+        free(it->shares);
         it->x = malloc((size_t)points * sizeof *it->x);
         it->dv = malloc((size_t)points * sizeof *it->dv);
-        it->point_room = it->point && it->x && it->dv ? points : 0;
+        it->shares = malloc((size_t)points * sizeof *it->shares);
+        it->point_room = it->x && it->dv && it->shares ? points : 0;
     }
     return strands > it->strand_room || volumes > it->volume_room || points > it->point_room ? -1
                                                                                              : 0;
@@ -141,51 +142,37 @@ static struct weights weights_of(const struct wisp *wisp, int node) {
     return (struct weights){own * yield, each * yield, yield, 1 / each};
 }
 
-/* A free node and its samples, from the point numbered `at` on. The mean velocity of the node is
- * that of its mass and theirs. Returns the number after the last. */
-static int add_node(struct interaction *it, int index, int node, int at,
-                    const struct weights *weights) {
+/* Node number `number` and its points. */
+static void add_node(struct interaction *it, int number, int index, int i,
+                     const struct weights *weights) {
     const struct strand *strand = it->strand[index];
     const int samples = strand->wisp->samples;
-    struct point *mean = &it->point[at];
-    *mean = (struct point){.place = {index, node, -1}, .yield = weights->node_yield};
-    memcpy(mean->direction, strand->axis_w[node], sizeof mean->direction);
-    memcpy(it->x[at++], strand->p[node], sizeof *it->x);
-    for (int j = 0; j < samples; j++, at++) {
-        const int sample = node * samples + j;
-        struct point *point = &it->point[at];
-        *point = (struct point){.place = {index, node, j}, .yield = weights->each_yield};
-        memcpy(point->v, strand->ev[sample], sizeof point->v);
-        memcpy(point->direction, mean->direction, sizeof point->direction);
-        memcpy(it->x[at], strand->e[sample], sizeof *it->x);
-        vector_add(mean->v, weights->each, strand->ev[sample]);
-    }
-    vector_add(mean->v, weights->own, strand->v[node]);
-    return at;
+    double(*x)[3] = &it->x[(size_t)number * (size_t)it->bunch];
+    struct node *node = &it->node[number];
+    *node =
+        (struct node){.yield = {weights->node_yield, weights->each_yield}, .place = {index, i, -1}};
+    memcpy(node->direction, strand->axis_w[i], sizeof node->direction);
+    memcpy(*x++, strand->p[i], sizeof *x);
+    memcpy(x, strand->e[i * samples], (size_t)samples * sizeof *x);
+    for (int j = 0; j < samples; j++)
+        vector_add(node->v, weights->each, strand->ev[i * samples + j]);
+    vector_add(node->v, weights->own, strand->v[i]);
 }
 
-static void add_sections(struct interaction *it, int index) {
+static void add_section(struct interaction *it, int number, int index, int i) {
     const struct strand *strand = it->strand[index];
     const struct wisp *wisp = strand->wisp;
     const double share = wisp->splits ? ldexp(1, -wisp->splits) : 1,
                  rest = wisp->radius * wisp->radius;
-    const int points = it->first[index].point, each = 1 + wisp->samples, last = wisp->nodes - 1;
-    struct volume *volume = &it->volume[it->first[index].volume];
-    for (int i = 1; i < last; i++, volume++) {
-        section_make(&volume->section, strand, i);
-        volume->strand = index;
-        volume->v = strand->v[i];
-        volume->density = fmin(4, rest / volume->section.mean_r2) * share;
-        for (int end = 0; end < 2; end++)
-            volume->end[end] = i + end < 2 ? -1 : points + (i + end - 2) * each;
-        volume->own[0] = points + (i > 3 ? i - 3 : 0) * each;
-        volume->own[1] = points + (i < last - 2 ? i + 1 : last - 1) * each;
-    }
+    struct volume *volume = &it->volume[number];
+    section_make(&volume->section, strand, i);
+    volume->strand = index;
+    volume->density = fmin(4, rest / volume->section.mean_r2) * share;
 }
 
 /* A cell is as large as a section's box in the mean (0.7: no difference; 0.5: up to a third slower
- * where wisps hardly touch; 0.35: half as slow again and more). One that
- * has flown apart must not make all cells large: none counts for more than eight at rest. */
+ * where wisps hardly touch; 0.35: half as slow again and more). One that has flown apart
+ * must not make all cells large: none counts for more than eight at rest. */
 static double side_of(const struct section *section) {
     const struct wisp *wisp = section->strand->wisp;
     const double rest = wisp_spacing(wisp) + 2 * wisp->radius;
@@ -210,31 +197,29 @@ static void gather_share(void *ctx, int index) {
         const struct wisp *wisp = it->strand[s]->wisp;
         const int last = wisp->nodes - 1;
         const struct weights inner = weights_of(wisp, 2), end = weights_of(wisp, last);
-        int at = it->first[s].point;
-        add_sections(it, s);
-        for (int i = 1; i < last; i++)
-            share->sides += side_of(&it->volume[it->first[s].volume + i - 1].section);
-        for (int i = 2; i <= last; i++)
-            at = add_node(it, s, i, at, i < last ? &inner : &end);
+        for (int i = 1, number = it->first[s]; i < last; i++, number++) {
+            add_section(it, number, s, i);
+            add_node(it, number, s, i + 1, i + 1 < last ? &inner : &end);
+            share->sides += side_of(&it->volume[number].section);
+        }
     }
 }
 
 static int gather(struct interaction *it, struct strand *const *strands, int count) {
-    size_t volumes = 0, points = 0;
-    for (int s = 0; s < count; s++) {
-        const size_t free_nodes = (size_t)strands[s]->wisp->nodes - 2;
-        volumes += free_nodes;
-        points += free_nodes * (size_t)(1 + strands[s]->wisp->samples);
-    }
+    size_t nodes = 0;
+    for (int s = 0; s < count; s++)
+        nodes += (size_t)strands[s]->wisp->nodes - 2;
+    it->bunch = count > 0 ? 1 + strands[0]->wisp->samples : 1;
     it->volume_count = it->point_count = it->contact_count = 0;
-    if (points > INT_MAX || make_room(it, count, (int)volumes, (int)points))
+    if (nodes > (size_t)(INT_MAX / it->bunch) ||
+        make_room(it, count, (int)nodes, (int)nodes * it->bunch))
         return -1;
     it->strand = strands;
     for (int s = 0; s < count; s++) {
-        it->first[s] = (struct first){it->volume_count, it->point_count};
+        it->first[s] = it->volume_count;
         it->volume_count += strands[s]->wisp->nodes - 2;
-        it->point_count += (strands[s]->wisp->nodes - 2) * (1 + strands[s]->wisp->samples);
     }
+    it->point_count = it->volume_count * it->bunch;
     for (int i = 0; i < SHARES; i++) {
         it->share[i].from = (int)((long long)count * i / SHARES);
         it->share[i].to = (int)((long long)count * (i + 1) / SHARES);
@@ -249,20 +234,38 @@ struct contact_place interaction_section(const struct interaction *it, int secti
 }
 
 struct contact_place interaction_point(const struct interaction *it, int point) {
-    return it->point[point].place;
+    struct contact_place place = it->node[point / it->bunch].place;
+    place.sample = point % it->bunch - 1;
+    return place;
+}
+
+/* The node that begins or ends a section, as a point; -1: prescribed. */
+static int end_point(const struct interaction *it, int section, int end) {
+    const int prescribed = it->volume[section].section.index + end < 2;
+    return prescribed ? -1 : (section - 1 + end) * it->bunch;
 }
 
 /* --- what a contact asks for --- */
+
+/* Of a node the mean with its samples. */
+static const double *velocity(const struct interaction *it, int point) {
+    const struct node *node = &it->node[point / it->bunch];
+    const int samples = it->bunch - 1, sample = point % it->bunch - 1;
+    return sample < 0 ? node->v
+                      : it->strand[node->place.strand]->ev[node->place.node * samples + sample];
+}
 
 /* u: of the point against the section at lambda. */
 static void relative_velocity(const struct interaction *it, const struct contact *contact,
                               double u[3]) {
     const struct volume *volume = &it->volume[contact->section];
     const double weight[2] = {1 - contact->lambda, contact->lambda};
-    memcpy(u, it->point[contact->point].v, 3 * sizeof *u);
-    for (int end = 0; end < 2; end++)
+    memcpy(u, velocity(it, contact->point), 3 * sizeof *u);
+    for (int end = 0; end < 2; end++) {
+        const int i = volume->section.index + end;
         vector_add(u, -weight[end],
-                   volume->end[end] < 0 ? volume->v : it->point[volume->end[end]].v);
+                   i < 2 ? volume->section.strand->v[i] : it->node[contact->section - 1 + end].v);
+    }
 }
 
 /* Hair passes through hair along both wisps' directions but not across both: where they close, the
@@ -287,7 +290,7 @@ static void respond(const struct interaction *it, struct contact *contact,
     double u[3], normal[3];
     contact->lambda = lambda < 0 ? 0 : lambda > 1 ? 1 : lambda;
     relative_velocity(it, contact, u);
-    vector_cross(section->t, it->point[contact->point].direction, normal);
+    vector_cross(section->t, it->node[contact->point / it->bunch].direction, normal);
     const double speed = vector_length(u);
     const int closing = vector_dot(u, place->q) < 0;
     if (speed < 1e-9 || fabs(vector_dot(normal, u)) < it->settings.threshold * speed) {
@@ -331,12 +334,12 @@ static int add_contacts(const struct interaction *it, struct share *share, int s
         return 0;
     const double rest = exp(-it->settings.viscosity * volume->density / it->settings.rate);
     for (int i = 0; i < count; i++) /* their points come in while the first is at work */
-        __builtin_prefetch(&it->point[slots.point[found[i]]]);
+        __builtin_prefetch(&it->node[slots.point[found[i]] / it->bunch]);
     if (make_contact_room(&share->contact, &share->room, (size_t)share->count + (size_t)count))
         return -1;
     for (int i = 0; i < count; i++) {
         const int point = slots.point[found[i]];
-        if (twin && it->strand[it->point[point].place.strand] == twin)
+        if (twin && it->strand[it->node[point / it->bunch].place.strand] == twin)
             continue;
         struct contact *contact = &share->contact[share->count++];
         *contact = (struct contact){.section = section, .point = point};
@@ -345,15 +348,25 @@ static int add_contacts(const struct interaction *it, struct share *share, int s
     return 0;
 }
 
+/* Points too near along their own wisp: of nodes i - 1 <= k <= i + 2; from, to before. */
+static void own_points(const struct interaction *it, int section, int own[2]) {
+    const struct volume *volume = &it->volume[section];
+    const int first = it->first[volume->strand], i = volume->section.index,
+              last = it->strand[volume->strand]->wisp->nodes - 1;
+    own[0] = (first + (i > 3 ? i - 3 : 0)) * it->bunch;
+    own[1] = (first + (i < last - 2 ? i + 1 : last - 1)) * it->bunch;
+}
+
 /* Appends the contacts of one section, by point. */
 static int find_in_section(struct interaction *it, struct share *share, int section) {
     struct volume *volume = &it->volume[section];
     struct grid_search search;
-    int slot[GRID_BATCH];
+    int slot[GRID_BATCH], own[2];
     volume->first_contact = share->count;
     if (!volume->section.usable)
         return 0;
-    grid_begin(it->grid, volume->section.low, volume->section.high, volume->own, &search);
+    own_points(it, section, own);
+    grid_begin(it->grid, volume->section.low, volume->section.high, own, &search);
     for (int count; (count = grid_next(it->grid, &search, slot)) > 0;)
         if (add_contacts(it, share, section, slot, count))
             return -1;
@@ -364,7 +377,7 @@ static int find_in_section(struct interaction *it, struct share *share, int sect
 
 /* Sections of a share's strands: from, and to before. */
 static int first_volume(const struct interaction *it, int strand, int strands) {
-    return strand < strands ? it->first[strand].volume : it->volume_count;
+    return strand < strands ? it->first[strand] : it->volume_count;
 }
 
 static void find_share(void *ctx, int index) {
@@ -419,17 +432,22 @@ struct contact *interaction_contacts(struct interaction *it) {
 
 /* c of every point. One-sided, a section's nodes take no part. */
 static void count_shares(struct interaction *it, const struct contact *contacts, int count) {
-    for (int i = 0; i < it->point_count; i++)
-        it->point[i].shares = 0;
+    memset(it->shares, 0, (size_t)it->point_count * sizeof *it->shares);
     for (int c = 0; c < count; c++) {
-        const struct volume *volume = &it->volume[contacts[c].section];
         if (!contacts[c].corrected)
             continue;
-        it->point[contacts[c].point].shares++;
-        for (int end = 0; end < 2 && it->settings.reciprocal; end++)
-            if (volume->end[end] >= 0)
-                it->point[volume->end[end]].shares++;
+        it->shares[contacts[c].point]++;
+        for (int end = 0; end < 2 && it->settings.reciprocal; end++) {
+            const int node = end_point(it, contacts[c].section, end);
+            if (node >= 0)
+                it->shares[node]++;
+        }
     }
+}
+
+/* 1 / mass of what moves with a point, 1/kg. */
+static double yield_of(const struct interaction *it, int point) {
+    return it->node[point / it->bunch].yield[point % it->bunch > 0];
 }
 
 /* An impulse on the point and its opposite on the section's nodes. It is what would bring u to u'
@@ -437,25 +455,23 @@ static void count_shares(struct interaction *it, const struct contact *contacts,
  * energy cannot grow (it is convex, and each node's velocity ends up between what single contacts
  * ask of it and what it was). */
 static void push_both(struct interaction *it, const struct contact *contact) {
-    const struct volume *volume = &it->volume[contact->section];
     const double weight[2] = {1 - contact->lambda, contact->lambda};
-    const struct point *point = &it->point[contact->point];
-    double yield = point->yield; /* change of u by a unit of impulse, 1/kg */
-    int shares = point->shares;
+    const double own_yield = yield_of(it, contact->point);
+    double yield = own_yield; /* change of u by a unit of impulse, 1/kg */
+    int shares = it->shares[contact->point];
     for (int end = 0; end < 2; end++) {
-        if (volume->end[end] < 0)
+        const int node = end_point(it, contact->section, end);
+        if (node < 0)
             continue;
-        const struct point *node = &it->point[volume->end[end]];
-        yield += weight[end] * weight[end] * node->yield;
-        shares = node->shares > shares ? node->shares : shares;
+        yield += weight[end] * weight[end] * yield_of(it, node);
+        shares = it->shares[node] > shares ? it->shares[node] : shares;
     }
     const double impulse = 1 / (yield * shares); /* kg */
-    vector_add(it->dv[contact->point], impulse * point->yield, contact->change);
+    vector_add(it->dv[contact->point], impulse * own_yield, contact->change);
     for (int end = 0; end < 2; end++) {
-        if (volume->end[end] < 0)
-            continue;
-        vector_add(it->dv[volume->end[end]],
-                   -weight[end] * impulse * it->point[volume->end[end]].yield, contact->change);
+        const int node = end_point(it, contact->section, end);
+        if (node >= 0)
+            vector_add(it->dv[node], -weight[end] * impulse * yield_of(it, node), contact->change);
     }
 }
 
@@ -481,12 +497,12 @@ static int any_in_section(const struct interaction *it, int section, int from, i
 /* Whether a free node or sample of an end of the section is in a section that the point's node
  * bounds. */
 static int is_mutual(const struct interaction *it, const struct contact *contact) {
-    const struct volume *volume = &it->volume[contact->section];
-    const struct contact_place *of = &it->point[contact->point].place;
-    const int from = volume->end[0] < 0 ? volume->end[1] : volume->end[0];
-    const int to = volume->end[1] + volume->section.strand->wisp->samples;
-    const int before = it->first[of->strand].volume + of->node - 2;       /* the node ends that, */
-    const int last = of->node == it->strand[of->strand]->wisp->nodes - 1; /* and begins the next */
+    const int section = contact->section, begin = end_point(it, section, 0),
+              end = end_point(it, section, 1), to = end + it->bunch - 1;
+    const int from = begin < 0 ? end : begin;
+    const int before = contact->point / it->bunch; /* the node ends that, and begins the next */
+    const struct contact_place *of = &it->node[before].place;
+    const int last = of->node == it->strand[of->strand]->wisp->nodes - 1;
     return any_in_section(it, before, from, to) ||
            (!last && any_in_section(it, before + 1, from, to));
 }
@@ -495,34 +511,32 @@ static int is_mutual(const struct interaction *it, const struct contact *contact
  * section's turn comes as a point of its own. */
 static void push_point(struct interaction *it, const struct contact *contact) {
     const double part = is_mutual(it, contact) ? 0.5 : 1;
-    vector_add(it->dv[contact->point], part / it->point[contact->point].shares, contact->change);
+    vector_add(it->dv[contact->point], part / it->shares[contact->point], contact->change);
 }
 
 /* Of a sample's change only the part along its half-line; the rest is lost. */
-static void change_velocity(struct strand *strand, const struct contact_place *place,
-                            const double dv[3]) {
-    const int node = place->node, sample = place->sample;
-    const double still[3] = {0, 0, 0};
-    double a[3];
-    if (vector_dot(dv, dv) == 0)
-        return;
-    if (sample < 0) {
-        strand_move_node(strand, node, still, dv);
-        return;
-    }
+static void change_sample(struct strand *strand, int node, int sample, const double dv[3]) {
     const int at = node * strand->wisp->samples + sample;
+    double a[3];
     strand_half_line(strand, node, sample, a);
     strand_set_sample(strand, node, sample, strand->r[at], strand->rate[at] + vector_dot(dv, a));
 }
 
 static void change_share(void *ctx, int index) {
+    static const double still[3] = {0, 0, 0};
     struct interaction *it = ctx;
     const struct share *share = &it->share[index];
     for (int s = share->from; s < share->to; s++) {
-        const struct wisp *wisp = it->strand[s]->wisp;
-        const int from = it->first[s].point, to = from + (wisp->nodes - 2) * (1 + wisp->samples);
-        for (int i = from; i < to; i++)
-            change_velocity(it->strand[s], &it->point[i].place, it->dv[i]);
+        const double(*dv)[3] = (const double(*)[3]) & it->dv[it->first[s] * it->bunch];
+        for (int i = 2; i < it->strand[s]->wisp->nodes; i++)
+            for (int j = -1; j < it->bunch - 1; j++, dv++) {
+                if (vector_dot(*dv, *dv) == 0)
+                    continue;
+                if (j < 0)
+                    strand_move_node(it->strand[s], i, still, *dv);
+                else
+                    change_sample(it->strand[s], i, j, *dv);
+            }
     }
 }
 
