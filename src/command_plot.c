@@ -22,10 +22,11 @@ static int plot_run(const char *folder) {
     if (found < 0)
         return complain(2, "%s", reason);
     if (found == 0)
-        return complain(1,
-                        "no experiment '%s' (`wisplab list experiments` names them), and no folder "
-                        "with diagnostics.tsv",
-                        folder);
+        return complain(
+            1,
+            "no experiment '%.60s' (`wisplab list experiments` names them), and no folder "
+            "with diagnostics.tsv",
+            folder);
     printf("figures in %s\n", folder);
     return 0;
 }
@@ -44,7 +45,10 @@ static int plot(const struct arguments *arguments) {
         path_format(folder, "%s/%s", out ? out : "results", experiments[i]->name);
         if (!has_tables(folder))
             continue;
-        if (plot_experiment(experiments[i]->name, folder, reason))
+        const int undrawn = plot_experiment(experiments[i]->name, folder, reason);
+        if (runs_interrupted()) /* so may gnuplot have been */
+            return complain(3, "interrupted");
+        if (undrawn)
             return complain(2, "%s", reason);
         printf("%s: figures in %s\n", experiments[i]->name, folder);
         drawn++;

@@ -5,6 +5,7 @@
 #include <ctype.h>
 #include <errno.h>
 #include <stdarg.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -28,6 +29,22 @@ void plain_name(const char *text, char *name, size_t size) {
 
 int file_exists(const char *path) {
     return access(path, R_OK) == 0;
+}
+
+char *file_text(const char *path) {
+    FILE *file = fopen(path, "r");
+    char *text = NULL;
+    size_t size = 0;
+    if (!file)
+        return NULL;
+    if (getdelim(&text, &size, '\0', file) < 0) {
+        free(text);
+        text = feof(file) ? calloc(1, 1) : NULL; /* an empty file, or no memory, or a folder */
+    }
+    const int error = errno;
+    fclose(file);
+    errno = error;
+    return text;
 }
 
 const char *data_folder(void) {

@@ -37,4 +37,7 @@ void atomic_discard(struct atomic_file *file);
 /* Whether a path can be read. */
 int file_exists(const char *path);
 
+/* The whole of a file up to a zero byte, for free; NULL, with errno, where it cannot be had. */
+char *file_text(const char *path);
+
 #endif

@@ -14,6 +14,17 @@ static int table_fail(const char *path, int line, const char *what, char *reason
     return -1;
 }
 
+/* The cell as it stands, in one line. */
+static int table_fail_cell(const char *path, int line, int column, const char *word, char *reason) {
+    char what[100];
+    const size_t length = strlen(word);
+    if (length > 0 && word[length - 1] == '\r')
+        snprintf(what, sizeof what, "ends in a carriage return; lines must end in a newline alone");
+    else
+        snprintf(what, sizeof what, "column %d: '%.40s' is not a number", column + 1, word);
+    return table_fail(path, line, what, reason);
+}
+
 static int read_names(struct table *table, char *line, const char *path, int number, char *reason) {
     for (char *at = line, *word; (word = strsep(&at, "\t")) != NULL;) {
         if (table->column_count == TABLE_COLUMNS_MAX)
@@ -43,7 +54,7 @@ static int read_row(struct table *table, char *line, size_t *capacity, const cha
             return table_fail(path, number, "more numbers than columns", reason);
         table->value[used + (size_t)column] = strtod(word, &end);
         if (end == word || *end)
-            return table_fail(path, number, "not a number", reason);
+            return table_fail_cell(path, number, column, word, reason);
     }
     if (column < table->column_count)
         return table_fail(path, number, "fewer numbers than columns", reason);

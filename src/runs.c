@@ -74,7 +74,8 @@ static void limit_memory(double bytes) {
         pages = 0;
     if (file)
         fclose(file);
-    const rlim_t limit = (rlim_t)(bytes + (double)pages * (double)sysconf(_SC_PAGESIZE));
+    const double most = 1e18; /* more is no rlim_t, and no machine's */
+    const rlim_t limit = (rlim_t)fmin(most, bytes + (double)pages * (double)sysconf(_SC_PAGESIZE));
     struct rlimit limits;
     getrlimit(RLIMIT_AS, &limits);
     limits.rlim_cur = limit < limits.rlim_max ? limit : limits.rlim_max;
@@ -84,9 +85,11 @@ static void limit_memory(double bytes) {
 #endif
 }
 
+/* A time of 0 would be none, and one beyond the century no number of the timer's. */
 static void limit_time(double seconds) {
+    const double limit = fmin(seconds, 3e9), whole = floor(limit);
     const struct itimerval timer = {
-        .it_value = {(time_t)seconds, (suseconds_t)(1e6 * (seconds - floor(seconds)))}};
+        .it_value = {(time_t)whole, (suseconds_t)fmax(1, 1e6 * (limit - whole))}};
     setitimer(ITIMER_REAL, &timer, NULL);
 }
 
