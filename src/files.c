@@ -31,6 +31,21 @@ int file_exists(const char *path) {
     return access(path, R_OK) == 0;
 }
 
+int files_like(const char *folder, const char *pattern, glob_t *found) {
+    char path[2 * PATH_SIZE];
+    size_t used = 0;
+    *found = (glob_t){0};
+    for (; *folder && used + 2 < sizeof path; folder++) {
+        if (strchr("*?[\\", *folder))
+            path[used++] = '\\';
+        path[used++] = *folder;
+    }
+    const int length = snprintf(path + used, sizeof path - used, "/%s", pattern);
+    if (*folder || used + (size_t)length >= sizeof path)
+        return 0;
+    return glob(path, 0, NULL, found) == GLOB_NOSPACE ? -1 : 0;
+}
+
 char *file_text(const char *path) {
     FILE *file = fopen(path, "r");
     char *text = NULL;

@@ -6,7 +6,6 @@
 #include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
-#include <glob.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -210,10 +209,8 @@ static void nap(void) {
 
 /* Half files of a process that was killed. */
 static void remove_leftovers(const char *folder) {
-    char pattern[PATH_SIZE];
     glob_t found;
-    if (path_format(pattern, "%s/*.part", folder) || glob(pattern, GLOB_NOESCAPE, NULL, &found))
-        return;
+    files_like(folder, "*.part", &found);
     for (size_t i = 0; i < found.gl_pathc; i++)
         unlink(found.gl_pathv[i]);
     globfree(&found);

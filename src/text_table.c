@@ -63,6 +63,10 @@ int text_table_read(struct text_table *table, const char *path, char *reason) {
     *table = (struct text_table){.about = nothing, .content = file_text(path)};
     if (!table->content)
         return fail(table, path, 0, "cannot be read", reason);
+    const size_t length = strlen(table->content);
+    if (length > 0 && table->content[length - 1] != '\n')
+        return fail(table, path, count_of(table->content, '\n') + 1,
+                    "the last line is not complete", reason);
     int number = 1;
     for (char *at = table->content, *line; (line = strsep(&at, "\n")) != NULL; number++) {
         const int code = read_line(table, line);

@@ -379,6 +379,36 @@ Test(command_line, the_shortest_time_limit_is_one) {
     folder_remove(folder);
 }
 
+/* What is drawn is what a table says; half a table says something else. */
+Test(command_line, tables_that_are_not_whole_are_not_drawn) {
+    static const struct {
+        const char *text, *says;
+    } tables[] = {
+        {"a\tb\n1\t2", "tsv:2: the last line is not complete"},
+        {"a\tb\n1\t2\n3\n", "tsv:3: fewer cells than columns"},
+        {"# nothing\n", "no column names"},
+        {"", "no column names"},
+    };
+    char folder[PATH_SIZE], part[PATH_SIZE], odd[PATH_SIZE];
+    folder_make(folder);
+    path_format(part, "%s/circle", folder);
+    path_format(odd, "%s/[a*]\\", folder); /* no pattern, but a name */
+    cr_assert(mkdir(part, 0777) == 0 && mkdir(odd, 0777) == 0);
+    for (size_t i = 0; i < sizeof tables / sizeof *tables; i++) {
+        struct finished f;
+        file_write(part, "table.tsv", tables[i].text, NULL);
+        file_write(odd, "diagnostics.tsv", tables[i].text, NULL);
+        for (int k = 0; k < 2; k++) {
+            PROGRAM(&f, NULL, "plot", k ? odd : "circle", "--out", folder);
+            cr_assert_eq(f.code, 1, "exit code %d: %s", f.code, f.err);
+            one_line(&f, tables[i].text);
+            cr_assert(strstr(f.err, tables[i].says), "'%s' of\n%s", f.err, tables[i].text);
+        }
+    }
+    cr_assert_eq(count_files(folder, ""), 2, "something was written");
+    folder_remove(folder);
+}
+
 /* --- a machine that fails --- */
 
 Test(command_line, a_folder_that_cannot_be_made_exits_2) {
