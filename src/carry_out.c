@@ -65,7 +65,7 @@ static int find_failures(const struct plan *plan, char *failed) {
         struct run_files run;
         char reason[REASON_SIZE];
         if (run_read(&run, plan->cases[i].run.folder, reason))
-            return complain(-1, "%s", reason);
+            return complain(-1, "%s; --fresh runs it again", reason);
         failed[i] = run.outcome != FINISHED;
         count += failed[i];
         run_free(&run);

@@ -11,7 +11,6 @@
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 static const struct cli_option options[] = {
@@ -117,20 +116,6 @@ static int read_task(struct task *task) {
 
 /* --- runs --- */
 
-static int ends_with(const char *text, const char *end) {
-    const size_t length = strlen(text), tail = strlen(end);
-    return length >= tail && strcmp(text + length - tail, end) == 0;
-}
-
-/* A table of states, or the folder of a run, goes to `states`. */
-static int is_states(const char *word, char *states) {
-    struct stat status;
-    if (ends_with(word, ".tsv"))
-        return path_format(states, "%s", word) == 0;
-    return stat(word, &status) == 0 && S_ISDIR(status.st_mode) &&
-           path_format(states, "%s/states.tsv", word) == 0;
-}
-
 /* A scene is run with its defaults, or was: runs are kept by what they are of. Returns the exit
  * code. */
 static int run_scene(struct task *task, int i) {
@@ -166,7 +151,7 @@ static int find_runs(struct task *task) {
     const char *reference = argument_text(arguments, "error");
     for (int i = 0; i < arguments->word_count; i++) {
         const char *word = arguments->words[i];
-        if (!is_states(word, task->states[i])) {
+        if (!frames_path(word, task->states[i])) {
             const int code = run_scene(task, i);
             if (code)
                 return code;
@@ -175,7 +160,7 @@ static int find_runs(struct task *task) {
     }
     task->request.rows = task->rows;
     task->request.row_count = arguments->word_count;
-    if (reference && !is_states(reference, task->reference))
+    if (reference && !frames_path(reference, task->reference))
         return complain(1, "--error %s: is neither a states.tsv nor the folder of one", reference);
     task->request.reference = reference ? task->reference : NULL;
     return 0;
@@ -239,7 +224,7 @@ static int choose_frames(struct task *task) {
         return add_frames(task, (const int[]){1, last});
     if (!list)
         return some_frames(task, last);
-    for (const char *text = list; !code && (*text || text == list);) {
+    for (const char *text = list; !code && *text;) {
         int range[2] = {1, 1};
         code = read_range(&text, last, range);
         if (code == -1)

@@ -120,6 +120,13 @@ int atomic_open(struct atomic_file *file, const char *path, char *reason) {
     file->stream = NULL;
     path_format(file->path, "%s", path);
     snprintf(file->temporary, sizeof file->temporary, "%s.%ld.part", path, (long)getpid());
+    struct stat status;
+    if (stat(path, &status) == 0 && !S_ISREG(status.st_mode)) { /* a device would be renamed away */
+        snprintf(reason, REASON_SIZE, "%.150s: cannot write: there is something, and no file",
+                 path);
+        file->temporary[0] = '\0';
+        return -1;
+    }
     file->stream = fopen(file->temporary, "w");
     return file->stream ? 0 : fail(file, reason);
 }

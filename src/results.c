@@ -110,6 +110,36 @@ double table_value(const struct table *table, int row, int column) {
     return table->value[row * table->column_count + column];
 }
 
+/* Whether all frames are there that run.json counts, and the last has no fewer nodes than the one
+ * before: wisps become more, but not fewer. */
+static int has_all_frames(const struct run_files *run) {
+    const struct table *states = &run->states;
+    int frames = 0, rows = 0, rows_before = 0;
+    for (int i = 0; i < states->row_count; i++) {
+        if (i == 0 || table_value(states, i, 0) != table_value(states, i - 1, 0)) {
+            rows_before = rows;
+            rows = 0;
+            frames++;
+        }
+        rows++;
+    }
+    return frames > 0 && frames == run_number(run, "frames") && rows >= rows_before;
+}
+
+/* A run that died early has no frames. */
+static int read_states(struct run_files *run, const char *path, char *reason) {
+    enum { T_TO_VZ = 9 };
+    if (run->outcome != FINISHED && !file_exists(path))
+        return 0;
+    if (table_read(&run->states, path, reason))
+        return -1;
+    if (run->states.column_count < T_TO_VZ)
+        return table_fail(path, 0, "has not the columns of states", reason);
+    if (run->outcome == FINISHED && !has_all_frames(run))
+        return table_fail(path, 0, "has not all frames of a run that finished", reason);
+    return 0;
+}
+
 int run_read(struct run_files *run, const char *folder, char *reason) {
     char path[PATH_SIZE];
     json_error_t error;
@@ -124,9 +154,9 @@ int run_read(struct run_files *run, const char *folder, char *reason) {
     run->outcome = outcome_from_name(status ? status : "");
     path_format(path, "%s/states.tsv", folder);
     if (run->outcome == OUTCOME_COUNT) {
-        snprintf(reason, REASON_SIZE, "%.150s: unknown status", folder);
-    } else if (!file_exists(path) || table_read(&run->states, path, reason) == 0) {
-        return 0; /* a run that died early has no frames */
+        snprintf(reason, REASON_SIZE, "%.150s/run.json: unknown status", folder);
+    } else if (read_states(run, path, reason) == 0) {
+        return 0;
     }
     run_free(run);
     return -1;

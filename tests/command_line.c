@@ -430,6 +430,23 @@ Test(command_line, a_folder_that_cannot_be_made_exits_2) {
     folder_remove(folder);
 }
 
+/* A device or a pipe would be gone, with a file in its place. */
+Test(command_line, what_is_no_file_is_not_replaced) {
+    char folder[PATH_SIZE], pipe[PATH_SIZE];
+    struct finished f;
+    struct stat status;
+    folder_make(folder);
+    path_format(pipe, "%s/pipe", folder);
+    cr_assert_eq(mkfifo(pipe, 0666), 0);
+    PROGRAM(&f, NULL, "run", "circle", "--out", folder, "--save", pipe);
+    cr_assert_eq(f.code, 2, "exit code %d", f.code);
+    one_line(&f, "a pipe as file");
+    cr_assert(strstr(f.err, pipe) && strstr(f.err, "cannot write"), "%s", f.err);
+    cr_assert(stat(pipe, &status) == 0 && S_ISFIFO(status.st_mode), "it is gone");
+    cr_assert_eq(count_files(folder, ".part"), 0, "half a file is left");
+    folder_remove(folder);
+}
+
 /* A limit on file sizes is a full disk that a test can have. At each size the disk is full in
  * another place: in the head of states.tsv, in its rows, in run.json. */
 Test(command_line, a_full_disk_exits_2_and_leaves_no_half_file) {

@@ -265,7 +265,7 @@ static const struct {
     {{"--frames", "0"}, "there is no frame 0"},
     {{"--frames", "2-1"}, "as 1,6,10 or 1-31"},
     {{"--frames", "1,"}, "as 1,6,10"},
-    {{"--frames", ""}, "as 1,6,10"},
+    {{"--frames", ""}, "--frames needs a value"},
     {{"--frames", "1,x"}, "as 1,6,10"},
     {{"--frames", "1-"}, "as 1,6,10"},
     {{"--frames", "99999999999999999999"}, "there is no frame"},
