@@ -80,6 +80,15 @@ static int read_whole(const struct arguments *arguments, const char *name, int m
     return 0;
 }
 
+/* A GIF counts in hundredths of a second. */
+static int read_rate(struct task *task) {
+    if (argument_positive(task->arguments, "rate", 30, &task->rate))
+        return -1;
+    if (task->rate < 0.01 || task->rate > 1000)
+        return complain(-1, "--rate %g: must be from 0.01 to 1000", task->rate);
+    return 0;
+}
+
 static unsigned read_views(const struct arguments *arguments) {
     const unsigned views = (argument_given(arguments, "hair") ? VIEW_HAIR : 0u) |
                            (argument_given(arguments, "skeleton") ? VIEW_SKELETON : 0u) |
@@ -106,7 +115,7 @@ static int read_task(struct task *task) {
         return complain(-1, "--film: is of single pictures of one run; leave out the strip");
     if (task->film && strcmp(task->format, "png") != 0)
         return complain(-1, "--film: is made of png; leave out --format");
-    return read_size(task) || argument_positive(arguments, "rate", 30, &task->rate) ||
+    return read_size(task) || read_rate(task) ||
                    read_whole(arguments, "columns", 400, 0, &task->request.columns) ||
                    read_whole(arguments, "threads", 1024, (int)sysconf(_SC_NPROCESSORS_ONLN),
                               &task->threads)
@@ -193,14 +202,23 @@ static int read_range(const char **text, int last, int range[2]) {
     return range[1] < range[0] ? -1 : 0;
 }
 
+static int has_frame(const struct task *task, int frame) {
+    int i = 0;
+    while (i < task->count && task->frames[i] != frame)
+        i++;
+    return i < task->count;
+}
+
+/* Those that are not there yet: two would be one file. */
 static int add_frames(struct task *task, const int range[2]) {
     const int count = range[1] - range[0] + 1;
     int *frames = realloc(task->frames, (size_t)(task->count + count) * sizeof *frames);
     if (!frames)
         return complain(2, "out of memory");
     task->frames = frames;
-    for (int i = 0; i < count; i++)
-        frames[task->count++] = range[0] + i;
+    for (int frame = range[0]; frame <= range[1]; frame++)
+        if (!has_frame(task, frame))
+            frames[task->count++] = frame;
     return 0;
 }
 

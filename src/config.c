@@ -3,6 +3,7 @@
 #include "config_text.h"
 
 #include <ctype.h>
+#include <errno.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -162,6 +163,8 @@ void config_open(struct config_reader *reader, const char *path, const char *con
     config_init(&reader->config);
     if (file_exists(path))
         read_file(reader, path);
+    else if (errno == EACCES)
+        config_fail(reader, NULL, "cannot be read: %s", strerror(errno));
     else
         config_fail(reader, NULL,
                     "no such scene file; `wisplab list scenes` names the shipped ones");
