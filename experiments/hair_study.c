@@ -113,7 +113,7 @@ static int plan_stepper(struct plan *plan, const struct hair_question *question,
 
 static int refuse_scene(struct plan *plan, const struct hair_question *question) {
     const struct scene *scene = plan->subjects[0].scene;
-    if (json_object_get(scene->source, question->needs))
+    if (!question->needs || json_object_get(scene->source, question->needs))
         return 0;
     snprintf(plan->reason, REASON_SIZE,
              "experiment %s needs a scene with %s, and scene %s has none", plan->experiment->name,

@@ -89,7 +89,6 @@ static void state(struct hair_study *study) {
 
 static const struct hair_question question = {
     .scene = "shake",
-    .needs = "head",
     .variants = {{.label = "shake", .pictures = {1, 7, 13, 19, 25, 31, 46, 91}}},
     .columns = 4,
     .elevation = 15,

@@ -54,7 +54,6 @@ static void state(struct hair_study *study) {
 
 static const struct hair_question question = {
     .scene = "sphere",
-    .needs = "body",
     .variants = {{.label = "sphere", .thesis = 21.6, .pictures = {50, 75, 100, 125, 150, 200}}},
     .columns = 3,
     .azimuth = 15,

@@ -54,7 +54,6 @@ static void state(struct hair_study *study) {
 
 static const struct hair_question question = {
     .scene = "wind",
-    .needs = "wind",
     .variants = {{.label = "gust",
                   .thesis = 235,
                   .pictures = {1, 6, 10, 16, 21, 26, 36, 46, 56, 66, 86, 121}}},
