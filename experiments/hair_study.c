@@ -111,6 +111,16 @@ static int plan_stepper(struct plan *plan, const struct hair_question *question,
     return plan_add(plan, scene, &request, "steppers", "%s", method->name);
 }
 
+static int refuse_scene(struct plan *plan, const struct hair_question *question) {
+    const struct scene *scene = plan->subjects[0].scene;
+    if (!question->needs || json_object_get(scene->source, question->needs))
+        return 0;
+    snprintf(plan->reason, REASON_SIZE,
+             "experiment %s needs a scene with %s, and scene %s has none", plan->experiment->name,
+             question->needs, scene->name);
+    return -1;
+}
+
 int hair_plan(struct plan *plan, const struct hair_question *question) {
     const struct stepper_method *recipe =
         stepper_find(plan->stepper_count > 0 ? plan->steppers[0] : "euler");
@@ -120,7 +130,7 @@ int hair_plan(struct plan *plan, const struct hair_question *question) {
                  plan->experiment->name, plan->scene_count);
         return -1;
     }
-    if (plan_subjects(plan, &question->scene, 1))
+    if (plan_subjects(plan, &question->scene, 1) || refuse_scene(plan, question))
         return -1;
     for (int i = 0; i < variant_count(question); i++)
         if (plan_variant(plan, question, &question->variants[i], recipe))

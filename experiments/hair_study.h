@@ -22,6 +22,7 @@ struct hair_study;
 /* The static description of an experiment. */
 struct hair_question {
     const char *scene; /* its name */
+    const char *needs; /* the group of a scene in which the variants differ; NULL: none */
     struct hair_variant variants[HAIR_VARIANTS];
     int main;                  /* the variant on which all steppers are tried */
     int columns;               /* of the pictures */

@@ -87,6 +87,7 @@ static void state(struct hair_study *study) {
 
 static const struct hair_question question = {
     .scene = "interactions",
+    .needs = "contacts",
     .variants = {{.label = "none",
                   .sets = {NO_INTERPENETRATION, NO_COLLISION},
                   .thesis = 0.76,

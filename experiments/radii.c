@@ -75,6 +75,7 @@ static void state(struct hair_study *study) {
 
 static const struct hair_question question = {
     .scene = "radii",
+    .needs = "envelope",
     .variants = {{.label = "radius 1 cm",
                   .sets = {"envelope.radius=0.01"},
                   .thesis = 3.92,

@@ -84,7 +84,7 @@ static void state(struct hair_study *study) {
         study, "returned", end, "deg", most > 0 && end < left_over * most ? HOLDS : HOLDS_NOT,
         "the hair returns: at the end, %.2f s, they are %.1f degrees apart, %.0f %% (returned: "
         "less than %.0f %%)",
-        run->hair.frames[last].t, end, 100 * end / most, 100 * left_over);
+        run->hair.frames[last].t, end, most > 0 ? 100 * end / most : 0, 100 * left_over);
 }
 
 static const struct hair_question question = {

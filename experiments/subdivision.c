@@ -74,6 +74,7 @@ static void state(struct hair_study *study) {
 
 static const struct hair_question question = {
     .scene = "subdivision",
+    .needs = "subdivision",
     .variants = {{.label = "without",
                   .sets = {"subdivision.ratio=1e-6"}, /* the test is made, and nothing follows */
                   .thesis = 0.88,

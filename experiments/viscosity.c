@@ -84,6 +84,7 @@ static void state(struct hair_study *study) {
 
 static const struct hair_question question = {
     .scene = "viscosity",
+    .needs = "contacts",
     .variants = {{.label = "viscosity 0.5",
                   .sets = {"contacts.viscosity=0.5"},
                   .thesis = 0.85,

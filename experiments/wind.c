@@ -49,7 +49,7 @@ static void state(struct hair_study *study) {
     hair_state(study, "fallen back", end, "cm", end < left_over * most ? HOLDS : HOLDS_NOT,
                "at the end, %.2f s, %.1f cm of it are left, %.0f %% (fallen back: less than "
                "%.0f %%)",
-               run->hair.frames[last].t, end, 100 * end / most, 100 * left_over);
+               run->hair.frames[last].t, end, most > 0 ? 100 * end / most : 0, 100 * left_over);
 }
 
 static const struct hair_question question = {

@@ -32,6 +32,10 @@ if (CELLS) {
     stats table('strip') using ($3 > 0 || BODIES == 1 ? $1 : NaN):2 nooutput
     LEAST_X = STATS_min_x; MOST_X = STATS_max_x; LEAST_Y = STATS_min_y; MOST_Y = STATS_max_y
 }
+# Hair that lies along a line is given room across it.
+ROOM_X = larger(0, 0.5 * (0.1 * (MOST_Y - LEAST_Y) - (MOST_X - LEAST_X)))
+ROOM_Y = larger(0, 0.5 * (0.1 * (MOST_X - LEAST_X) - (MOST_Y - LEAST_Y)))
+LEAST_X = LEAST_X - ROOM_X; MOST_X = MOST_X + ROOM_X; LEAST_Y = LEAST_Y - ROOM_Y; MOST_Y = MOST_Y + ROOM_Y
 SPAN_X = 1.06 * (MOST_X - LEAST_X); SPAN_Y = 1.06 * (MOST_Y - LEAST_Y)
 # The cells are as wide as the page allows, and at most 260 pixels high; no page is narrower than its
 # heading.

@@ -60,6 +60,9 @@ static void read_looks(struct config_reader *reader, config_setting_t *group,
     }
 }
 
+/* In a segment of one wisp: more takes minutes and is black. */
+static const double most_lines = 1e6;
+
 void render_read(struct config_reader *reader, config_setting_t *top,
                  struct render_settings *render) {
     static const char *const known[] = {"eye",    "target", "angle",  "light",
@@ -73,6 +76,9 @@ void render_read(struct config_reader *reader, config_setting_t *top,
     read_looks(reader, group, render);
     render->hairs = read_whole(reader, group, "hairs", 1, 100000, render->hairs);
     render->pieces = read_whole(reader, group, "pieces", 1, 1000, render->pieces);
+    if (1.0 * render->hairs * render->pieces > most_lines)
+        config_fail(reader, group, "render: %d hairs of %d pieces: must be at most %g in all",
+                    render->hairs, render->pieces, most_lines);
 }
 
 /* --- the camera --- */

@@ -65,7 +65,7 @@ static int find_failures(const struct plan *plan, char *failed) {
         struct run_files run;
         char reason[REASON_SIZE];
         if (run_read(&run, plan->cases[i].run.folder, reason))
-            return complain(-1, "%s", reason);
+            return complain(-1, "%s; --fresh runs it again", reason);
         failed[i] = run.outcome != FINISHED;
         count += failed[i];
         run_free(&run);
@@ -122,11 +122,12 @@ static int tabulate_and_draw(struct plan *plan, struct manner *manner) {
     if (path_format(folder, "%s/%s", plan->out, name) || make_folder(folder, plan->reason))
         return complain(2, "%s", plan->reason);
     const int code = plan->experiment->tabulate(plan, folder);
+    const int undrawn = !code && !runs_interrupted() && plot_experiment(name, folder, plan->reason);
+    if (runs_interrupted()) /* so may gnuplot have been, and what is measured in tabulate */
+        return complain(3, "interrupted; the same command goes on from here");
     manner->nothing_left = code > 0;
-    if (code)
+    if (code || undrawn)
         return complain(code > 0 ? 3 : 2, "%s", plan->reason);
-    if (plot_experiment(name, folder, plan->reason))
-        return complain(2, "%s", plan->reason);
     printf("%s: tables and figures in %s\n", name, folder);
     return 0;
 }

@@ -67,7 +67,7 @@ int argument_positive(const struct arguments *arguments, const char *name, doubl
     *value = absent;
     if (!text || (parse_real(text, value) == 0 && *value > 0))
         return 0;
-    return complain(-1, "--%s %s: must be a positive number", name, text);
+    return complain(-1, "--%s %.60s: must be a positive number", name, text);
 }
 
 int argument_limits(const struct arguments *arguments, double default_seconds,
@@ -120,13 +120,13 @@ static int read_option(struct arguments *arguments, int argc, char **argv, int i
     const int takes_next = option->argument && !equals;
     if (!option->argument && equals)
         return complain(-1, "--%s takes no value", option->name);
-    if (takes_next && i + 1 >= argc)
+    const char *value = equals ? equals + 1 : takes_next && i + 1 < argc ? argv[i + 1] : "";
+    if (option->argument && !*value) /* an empty one too: no folder, file or number is */
         return complain(-1, "--%s needs a value: --%s %s", option->name, option->name,
                         option->argument);
     if (arguments->option[at].count >= (option->repeats ? CLI_REPEATS_MAX : 1))
         return complain(-1, "--%s is given too often", option->name);
-    arguments->option[at].value[arguments->option[at].count++] =
-        takes_next ? argv[i + 1] : (equals ? equals + 1 : "");
+    arguments->option[at].value[arguments->option[at].count++] = value;
     return takes_next ? 2 : 1;
 }
 
@@ -199,7 +199,7 @@ int cli_main(int argc, char **argv) {
         if (strcmp(commands[i]->name, name) == 0)
             arguments.command = commands[i];
     if (!arguments.command)
-        return complain(1, "no command '%s'; see wisplab --help", name);
+        return complain(1, "no command '%.60s'; see wisplab --help", name);
     for (int i = 2; i < argc; i++) {
         if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0) {
             print_command_help(arguments.command);

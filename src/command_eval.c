@@ -78,7 +78,7 @@ static int evaluate(const struct arguments *arguments, const struct scene *scene
     double t = 0, given = 0;
 
     if (time && parse_real(time, &given))
-        return complain(1, "--time %s: must be a finite number", time);
+        return complain(1, "--time %.60s: must be a finite number", time);
     const int refused = settings_resolve(scene, &request, &settings, reason);
     if (refused)
         return complain(outcome_exit_code((enum outcome)refused), "%s", reason);

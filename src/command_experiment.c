@@ -17,12 +17,12 @@ static const struct cli_option options[] = {
     {0},
 };
 
-/* "2/8" -> 2, 8. */
+/* "2/8" -> 2, 8. Numbers of ten digits, which an int may not hold, leave a rest. */
 static int read_shard(const char *text, int *shard, int *shards) {
     char rest;
     *shard = *shards = 1;
     if (!text ||
-        (sscanf(text, "%d/%d%c", shard, shards, &rest) == 2 && *shard >= 1 && *shards >= *shard))
+        (sscanf(text, "%9d/%9d%c", shard, shards, &rest) == 2 && *shard >= 1 && *shards >= *shard))
         return 0;
     return complain(-1, "--shard %s: must be I/N with 1 <= I <= N", text);
 }

@@ -9,11 +9,14 @@ static const struct cli_option options[] = {
 
 static int export(const struct arguments *arguments) {
     const char *folder = argument_text(arguments, "vtk");
-    char reason[REASON_SIZE], name[80];
+    char states[PATH_SIZE], reason[REASON_SIZE], name[80];
     struct frames frames;
     if (!folder)
         return complain(1, "export: --vtk DIR is missing; it is the one format there is");
-    int code = frames_open(&frames, arguments->words[0], NULL, 0, reason);
+    if (!frames_path(arguments->words[0], states))
+        return complain(1, "export: %.100s is neither a states.tsv nor the folder of one",
+                        arguments->words[0]);
+    int code = frames_open(&frames, states, NULL, 0, reason);
     if (!code && make_folder(folder, reason))
         code = 2;
     if (!code) {
@@ -33,9 +36,9 @@ const struct command export_command = {
     .usage = "STATES --vtk DIR",
     .summary = "frames for ParaView and other tools",
     .details =
-        "STATES is a states.tsv with its run.json beside it. Each frame becomes a .vtp (VTK's XML\n"
-        "of lines, as text) with velocity (m/s), strain and radius (m) at the nodes; the .pvd is\n"
-        "what to open in ParaView.\n"
+        "STATES is a states.tsv with its run.json beside it, or the folder of both. Each frame\n"
+        "becomes a .vtp (VTK's XML of lines, as text) with velocity (m/s), strain and radius (m)\n"
+        "at the nodes; the .pvd is what to open in ParaView.\n"
         "\n"
         "  wisplab run sphere --out sphere\n"
         "  wisplab export sphere/states.tsv --vtk sphere/vtk\n",

@@ -2,30 +2,37 @@
 #include "cli.h"
 #include "experiment.h"
 #include "plot.h"
+#include "text_table.h"
 
-#include <glob.h>
 #include <string.h>
 
-static int has_tables(const char *folder) {
-    char pattern[PATH_SIZE];
+/* How many tables there are to draw from, or -1 where one of them is none, or not whole. */
+static int count_tables(const char *folder, const char *names, char *reason) {
     glob_t found;
-    if (path_format(pattern, "%s/*.tsv", folder) || glob(pattern, GLOB_NOESCAPE, NULL, &found))
-        return 0;
+    int count = 0;
+    files_like(folder, names, &found);
+    for (size_t i = 0; i < found.gl_pathc && count >= 0; i++) {
+        struct text_table table;
+        count = text_table_read(&table, found.gl_pathv[i], reason) ? -1 : count + 1;
+        text_table_free(&table);
+    }
     globfree(&found);
-    return 1;
+    return count;
 }
 
 /* The figure of a run by its folder. */
 static int plot_run(const char *folder) {
     char reason[REASON_SIZE];
-    const int found = plot_diagnostics(folder, reason);
-    if (found < 0)
-        return complain(2, "%s", reason);
-    if (found == 0)
+    const int count = count_tables(folder, "diagnostics*.tsv", reason);
+    if (count < 0)
+        return complain(1, "%s", reason);
+    if (count == 0)
         return complain(1,
-                        "no experiment '%s' (`wisplab list experiments` names them), and no folder "
-                        "with diagnostics.tsv",
+                        "no experiment '%.60s' (`wisplab list experiments` names them), and no "
+                        "folder with diagnostics.tsv",
                         folder);
+    if (plot_diagnostics(folder, reason) < 0)
+        return complain(2, "%s", reason);
     printf("figures in %s\n", folder);
     return 0;
 }
@@ -42,9 +49,15 @@ static int plot(const struct arguments *arguments) {
         if (!all && strcmp(experiments[i]->name, name) != 0)
             continue;
         path_format(folder, "%s/%s", out ? out : "results", experiments[i]->name);
-        if (!has_tables(folder))
+        const int count = count_tables(folder, "*.tsv", reason);
+        if (count < 0)
+            return complain(1, "%s", reason);
+        if (count == 0)
             continue;
-        if (plot_experiment(experiments[i]->name, folder, reason))
+        const int undrawn = plot_experiment(experiments[i]->name, folder, reason);
+        if (runs_interrupted()) /* so may gnuplot have been */
+            return complain(3, "interrupted");
+        if (undrawn)
             return complain(2, "%s", reason);
         printf("%s: figures in %s\n", experiments[i]->name, folder);
         drawn++;

@@ -11,7 +11,6 @@
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 static const struct cli_option options[] = {
@@ -81,6 +80,15 @@ static int read_whole(const struct arguments *arguments, const char *name, int m
     return 0;
 }
 
+/* A GIF counts in hundredths of a second. */
+static int read_rate(struct task *task) {
+    if (argument_positive(task->arguments, "rate", 30, &task->rate))
+        return -1;
+    if (task->rate < 0.01 || task->rate > 1000)
+        return complain(-1, "--rate %g: must be from 0.01 to 1000", task->rate);
+    return 0;
+}
+
 static unsigned read_views(const struct arguments *arguments) {
     const unsigned views = (argument_given(arguments, "hair") ? VIEW_HAIR : 0u) |
                            (argument_given(arguments, "skeleton") ? VIEW_SKELETON : 0u) |
@@ -107,7 +115,7 @@ static int read_task(struct task *task) {
         return complain(-1, "--film: is of single pictures of one run; leave out the strip");
     if (task->film && strcmp(task->format, "png") != 0)
         return complain(-1, "--film: is made of png; leave out --format");
-    return read_size(task) || argument_positive(arguments, "rate", 30, &task->rate) ||
+    return read_size(task) || read_rate(task) ||
                    read_whole(arguments, "columns", 400, 0, &task->request.columns) ||
                    read_whole(arguments, "threads", 1024, (int)sysconf(_SC_NPROCESSORS_ONLN),
                               &task->threads)
@@ -116,20 +124,6 @@ static int read_task(struct task *task) {
 }
 
 /* --- runs --- */
-
-static int ends_with(const char *text, const char *end) {
-    const size_t length = strlen(text), tail = strlen(end);
-    return length >= tail && strcmp(text + length - tail, end) == 0;
-}
-
-/* A table of states, or the folder of a run, goes to `states`. */
-static int is_states(const char *word, char *states) {
-    struct stat status;
-    if (ends_with(word, ".tsv"))
-        return path_format(states, "%s", word) == 0;
-    return stat(word, &status) == 0 && S_ISDIR(status.st_mode) &&
-           path_format(states, "%s/states.tsv", word) == 0;
-}
 
 /* A scene is run with its defaults, or was: runs are kept by what they are of. Returns the exit
  * code. */
@@ -166,7 +160,7 @@ static int find_runs(struct task *task) {
     const char *reference = argument_text(arguments, "error");
     for (int i = 0; i < arguments->word_count; i++) {
         const char *word = arguments->words[i];
-        if (!is_states(word, task->states[i])) {
+        if (!frames_path(word, task->states[i])) {
             const int code = run_scene(task, i);
             if (code)
                 return code;
@@ -175,7 +169,7 @@ static int find_runs(struct task *task) {
     }
     task->request.rows = task->rows;
     task->request.row_count = arguments->word_count;
-    if (reference && !is_states(reference, task->reference))
+    if (reference && !frames_path(reference, task->reference))
         return complain(1, "--error %s: is neither a states.tsv nor the folder of one", reference);
     task->request.reference = reference ? task->reference : NULL;
     return 0;
@@ -208,14 +202,23 @@ static int read_range(const char **text, int last, int range[2]) {
     return range[1] < range[0] ? -1 : 0;
 }
 
+static int has_frame(const struct task *task, int frame) {
+    int i = 0;
+    while (i < task->count && task->frames[i] != frame)
+        i++;
+    return i < task->count;
+}
+
+/* Those that are not there yet: two would be one file. */
 static int add_frames(struct task *task, const int range[2]) {
     const int count = range[1] - range[0] + 1;
     int *frames = realloc(task->frames, (size_t)(task->count + count) * sizeof *frames);
     if (!frames)
         return complain(2, "out of memory");
     task->frames = frames;
-    for (int i = 0; i < count; i++)
-        frames[task->count++] = range[0] + i;
+    for (int frame = range[0]; frame <= range[1]; frame++)
+        if (!has_frame(task, frame))
+            frames[task->count++] = frame;
     return 0;
 }
 
@@ -239,7 +242,7 @@ static int choose_frames(struct task *task) {
         return add_frames(task, (const int[]){1, last});
     if (!list)
         return some_frames(task, last);
-    for (const char *text = list; !code && (*text || text == list);) {
+    for (const char *text = list; !code && *text;) {
         int range[2] = {1, 1};
         code = read_range(&text, last, range);
         if (code == -1)

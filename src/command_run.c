@@ -162,10 +162,10 @@ static int run_scene(const struct arguments *arguments) {
     const int refused = settings_resolve(scene, &request, &run.settings, reason);
     if (refused) {
         code = complain(outcome_exit_code((enum outcome)refused), "%s", reason);
-    } else if ((out && !*out) || path_format(run.folder, "%s", out ? out : "results")) {
-        code = complain(1, "--out: the path of a folder is too long, or empty");
-    } else if (file && (!*file || strlen(file) >= PATH_SIZE)) {
-        code = complain(1, "--save: the path of a file is too long, or empty");
+    } else if (path_format(run.folder, "%s", out ? out : "results")) {
+        code = complain(1, "--out: the path of a folder is too long");
+    } else if (file && strlen(file) >= PATH_SIZE) {
+        code = complain(1, "--save: the path of a file is too long");
     } else {
         announce(&run);
         const enum outcome outcome =

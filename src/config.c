@@ -1,6 +1,9 @@
 #include "config.h"
 
+#include "config_text.h"
+
 #include <ctype.h>
+#include <errno.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -59,60 +62,98 @@ static const char *hint(const char *error) {
     return strstr(error, "element type") ? "; write 2.0 beside 2.5, not 2" : "";
 }
 
-/* Puts the text after '=' (a number, "text", true, or a [list], (list), {group}; a bare word is
- * taken as text) in the place of the setting, which is made if its group exists. */
+enum { SET_MAX = 4096 }; /* letters of a value */
+
+/* Reads a value; a bare word is taken as text. */
+static bool read_value(struct config_reader *reader, const char *set, const char *text,
+                       config_t *value) {
+    char snippet[SET_MAX + 16], why[REASON_SIZE];
+    for (int quoted = 0; quoted <= (isalpha((unsigned char)*text) != 0); quoted++) {
+        snprintf(snippet, sizeof snippet, quoted ? "value = \"%s\";" : "value = %s;", text);
+        if (config_check_text(snippet, why)) {
+            config_fail(reader, NULL, "--set %.100s: %s", set, why);
+            return false;
+        }
+        if (config_read_string(value, snippet))
+            return true;
+    }
+    config_fail(reader, NULL, "--set %.100s: the value cannot be read: %s%s", set,
+                config_error_text(value), hint(config_error_text(value)));
+    return false;
+}
+
+/* Puts the value in the place of the setting, which is made if its group exists. */
+static void put_value(struct config_reader *reader, const char *set, char *path,
+                      const config_setting_t *value) {
+    char *dot = strrchr(path, '.');
+    const char *name = dot ? dot + 1 : path;
+    if (dot)
+        *dot = '\0';
+    config_setting_t *parent =
+        dot ? config_lookup(&reader->config, path) : config_root_setting(&reader->config);
+    if (!parent || !config_setting_is_group(parent)) {
+        config_fail(reader, NULL, "--set %.100s: the scene has no group %.60s%s", set, path,
+                    parent && config_setting_is_aggregate(parent)
+                        ? " but a list; its first entry is [0], as in wisps.[0].nodes=5"
+                        : "");
+        return;
+    }
+    if (config_setting_get_member(parent, name))
+        config_setting_remove(parent, name);
+    if (!copy_setting(parent, name, value))
+        config_fail(reader, NULL, "--set %.100s: '%.60s' is not a setting's name", set, name);
+}
+
+/* path.to.setting=value; the value is a number, "text", true, or a [list], (list), {group}. */
 static void apply_set(struct config_reader *reader, const char *set) {
     const char *equals = strchr(set, '=');
     if (!equals || equals == set) {
-        config_fail(reader, NULL, "--set %s: write --set path.to.setting=value", set);
+        config_fail(reader, NULL, "--set %.100s: write --set path.to.setting=value", set);
         return;
     }
-    char path[256], parent_path[256], snippet[4096];
-    if ((size_t)(equals - set) >= sizeof path || strlen(equals) + 16 > sizeof snippet) {
+    char path[256];
+    if ((size_t)(equals - set) >= sizeof path || strlen(equals) > SET_MAX) {
         config_fail(reader, NULL, "--set %.60s...: is too long", set);
         return;
     }
     snprintf(path, sizeof path, "%.*s", (int)(equals - set), set);
-    snprintf(parent_path, sizeof parent_path, "%s", path);
-    char *dot = strrchr(parent_path, '.');
-    const char *name = dot ? dot + 1 : path;
-    if (dot)
-        *dot = '\0';
-
     config_t value;
     config_init(&value);
-    snprintf(snippet, sizeof snippet, "value = %s;", equals + 1);
-    int ok = config_read_string(&value, snippet);
-    if (!ok && isalpha((unsigned char)equals[1])) {
-        snprintf(snippet, sizeof snippet, "value = \"%s\";", equals + 1);
-        ok = config_read_string(&value, snippet);
-    }
-    config_setting_t *parent =
-        dot ? config_lookup(&reader->config, parent_path) : config_root_setting(&reader->config);
-    if (!ok)
-        config_fail(reader, NULL, "--set %s: the value cannot be read: %s%s", set,
-                    config_error_text(&value), hint(config_error_text(&value)));
-    else if (config_setting_length(config_root_setting(&value)) != 1)
-        config_fail(reader, NULL, "--set %s: holds more than one setting; repeat --set", set);
-    else if (!parent || !config_setting_is_group(parent))
-        config_fail(reader, NULL, "--set %s: the scene has no group %s", set, parent_path);
-    else {
-        if (config_setting_get_member(parent, name))
-            config_setting_remove(parent, name);
-        if (!copy_setting(parent, name, config_lookup(&value, "value")))
-            config_fail(reader, NULL, "--set %s: '%s' is not a setting's name", set, name);
+    if (read_value(reader, set, equals + 1, &value)) {
+        if (config_setting_length(config_root_setting(&value)) != 1)
+            config_fail(reader, NULL, "--set %.100s: holds more than one setting; repeat --set",
+                        set);
+        else
+            put_value(reader, set, path, config_lookup(&value, "value"));
     }
     config_destroy(&value);
 }
 
 /* What a scene includes stands beside it, wherever the program was started. */
-static void include_from_folder(config_t *config, const char *path) {
-    char folder[PATH_SIZE];
+static void folder_of(const char *path, char *folder) {
     const char *slash = strrchr(path, '/');
-    if (slash) {
-        path_format(folder, "%.*s", (int)(slash - path), path);
-        config_set_include_dir(config, folder);
-    }
+    path_format(folder, "%.*s", slash == path ? 1 : slash ? (int)(slash - path) : 0, path);
+}
+
+static void read_file(struct config_reader *reader, const char *path) {
+    char folder[PATH_SIZE];
+    folder_of(path, folder);
+    if (*folder)
+        config_set_include_dir(&reader->config, folder);
+    const int wrong = config_check_file(path, folder, reader->reason);
+    reader->failed = wrong != 0;
+    reader->out_of_memory = wrong < 0;
+    if (wrong || config_read_file(&reader->config, path))
+        return;
+    reader->failed = true;
+    const char *file = config_error_file(&reader->config),
+               *text = config_error_text(&reader->config);
+    const int line = config_error_line(&reader->config);
+    if (line > 0)
+        snprintf(reader->reason, REASON_SIZE, "%.120s:%d: %s%s", file ? file : path, line, text,
+                 hint(text));
+    else
+        snprintf(reader->reason, REASON_SIZE, "%.120s: %s", path, text);
 }
 
 void config_open(struct config_reader *reader, const char *path, const char *const *sets,
@@ -120,21 +161,13 @@ void config_open(struct config_reader *reader, const char *path, const char *con
     *reader = (struct config_reader){.reason = reason};
     path_format(reader->file, "%s", path);
     config_init(&reader->config);
-    include_from_folder(&reader->config, path);
-    if (!file_exists(path)) {
+    if (file_exists(path))
+        read_file(reader, path);
+    else if (errno == EACCES)
+        config_fail(reader, NULL, "cannot be read: %s", strerror(errno));
+    else
         config_fail(reader, NULL,
                     "no such scene file; `wisplab list scenes` names the shipped ones");
-    } else if (!config_read_file(&reader->config, path)) {
-        const char *file = config_error_file(&reader->config);
-        reader->failed = true;
-        const char *text = config_error_text(&reader->config);
-        const int line = config_error_line(&reader->config);
-        if (line > 0)
-            snprintf(reason, REASON_SIZE, "%.120s:%d: %s%s", file ? file : path, line, text,
-                     hint(text));
-        else
-            snprintf(reason, REASON_SIZE, "%.120s: %s", path, text);
-    }
     for (int i = 0; i < set_count && !reader->failed; i++)
         apply_set(reader, sets[i]);
 }
@@ -334,7 +367,7 @@ void config_known(struct config_reader *reader, config_setting_t *group, const c
             strncat(names, k ? ", " : "", sizeof names - strlen(names) - 1);
             strncat(names, known[k], sizeof names - strlen(names) - 1);
         }
-        config_fail(reader, setting, "%s: unknown setting; known here: %s",
+        config_fail(reader, setting, "%.60s: unknown setting; known here: %s",
                     config_setting_name(setting), names);
     }
 }

@@ -5,6 +5,7 @@
 #include <ctype.h>
 #include <errno.h>
 #include <stdarg.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -28,6 +29,37 @@ void plain_name(const char *text, char *name, size_t size) {
 
 int file_exists(const char *path) {
     return access(path, R_OK) == 0;
+}
+
+int files_like(const char *folder, const char *pattern, glob_t *found) {
+    char path[2 * PATH_SIZE];
+    size_t used = 0;
+    *found = (glob_t){0};
+    for (; *folder && used + 2 < sizeof path; folder++) {
+        if (strchr("*?[\\", *folder))
+            path[used++] = '\\';
+        path[used++] = *folder;
+    }
+    const int length = snprintf(path + used, sizeof path - used, "/%s", pattern);
+    if (*folder || used + (size_t)length >= sizeof path)
+        return 0;
+    return glob(path, 0, NULL, found) == GLOB_NOSPACE ? -1 : 0;
+}
+
+char *file_text(const char *path) {
+    FILE *file = fopen(path, "r");
+    char *text = NULL;
+    size_t size = 0;
+    if (!file)
+        return NULL;
+    if (getdelim(&text, &size, '\0', file) < 0) {
+        free(text);
+        text = feof(file) ? calloc(1, 1) : NULL; /* an empty file, or no memory, or a folder */
+    }
+    const int error = errno;
+    fclose(file);
+    errno = error;
+    return text;
 }
 
 const char *data_folder(void) {
@@ -88,6 +120,13 @@ int atomic_open(struct atomic_file *file, const char *path, char *reason) {
     file->stream = NULL;
     path_format(file->path, "%s", path);
     snprintf(file->temporary, sizeof file->temporary, "%s.%ld.part", path, (long)getpid());
+    struct stat status;
+    if (stat(path, &status) == 0 && !S_ISREG(status.st_mode)) { /* a device would be renamed away */
+        snprintf(reason, REASON_SIZE, "%.150s: cannot write: there is something, and no file",
+                 path);
+        file->temporary[0] = '\0';
+        return -1;
+    }
     file->stream = fopen(file->temporary, "w");
     return file->stream ? 0 : fail(file, reason);
 }

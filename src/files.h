@@ -2,6 +2,7 @@
 #ifndef WISPLAB_FILES_H
 #define WISPLAB_FILES_H
 
+#include <glob.h>
 #include <stdio.h>
 
 enum { PATH_SIZE = 1024, REASON_SIZE = 400 };
@@ -36,5 +37,13 @@ void atomic_discard(struct atomic_file *file);
 
 /* Whether a path can be read. */
 int file_exists(const char *path);
+
+/* The files of a folder, whatever letters its path has, whose names are like a pattern for glob, in
+ * the order of their names. globfree it. Returns 0, also where there are none, or -1 where there is
+ * no memory. */
+int files_like(const char *folder, const char *pattern, glob_t *found);
+
+/* The whole of a file up to a zero byte, for free; NULL, with errno, where it cannot be had. */
+char *file_text(const char *path);
 
 #endif

@@ -8,6 +8,7 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 /* Columns of a table of states. */
 enum { T, WISP, NODE, X, FIXED = 9 };
@@ -286,6 +287,16 @@ static int open_scene(struct frames *f, const json_t *run, const char *path,
     if (f->scene->wisp_count > 0)
         return 0;
     return refuse(path, reason, "the scene %s has no wisps, and so no hair", f->scene->name);
+}
+
+int frames_path(const char *word, char *states) {
+    static const char ending[] = ".tsv";
+    const size_t length = strlen(word), tail = sizeof ending - 1;
+    struct stat status;
+    if (length >= tail && strcmp(word + length - tail, ending) == 0)
+        return path_format(states, "%s", word) == 0;
+    return stat(word, &status) == 0 && S_ISDIR(status.st_mode) &&
+           path_format(states, "%s/states.tsv", word) == 0;
 }
 
 int frames_open(struct frames *f, const char *states, const char *const *sets, int set_count,

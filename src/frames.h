@@ -21,6 +21,10 @@ struct frames {
     int *offset;    /* from there, by wisp */
 };
 
+/* The states that a word names: a path that ends in .tsv, or the folder of a run. Returns 1, with
+ * their path in `states` (PATH_SIZE), or 0 where it names none. */
+int frames_path(const char *word, char *states);
+
 /* Reads the table `states`, which must have its run.json beside it; `sets` change the scene as in
  * scene_load. A last frame that is not complete is left out if the run says that it failed. Returns
  * 0, or with one line in `reason` (REASON_SIZE) the exit code: 1 where the files are wrong, 2 where

@@ -3,7 +3,6 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
-#include <glob.h>
 #include <pthread.h>
 #include <spawn.h>
 #include <stdlib.h>
@@ -131,11 +130,12 @@ static int plot_script(const char *name, const char *folder, char *reason) {
 }
 
 int plot_diagnostics(const char *folder, char *reason) {
-    char pattern[PATH_SIZE];
     glob_t found;
-    if (path_format(pattern, "%s/diagnostics*.tsv", folder) || glob(pattern, 0, NULL, &found))
-        return 0;
+    files_like(folder, "diagnostics*.tsv", &found);
+    const size_t count = found.gl_pathc;
     globfree(&found);
+    if (count == 0)
+        return 0;
     return plot_script("diagnostics", folder, reason) ? -1 : 1;
 }
 

@@ -5,7 +5,6 @@
 #include "html.h"
 #include "identity.h"
 
-#include <glob.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -48,11 +47,12 @@ static int is_of_report(const struct report_part *part, const char *path) {
  * it. Returns 0, or -1 where there is no memory. */
 static int find_files(const struct report *report, const struct report_part *part, const char *kind,
                       glob_t *found) {
-    char pattern[PATH_SIZE];
+    char folder[PATH_SIZE], pattern[16];
     *found = (glob_t){0};
-    if (path_format(pattern, "%s/%s/*.%s", report->root, part->experiment->name, kind))
+    if (path_format(folder, "%s/%s", report->root, part->experiment->name))
         return 0;
-    return glob(pattern, 0, NULL, found) == GLOB_NOSPACE ? -1 : 0;
+    snprintf(pattern, sizeof pattern, "*.%s", kind);
+    return files_like(folder, pattern, found);
 }
 
 /* "results/circle/radius.svg" -> "radius" */

@@ -14,6 +14,17 @@ static int table_fail(const char *path, int line, const char *what, char *reason
     return -1;
 }
 
+/* The cell as it stands, in one line. */
+static int table_fail_cell(const char *path, int line, int column, const char *word, char *reason) {
+    char what[100];
+    const size_t length = strlen(word);
+    if (length > 0 && word[length - 1] == '\r')
+        snprintf(what, sizeof what, "ends in a carriage return; lines must end in a newline alone");
+    else
+        snprintf(what, sizeof what, "column %d: '%.40s' is not a number", column + 1, word);
+    return table_fail(path, line, what, reason);
+}
+
 static int read_names(struct table *table, char *line, const char *path, int number, char *reason) {
     for (char *at = line, *word; (word = strsep(&at, "\t")) != NULL;) {
         if (table->column_count == TABLE_COLUMNS_MAX)
@@ -43,7 +54,7 @@ static int read_row(struct table *table, char *line, size_t *capacity, const cha
             return table_fail(path, number, "more numbers than columns", reason);
         table->value[used + (size_t)column] = strtod(word, &end);
         if (end == word || *end)
-            return table_fail(path, number, "not a number", reason);
+            return table_fail_cell(path, number, column, word, reason);
     }
     if (column < table->column_count)
         return table_fail(path, number, "fewer numbers than columns", reason);
@@ -99,6 +110,36 @@ double table_value(const struct table *table, int row, int column) {
     return table->value[row * table->column_count + column];
 }
 
+/* Whether all frames are there that run.json counts, and the last has no fewer nodes than the one
+ * before: wisps become more, but not fewer. */
+static int has_all_frames(const struct run_files *run) {
+    const struct table *states = &run->states;
+    int frames = 0, rows = 0, rows_before = 0;
+    for (int i = 0; i < states->row_count; i++) {
+        if (i == 0 || table_value(states, i, 0) != table_value(states, i - 1, 0)) {
+            rows_before = rows;
+            rows = 0;
+            frames++;
+        }
+        rows++;
+    }
+    return frames > 0 && frames == run_number(run, "frames") && rows >= rows_before;
+}
+
+/* A run that died early has no frames. */
+static int read_states(struct run_files *run, const char *path, char *reason) {
+    enum { T_TO_VZ = 9 };
+    if (run->outcome != FINISHED && !file_exists(path))
+        return 0;
+    if (table_read(&run->states, path, reason))
+        return -1;
+    if (run->states.column_count < T_TO_VZ)
+        return table_fail(path, 0, "has not the columns of states", reason);
+    if (run->outcome == FINISHED && !has_all_frames(run))
+        return table_fail(path, 0, "has not all frames of a run that finished", reason);
+    return 0;
+}
+
 int run_read(struct run_files *run, const char *folder, char *reason) {
     char path[PATH_SIZE];
     json_error_t error;
@@ -113,9 +154,9 @@ int run_read(struct run_files *run, const char *folder, char *reason) {
     run->outcome = outcome_from_name(status ? status : "");
     path_format(path, "%s/states.tsv", folder);
     if (run->outcome == OUTCOME_COUNT) {
-        snprintf(reason, REASON_SIZE, "%.150s: unknown status", folder);
-    } else if (!file_exists(path) || table_read(&run->states, path, reason) == 0) {
-        return 0; /* a run that died early has no frames */
+        snprintf(reason, REASON_SIZE, "%.150s/run.json: unknown status", folder);
+    } else if (read_states(run, path, reason) == 0) {
+        return 0;
     }
     run_free(run);
     return -1;

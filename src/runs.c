@@ -6,7 +6,6 @@
 #include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
-#include <glob.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -74,7 +73,8 @@ static void limit_memory(double bytes) {
         pages = 0;
     if (file)
         fclose(file);
-    const rlim_t limit = (rlim_t)(bytes + (double)pages * (double)sysconf(_SC_PAGESIZE));
+    const double most = 1e18; /* more is no rlim_t, and no machine's */
+    const rlim_t limit = (rlim_t)fmin(most, bytes + (double)pages * (double)sysconf(_SC_PAGESIZE));
     struct rlimit limits;
     getrlimit(RLIMIT_AS, &limits);
     limits.rlim_cur = limit < limits.rlim_max ? limit : limits.rlim_max;
@@ -84,9 +84,11 @@ static void limit_memory(double bytes) {
 #endif
 }
 
+/* A time of 0 would be none, and one beyond the century no number of the timer's. */
 static void limit_time(double seconds) {
+    const double limit = fmin(seconds, 3e9), whole = floor(limit);
     const struct itimerval timer = {
-        .it_value = {(time_t)seconds, (suseconds_t)(1e6 * (seconds - floor(seconds)))}};
+        .it_value = {(time_t)whole, (suseconds_t)fmax(1, 1e6 * (limit - whole))}};
     setitimer(ITIMER_REAL, &timer, NULL);
 }
 
@@ -207,10 +209,8 @@ static void nap(void) {
 
 /* Half files of a process that was killed. */
 static void remove_leftovers(const char *folder) {
-    char pattern[PATH_SIZE];
     glob_t found;
-    if (path_format(pattern, "%s/*.part", folder) || glob(pattern, GLOB_NOESCAPE, NULL, &found))
-        return;
+    files_like(folder, "*.part", &found);
     for (size_t i = 0; i < found.gl_pathc; i++)
         unlink(found.gl_pathv[i]);
     globfree(&found);

@@ -38,6 +38,26 @@ static void read_run(struct config_reader *reader, config_setting_t *top,
     run->atol = config_number(reader, group, "atol", POSITIVE, 1e-9);
 }
 
+/* Such ticks are lost in the rounding of the time, and the run would never end. */
+static void check_rates(struct config_reader *reader, config_setting_t *top,
+                        const struct scene *scene) {
+    config_setting_t *contacts = config_group(reader, top, "contacts");
+    const struct {
+        config_setting_t *group;
+        const char *name;
+        double rate;
+    } rates[] = {{top, "frame_rate", scene->frame_rate},
+                 {contacts, "collision_rate", scene->collision_rate},
+                 {contacts, "interaction_rate", scene->interaction.rate}};
+    for (size_t i = 0; i < sizeof rates / sizeof *rates; i++) {
+        config_setting_t *group = rates[i].group;
+        if (rates[i].rate * scene->duration > 1e15)
+            config_fail(reader, group ? config_setting_get_member(group, rates[i].name) : NULL,
+                        "%s: %g Hz for a duration of %g s: is more than 1e15 times", rates[i].name,
+                        rates[i].rate, scene->duration);
+    }
+}
+
 static void read_circle(struct config_reader *reader, config_setting_t *top) {
     static const char *const known[] = {"name", "problem", "duration", "frame_rate",
                                         "seed", "run",     NULL};
@@ -52,6 +72,8 @@ static void read_scene(struct config_reader *reader, struct scene *scene) {
     stem(reader->file, default_name, sizeof default_name);
     snprintf(scene->name, sizeof scene->name, "%.63s",
              config_text(reader, top, "name", default_name));
+    if (!*scene->name)
+        config_fail(reader, config_setting_get_member(top, "name"), "name: is empty");
     for (const char *c = scene->name; *c; c++)
         if (iscntrl((unsigned char)*c))
             config_fail(reader, config_setting_get_member(top, "name"),
@@ -59,7 +81,7 @@ static void read_scene(struct config_reader *reader, struct scene *scene) {
     scene->problem = problem_find(problem);
     if (!scene->problem)
         config_fail(reader, config_setting_get_member(top, "problem"),
-                    "problem: '%s' is not there; known: circle; none for wisps", problem);
+                    "problem: '%.60s' is not there; known: circle; none for wisps", problem);
     scene->duration = config_required(reader, top, "duration", POSITIVE);
     scene->frame_rate = config_number(reader, top, "frame_rate", POSITIVE, 0);
     scene->seed = config_number(reader, top, "seed", WHOLE, 1);
@@ -68,6 +90,7 @@ static void read_scene(struct config_reader *reader, struct scene *scene) {
         read_circle(reader, top);
     else
         scene_read_wisps(reader, top, scene);
+    check_rates(reader, top, scene);
     scene->source = config_to_json(top);
     scene_note_start(scene);
 }

@@ -4,6 +4,7 @@
 #include "scene_roots.h"
 #include "scene_start.h"
 
+#include <math.h>
 #include <string.h>
 
 static void read_material(struct config_reader *reader, config_setting_t *top, struct wisp *wisp) {
@@ -31,7 +32,7 @@ static void read_material(struct config_reader *reader, config_setting_t *top, s
     wisp->bending = (enum bending)i;
     if (i == 3)
         config_fail(reader, config_setting_get_member(group, "bending"),
-                    "bending: '%s' is not one of skip, hinge, none", law);
+                    "bending: '%.60s' is not one of skip, hinge, none", law);
 }
 
 static void read_envelope(struct config_reader *reader, config_setting_t *top, struct wisp *wisp) {
@@ -128,8 +129,25 @@ static void read_wind(struct config_reader *reader, config_setting_t *top, struc
         wind->kind = WIND_IRREGULAR;
         read_irregular(reader, group, wind);
     } else {
-        config_fail(reader, group, "wind: kind '%s' is not one of steady, gust, irregular", kind);
+        config_fail(reader, group, "wind: kind '%.60s' is not one of steady, gust, irregular",
+                    kind);
     }
+}
+
+/* Rows and numbers of a frame are counted in an int; a machine's memory is full before. */
+static void check_size(struct config_reader *reader, config_setting_t *top,
+                       const struct scene *scene) {
+    const double most = 1e7;
+    double nodes = 0, longest = 0;
+    for (int i = 0; i < scene->wisp_count; i++) {
+        nodes += scene->wisps[i].nodes;
+        longest = fmax(longest, scene->wisps[i].nodes);
+    }
+    nodes += fmax(0, scene->subdivision.limit - scene->wisp_count) * longest;
+    if (nodes > most)
+        config_fail(reader, config_setting_get_member(top, "wisps"),
+                    "wisps: %g nodes, with those of the wisps that subdivision may add; at most %g",
+                    nodes, most);
 }
 
 void scene_read_wisps(struct config_reader *reader, config_setting_t *top, struct scene *scene) {
@@ -148,6 +166,7 @@ void scene_read_wisps(struct config_reader *reader, config_setting_t *top, struc
     scene_read_contacts(reader, top, material.samples, scene);
     scene_read_roots(reader, top, &material, scene);
     scene_read_subdivision(reader, top, material.samples, scene);
+    check_size(reader, top, scene);
     scene_read_start(reader, top, scene);
     render_read(reader, top, &scene->render);
 }

@@ -14,21 +14,6 @@ static int fail(struct text_table *table, const char *path, int line, const char
     return -1;
 }
 
-/* The whole of a file, zero-terminated, for free; NULL where it cannot be had. */
-static char *read_all(const char *path) {
-    FILE *file = fopen(path, "r");
-    char *text = NULL;
-    size_t size = 0;
-    if (!file)
-        return NULL;
-    if (getdelim(&text, &size, '\0', file) < 0) {
-        free(text);
-        text = feof(file) ? calloc(1, 1) : NULL; /* an empty file, or no memory, or a folder */
-    }
-    fclose(file);
-    return text;
-}
-
 /* Cuts a line at its tabs into at most `most` cells; returns their number. */
 static int cut(char *line, char **cells, int most) {
     int count = 0;
@@ -75,9 +60,13 @@ static int read_line(struct text_table *table, char *line) {
 
 int text_table_read(struct text_table *table, const char *path, char *reason) {
     static char nothing[] = "";
-    *table = (struct text_table){.about = nothing, .content = read_all(path)};
+    *table = (struct text_table){.about = nothing, .content = file_text(path)};
     if (!table->content)
         return fail(table, path, 0, "cannot be read", reason);
+    const size_t length = strlen(table->content);
+    if (length > 0 && table->content[length - 1] != '\n')
+        return fail(table, path, count_of(table->content, '\n') + 1,
+                    "the last line is not complete", reason);
     int number = 1;
     for (char *at = table->content, *line; (line = strsep(&at, "\n")) != NULL; number++) {
         const int code = read_line(table, line);

@@ -358,3 +358,42 @@ Test(chapter5, two_scenes_are_refused) {
     cr_assert_eq(f.code, 1);
     cr_assert(count_lines(f.err) == 1 && strstr(f.err, "one --scene"), "'%s'", f.err);
 }
+
+/* Variants of what a scene has not would be its own, all alike. */
+Test(chapter5, a_scene_without_what_is_varied_is_refused) {
+    static const char *const needs[][2] = {{"radii", "envelope"},
+                                           {"interactions", "contacts"},
+                                           {"viscosity", "contacts"},
+                                           {"subdivision", "subdivision"}};
+    char folder[PATH_SIZE];
+    folder_make(folder);
+    for (size_t i = 0; i < sizeof needs / sizeof *needs; i++) {
+        struct finished f;
+        PROGRAM(&f, NULL, "experiment", needs[i][0], "--scene", "swing", "--out", folder);
+        cr_assert_eq(f.code, 1, "%s: exit code %d", needs[i][0], f.code);
+        cr_assert(count_lines(f.err) == 1 && strstr(f.err, "needs a scene with") &&
+                      strstr(f.err, needs[i][1]),
+                  "%s: '%s'", needs[i][0], f.err);
+    }
+    cr_assert_eq(count_files(folder, ""), 0, "something was written");
+    folder_remove(folder);
+}
+
+/* Hair without an envelope, in a picture in which it has no height. */
+Test(chapter5, hair_along_a_line_is_drawn) {
+    static const char scene[] =
+        "duration = 0.02;\nframe_rate = 30.0;\ngravity = [0, 0, 0];\nmaterial = { };\n"
+        "wind = { kind = \"steady\"; velocity = [0, 0, 0]; };\n"
+        "wisps = ({ root = [0, 0, 0]; direction = [1, 0, 0]; length = 0.2; nodes = 5; });\n";
+    struct finished f;
+    char folder[PATH_SIZE], path[PATH_SIZE];
+    folder_make(folder);
+    file_write(folder, "line.cfg", scene, path);
+    PROGRAM(&f, NULL, "experiment", "wind", "--quick", "--stepper", "euler", "--scene", path,
+            "--out", folder);
+    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
+    cr_assert_null(strstr(f.out, "nan %"), "%s", f.out);
+    path_format(path, "%s/wind", folder);
+    cr_assert_eq(count_files(path, "frames.svg"), 1, "no picture of it");
+    folder_remove(folder);
+}

@@ -60,7 +60,8 @@ static const struct {
     {{"run", "circle", "--step", "1e-300"}, {"--step 1e-300", "steps"}},
     {{"run", "circle", "--step", "big"}, {"--step big", "positive"}},
     {{"run", "circle", "--step", "1s"}, {"--step 1s", "positive"}},
-    {{"run", "circle", "--step", ""}, {"--step", "positive"}},
+    {{"run", "circle", "--step", ""}, {"--step needs a value"}},
+    {{"run", "circle", "--save="}, {"--save needs a value: --save FILE"}},
     {{"run", "circle", "--rate", "0"}, {"--rate", "positive"}},
     {{"run", "circle", "--step", "1", "--rate", "1"}, {"--step", "--rate"}},
     {{"run", "circle", "--stepper", "cvode", "--step", "1"}, {"--step", "--rtol"}},
@@ -92,6 +93,7 @@ static const struct {
     {{"experiment", "circle", "--shard", "3/2"}, {"--shard 3/2", "I/N"}},
     {{"experiment", "circle", "--shard", "0/2"}, {"--shard 0/2", "I/N"}},
     {{"experiment", "circle", "--shard", "1/2x"}, {"--shard 1/2x", "I/N"}},
+    {{"experiment", "circle", "--shard", "4294967297/4294967297"}, {"--shard 4294967297", "I/N"}},
     {{"experiment", "circle", "--scene", "circle"}, {"--scene"}},
     {{"plot", "square"}, {"square"}},
     {{"list", "colours"}, {"colours", "steppers"}},
@@ -120,6 +122,25 @@ Test(command_line, what_is_wrong_is_said_in_one_line) {
     folder_remove(folder);
 }
 
+/* An empty folder's name would be the root of the file system. */
+Test(command_line, an_empty_folder_is_none) {
+    static const char *const words[][2] = {{"run", "circle"},     {"experiment", "circle"},
+                                           {"report", "--quick"}, {"plot", "all"},
+                                           {"render", "swing"},   {"export", "states.tsv"}};
+    char folder[PATH_SIZE];
+    folder_make(folder);
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
+        struct finished f;
+        const char *option = strcmp(words[i][0], "export") == 0 ? "--vtk" : "--out";
+        PROGRAM(&f, &(struct launch){.folder = folder}, words[i][0], words[i][1], option, "");
+        cr_assert_eq(f.code, 1, "%s: exit code %d, %s", words[i][0], f.code, f.err);
+        one_line(&f, words[i][0]);
+        cr_assert(strstr(f.err, option) && strstr(f.err, "needs a value"), "%s", f.err);
+        cr_assert_eq(count_files(folder, ""), 0, "%s: wrote something", words[i][0]);
+    }
+    folder_remove(folder);
+}
+
 /* --- scene files --- */
 
 static const struct {
@@ -138,7 +159,9 @@ static const struct {
     {"problem = \"circle\";\nduration = 1.0;\nrun = 3;\n", {":3:", "run", "group"}},
     {"problem = \"circle\";\nduration = 1.0;\nrun = {\n step = 0.0;\n};\n", {":4:", "step"}},
     {"problem = \"circle\";\nduration = 1.0;\nframe_rate = -30.0;\n", {":3:", "frame_rate"}},
+    {"problem = \"circle\";\nduration = 1.0;\nframe_rate = 1e16;\n", {":3:", "frame_rate", "1e15"}},
     {"problem = \"circle\";\nduration = 1.0;\nseed = 1.5;\n", {":3:", "seed", "whole"}},
+    {"problem = \"circle\";\nduration = 1.0;\nname = \"\";\n", {":3:", "name", "empty"}},
     {"problem = \"square\";\nduration = 1.0;\n", {":1:", "problem", "square"}},
     {"problem = 3;\nduration = 1.0;\n", {":1:", "problem", "text"}},
     {"problem = \"circle\";\nduration = 1.0\n = 3;\n", {":3:", "syntax error"}},
@@ -220,7 +243,8 @@ Test(command_line, set_overrides_what_the_scene_says) {
         {"duration=abc", 1, "duration"},
         {"duration=", 1, "duration"},
         {"du ration=1", 1, "not a setting's name"},
-        {"duration=a\"b", 1, "cannot be read"},
+        {"duration=a\"b", 1, "closing quote"},
+        {"duration=[1", 1, "cannot be read"},
     };
     char folder[PATH_SIZE];
     folder_make(folder);
@@ -322,6 +346,69 @@ Test(command_line, a_failed_integration_is_a_result) {
     folder_remove(folder);
 }
 
+/* Also where it is part of a measurement: the reason comes from another process. */
+Test(command_line, a_failed_measurement_is_said_in_one_line) {
+    static const char scene[] =
+        "duration = 1.0;\ngravity = [0, -10, 0];\nmaterial = { };\nenvelope = { };\n"
+        "wisps = ({ root = [0, 0, 0]; direction = [1, 0, 0]; length = 1e-300; nodes = 5; });\n";
+    char folder[PATH_SIZE], path[PATH_SIZE];
+    struct finished f;
+    folder_make(folder);
+    file_write(folder, "point.cfg", scene, path);
+    PROGRAM(&f, NULL, "experiment", "kernel", "--quick", "--scene", path, "--out", folder);
+    cr_assert_eq(f.code, 3, "exit code %d: %s", f.code, f.err);
+    one_line(&f, "a measurement that cannot be made");
+    cr_assert(strstr(f.err, "kernel: the twin has no acceleration"), "%s", f.err);
+    cr_assert_eq(count_files(folder, "samples"), 0, "samples are left");
+    folder_remove(folder);
+}
+
+/* A limit that a timer rounds to 0 would be none, and only a kill would end the run. */
+Test(command_line, the_shortest_time_limit_is_one) {
+    char folder[PATH_SIZE];
+    struct finished f;
+    folder_make(folder);
+    PROGRAM(&f, NULL, "run", "circle", "--duration", "1e9", "--step", "1e-3", "--set",
+            "frame_rate=1", "--time-limit", "1e-9", "--out", folder);
+    cr_assert_eq(f.code, 3, "exit code %d: %s", f.code, f.err);
+    one_line(&f, "a run out of time");
+    cr_assert(strstr(f.err, "out of time") && strstr(f.err, "stopped from outside"), "%s", f.err);
+    PROGRAM(&f, NULL, "run", "circle", "--time-limit", "1e300", "--memory-limit", "1e300", "--out",
+            folder);
+    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
+    folder_remove(folder);
+}
+
+/* What is drawn is what a table says; half a table says something else. */
+Test(command_line, tables_that_are_not_whole_are_not_drawn) {
+    static const struct {
+        const char *text, *says;
+    } tables[] = {
+        {"a\tb\n1\t2", "tsv:2: the last line is not complete"},
+        {"a\tb\n1\t2\n3\n", "tsv:3: fewer cells than columns"},
+        {"# nothing\n", "no column names"},
+        {"", "no column names"},
+    };
+    char folder[PATH_SIZE], part[PATH_SIZE], odd[PATH_SIZE];
+    folder_make(folder);
+    path_format(part, "%s/circle", folder);
+    path_format(odd, "%s/[a*]\\", folder); /* no pattern, but a name */
+    cr_assert(mkdir(part, 0777) == 0 && mkdir(odd, 0777) == 0);
+    for (size_t i = 0; i < sizeof tables / sizeof *tables; i++) {
+        struct finished f;
+        file_write(part, "table.tsv", tables[i].text, NULL);
+        file_write(odd, "diagnostics.tsv", tables[i].text, NULL);
+        for (int k = 0; k < 2; k++) {
+            PROGRAM(&f, NULL, "plot", k ? odd : "circle", "--out", folder);
+            cr_assert_eq(f.code, 1, "exit code %d: %s", f.code, f.err);
+            one_line(&f, tables[i].text);
+            cr_assert(strstr(f.err, tables[i].says), "'%s' of\n%s", f.err, tables[i].text);
+        }
+    }
+    cr_assert_eq(count_files(folder, ""), 2, "something was written");
+    folder_remove(folder);
+}
+
 /* --- a machine that fails --- */
 
 Test(command_line, a_folder_that_cannot_be_made_exits_2) {
@@ -340,6 +427,23 @@ Test(command_line, a_folder_that_cannot_be_made_exits_2) {
     PROGRAM(&f, NULL, "experiment", "circle", "--quick", "--out", below);
     cr_assert_eq(f.code, 2, "exit code %d", f.code);
     one_line(&f, "an experiment below a file");
+    folder_remove(folder);
+}
+
+/* A device or a pipe would be gone, with a file in its place. */
+Test(command_line, what_is_no_file_is_not_replaced) {
+    char folder[PATH_SIZE], pipe[PATH_SIZE];
+    struct finished f;
+    struct stat status;
+    folder_make(folder);
+    path_format(pipe, "%s/pipe", folder);
+    cr_assert_eq(mkfifo(pipe, 0666), 0);
+    PROGRAM(&f, NULL, "run", "circle", "--out", folder, "--save", pipe);
+    cr_assert_eq(f.code, 2, "exit code %d", f.code);
+    one_line(&f, "a pipe as file");
+    cr_assert(strstr(f.err, pipe) && strstr(f.err, "cannot write"), "%s", f.err);
+    cr_assert(stat(pipe, &status) == 0 && S_ISFIFO(status.st_mode), "it is gone");
+    cr_assert_eq(count_files(folder, ".part"), 0, "half a file is left");
     folder_remove(folder);
 }
 

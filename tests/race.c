@@ -55,7 +55,7 @@ static void write_run(const char *folder, const char *status, const double *x, i
     for (int i = 0; i < frames; i++)
         snprintf(text + strlen(text), sizeof text - strlen(text),
                  "%.17g\t0\t2\t%.17g\t0\t0\t0\t0\t0\n", 0.1 * i, x[i]);
-    snprintf(json, sizeof json, "{\"status\": \"%s\"}", status);
+    snprintf(json, sizeof json, "{\"status\": \"%s\", \"frames\": %d}", status, frames);
     file_write(folder, "states.tsv", text, NULL);
     file_write(folder, "run.json", json, NULL);
 }

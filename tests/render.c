@@ -265,7 +265,7 @@ static const struct {
     {{"--frames", "0"}, "there is no frame 0"},
     {{"--frames", "2-1"}, "as 1,6,10 or 1-31"},
     {{"--frames", "1,"}, "as 1,6,10"},
-    {{"--frames", ""}, "as 1,6,10"},
+    {{"--frames", ""}, "--frames needs a value"},
     {{"--frames", "1,x"}, "as 1,6,10"},
     {{"--frames", "1-"}, "as 1,6,10"},
     {{"--frames", "99999999999999999999"}, "there is no frame"},
@@ -275,6 +275,9 @@ static const struct {
     {{"--size", "640x1"}, "--size"},
     {{"--size", "99999x99999"}, "--size"},
     {{"--columns", "0"}, "--columns"},
+    {{"--rate", "1e300"}, "--rate 1e+300: must be from 0.01 to 1000"},
+    {{"--rate", "1e-300"}, "--rate 1e-300: must be from"},
+    {{"--set", "render={hairs=100000; pieces=11;}"}, "100000 hairs of 11 pieces"},
     {{"--columns", "1.5"}, "--columns"},
     {{"--format", "gif"}, "png, svg"},
     {{"--film", "--strip"}, "--film"},
@@ -309,6 +312,26 @@ Test(render, wrong_commands_are_refused_in_one_line) {
     cr_expect(f.code == 1 && strstr(f.err, "nowhere.tsv: no such file"), "%s", f.err);
     PROGRAM(&f, NULL, "export", folder);
     cr_expect(f.code == 1 && strstr(f.err, "--vtk"), "%s", f.err);
+    PROGRAM(&f, NULL, "export", "circle", "--vtk", out);
+    cr_expect(f.code == 1 && strstr(f.err, "neither a states.tsv nor the folder"), "%s", f.err);
+    PROGRAM(&f, NULL, "export", folder, "--vtk", out);
+    cr_expect(f.code == 0 && count_files(out, ".pvd") == 1, "of a folder: %s", f.err);
+    scene_free(scene);
+    folder_remove(folder);
+}
+
+/* Two pictures of one frame would be one file, by two threads. */
+Test(render, a_frame_is_drawn_once) {
+    char folder[PATH_SIZE], out[PATH_SIZE];
+    struct scene *scene = scene_of(two_wisps);
+    struct finished f;
+    write_frames(folder, scene, 3, 0.01);
+    path_format(out, "%s/out", folder);
+    PROGRAM(&f, NULL, "render", folder, "--frames", "2,1-2,1,2-3", "--size", "64x64", "--threads",
+            "2", "--out", out);
+    cr_expect(f.code == 0 && strstr(f.out, "3 pictures"), "exit code %d: %s%s", f.code, f.out,
+              f.err);
+    cr_expect_eq(count_files(out, ".png"), 3);
     scene_free(scene);
     folder_remove(folder);
 }

@@ -1,4 +1,5 @@
 /* Experiments that are killed, shared and split: every run is done once, and none is lost. */
+#include "results.h"
 #include "support.h"
 
 #include <criterion/criterion.h>
@@ -199,4 +200,44 @@ Test(resume, a_gnuplot_that_fails_exits_2) {
     }
     folder_remove(folder);
     free(path);
+}
+
+/* A run that finished has all its frames, whatever befell its files since. */
+Test(resume, what_is_left_of_a_run_is_no_run) {
+#define NAMES        "t\twisp\tnode\tx\ty\tz\tvx\tvy\tvz\n"
+#define ROW(t, node) #t "\t0\t" #node "\t0\t0\t0\t0\t0\t0\n"
+    static const char whole[] = NAMES ROW(0, 0) ROW(0, 1) ROW(1, 0) ROW(1, 1);
+    static const char finished[] = "{\"status\": \"finished\", \"frames\": 2}";
+    static const struct {
+        const char *json, *states, *says; /* says: NULL: taken */
+    } files[] = {
+        {finished, whole, NULL},
+        {finished, NAMES ROW(0, 0) ROW(1, 0) ROW(1, 1), NULL}, /* one more after a split */
+        {finished, NAMES ROW(0, 0) ROW(0, 1) ROW(1, 0), "states.tsv: has not all frames"},
+        {finished, NAMES ROW(0, 0) ROW(0, 1), "states.tsv: has not all frames"},
+        {finished, NAMES, "states.tsv: has not all frames"},
+        {finished, "t\n0\n1\n", "states.tsv: has not the columns"},
+        {finished, NULL, "states.tsv: cannot be read"},
+        {"{\"status\": \"finished\"}", whole, "states.tsv: has not all frames"},
+        {"{\"status\": \"not finite\"}", NULL, NULL},
+        {"{\"status\": \"not finite\"}", NAMES ROW(0, 0), NULL},
+        {"{\"status\": 3}", whole, "run.json: unknown status"},
+        {"[]", whole, "run.json: unknown status"},
+        {"{\"status\": \"fini", whole, "run.json:1: "},
+        {"", whole, "run.json:1: "},
+    };
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        char folder[PATH_SIZE], reason[REASON_SIZE] = "";
+        struct run_files run;
+        folder_make(folder);
+        file_write(folder, "run.json", files[i].json, NULL);
+        if (files[i].states)
+            file_write(folder, "states.tsv", files[i].states, NULL);
+        const int code = run_read(&run, folder, reason);
+        cr_expect_eq(code, files[i].says ? -1 : 0, "row %d: '%s'", (int)i, reason);
+        cr_expect(!files[i].says || strstr(reason, files[i].says), "row %d: '%s'", (int)i, reason);
+        if (!code)
+            run_free(&run);
+        folder_remove(folder);
+    }
 }

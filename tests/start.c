@@ -301,9 +301,16 @@ Test(start, states_of_something_else_are_refused, .init = open_folder, .fini = c
         int row, field;
         const char *word, *says;
     } wrong[] = {
-        {3, 5, "nan", "finite"},    {3, 9, "inf", "finite"},    {3, 4, "x", "not a number"},
-        {3, 2, "9", "node"},        {3, 1, "0", "wisp"},        {39, 3, "0.5", "head has it"},
-        {38, 4, "0.5", "head has"}, {38, 7, "0.1", "head has"}, {0, 0, "0.2", "row"},
+        {3, 5, "nan", "finite"},
+        {3, 9, "inf", "finite"},
+        {3, 4, "x", "column 5: 'x' is not a number"},
+        {3, 12, "1\r", "carriage return"},
+        {3, 2, "9", "node"},
+        {3, 1, "0", "wisp"},
+        {39, 3, "0.5", "head has it"},
+        {38, 4, "0.5", "head has"},
+        {38, 7, "0.1", "head has"},
+        {0, 0, "0.2", "row"},
     };
     save_state("generalised");
     char *good = file_read(state_path);

@@ -567,6 +567,14 @@ Test(wisp_scenes, set_works_into_groups_and_lists) {
         {"wind.velocity=[1, 0, 0]", {"wind"}},
         {"envelope={ samples=17; }", {"samples", "16"}},
         {"body=()", {"body"}},
+        {"wisps.nodes=7", {"no group wisps", "[0]"}},
+        {"contacts={ collision_rate=1e18; interpenetration=false; collision=false; }",
+         {"collision_rate", "1e15"}},
+        {"contacts={ interaction_rate=1e18; interpenetration=false; collision=false; }",
+         {"interaction_rate", "1e15"}},
+        {"wisps=({ root=[0,0,0]; direction=[1,0,0]; length=1; nodes=11; grid=[1000, 1000]; "
+         "spacing=1; across=([1,0,0],[0,1,0]); })",
+         {"wisps", "1.1e+07 nodes"}},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         char reason[REASON_SIZE] = "";

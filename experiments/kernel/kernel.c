@@ -64,31 +64,56 @@ static int measure_all(const struct plan *plan, const char *path, const char *he
     return atomic_commit(&file, reason);
 }
 
-/* In a process of its own: what it allocates and what might befall it is gone with it. */
+/* The measuring process, whose standard error goes to `errors`. */
+static void measuring(struct plan *plan, const char *path, const char *heading, int errors) {
+    signal(SIGINT, SIG_DFL);
+    signal(SIGTERM, SIG_DFL);
+    dup2(errors, STDERR_FILENO);
+    const int code = measure_all(plan, path, heading, plan->reason);
+    if (code)
+        fputs(plan->reason, stderr);
+    _exit(code ? 2 : 0);
+}
+
+/* What it said, up to the end of it, in place of the reason. */
+static void read_reason(int from, char *reason) {
+    char rest[256];
+    size_t used = 0;
+    for (ssize_t n;
+         used + 1 < REASON_SIZE && (n = read(from, reason + used, REASON_SIZE - 1 - used)) > 0;)
+        used += (size_t)n;
+    reason[used] = '\0';
+    while (read(from, rest, sizeof rest) > 0)
+        ;
+    reason[strcspn(reason, "\n")] = '\0';
+}
+
+/* In a process of its own: what it allocates and what might befall it is gone with it. Returns 0, 1
+ * where an integration failed, or -1. */
 static int measure_apart(struct plan *plan, const char *path, const char *heading) {
-    int status;
+    int status, errors[2] = {-1, -1};
+    char partial[PATH_SIZE];
     fflush(NULL);
-    const pid_t pid = fork();
-    if (pid == 0) {
-        signal(SIGINT, SIG_DFL);
-        signal(SIGTERM, SIG_DFL);
-        const int code = measure_all(plan, path, heading, plan->reason);
-        if (code)
-            fprintf(stderr, "wisplab: %s\n", plan->reason);
-        _exit(code ? 2 : 0);
-    }
+    const pid_t pid = pipe(errors) ? -1 : fork();
+    if (pid == 0)
+        measuring(plan, path, heading, errors[1]);
     if (pid < 0) {
         snprintf(plan->reason, REASON_SIZE, "no process to measure in: %s", strerror(errno));
+        close(errors[0]);
+        close(errors[1]);
         return -1;
     }
+    close(errors[1]);
+    read_reason(errors[0], plan->reason);
+    close(errors[0]);
     while (waitpid(pid, &status, 0) < 0 && errno == EINTR)
         ;
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 0)
-        return 0;
-    snprintf(plan->reason, REASON_SIZE, "the measurement did not come to its end (%s %d)",
-             WIFSIGNALED(status) ? "signal" : "code",
-             WIFSIGNALED(status) ? WTERMSIG(status) : WEXITSTATUS(status));
-    return -1;
+    if (path_format(partial, "%s.%ld.part", path, (long)pid) == 0)
+        unlink(partial); /* atomic_file's, where the process did not come to its end */
+    if (WIFSIGNALED(status))
+        snprintf(plan->reason, REASON_SIZE, "the measurement died of signal %d (%s)",
+                 WTERMSIG(status), strsignal(WTERMSIG(status)));
+    return WIFSIGNALED(status) || WEXITSTATUS(status) == 2 ? -1 : WEXITSTATUS(status);
 }
 
 /* Reads the samples, after measuring where they are not there. */
@@ -114,9 +139,10 @@ static int obtain(struct plan *plan, const char *folder, struct samples *samples
 
 static int kernel_tabulate(struct plan *plan, const char *folder) {
     struct samples samples;
-    if (obtain(plan, folder, &samples))
-        return -1;
-    const int code = kernel_tables(plan, &samples, folder);
+    int code = obtain(plan, folder, &samples);
+    if (code)
+        return code;
+    code = kernel_tables(plan, &samples, folder);
     samples_free(&samples);
     return code;
 }

@@ -92,7 +92,7 @@ static struct touching *touching_of(const struct scene *scene, double spacing, i
     unsigned seed = 7;
     t->model = wisp_problem.create(mat, WISP_GENERALISED, 4);
     if (!t->model)
-        give_up("out of memory");
+        out_of_memory();
     const int stride = t->model->column_count;
     double *rows = zeros((size_t)(t->model->row_count * stride) * sizeof *rows);
     wisp_problem.sample(t->model, rows);
@@ -130,7 +130,7 @@ static void tick(void *ctx) {
         memcpy(part->v, t->v[i], (size_t)part->system.size * sizeof(double));
     }
     if (wisp_problem.tick(t->model, NULL, STOP_INTERACTION, t->changed) != FINISHED)
-        give_up("out of memory");
+        out_of_memory();
 }
 
 static double contacts_per_point(const struct touching *t, const struct scene *mat) {
@@ -142,12 +142,12 @@ static double contacts_per_point(const struct touching *t, const struct scene *m
     for (int k = 0; k < count; k++) {
         strands[k] = strand_create(&mat->wisps[k], WISP_GENERALISED);
         if (!strands[k])
-            give_up("out of memory");
+            out_of_memory();
         strand_load(strands[k], rows + k * KERNEL_NODES * stride + 2, stride);
     }
     const int contacts = interaction ? interaction_find(interaction, strands, count) : -1;
     if (contacts < 0)
-        give_up("out of memory");
+        out_of_memory();
     for (int k = 0; k < count; k++)
         strand_free(strands[k]);
     interaction_free(interaction);
@@ -202,7 +202,7 @@ static void run_simulated(void *ctx) {
     struct run_result result;
     simulate(s->scene, &s->settings, NULL, NULL, &result);
     if (result.outcome != FINISHED)
-        give_up("%s", result.reason);
+        give_up("%s at %g Hz: %s", s->settings.method->name, 1 / s->settings.step, result.reason);
 }
 
 static struct simulated *simulated_of(const struct scene *scene, const char *stepper, double rate,

@@ -18,7 +18,7 @@ void contest_add(struct contest *contest, const char *group, const char *subject
         contest->capacity = 2 * contest->capacity + 64;
         contest->all = realloc(contest->all, (size_t)contest->capacity * sizeof *contest->all);
         if (!contest->all)
-            give_up("out of memory");
+            out_of_memory();
     }
     struct contestant *new = &contest->all[contest->count++];
     *new = (struct contestant){.run = run, .ctx = ctx, .units = units};

@@ -45,8 +45,10 @@ struct twins *moving_twins(const struct scene *scene, const struct wisp_set *set
 /* Zeros on a boundary of 64 bytes; the measurement ends where they cannot be had. */
 void *zeros(size_t bytes);
 
-/* Ends the measuring process with a line on standard error. */
+/* Ends the measuring process, whose standard error is the reason: of an integration that failed,
+ * and of the machine. */
 void give_up(const char *format, ...) __attribute__((format(printf, 1, 2), noreturn));
+void out_of_memory(void) __attribute__((noreturn));
 
 /* --- the contest (kernel_contest.c) --- */
 

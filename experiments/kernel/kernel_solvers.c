@@ -90,7 +90,7 @@ static void create_solvers(struct solving *s, const struct linear_method *method
     for (int i = 0; i < s->model->part_count; i++) {
         s->solver[i] = linear_create(method, &s->model->parts[i].system, option);
         if (!s->solver[i])
-            give_up("out of memory");
+            out_of_memory();
     }
 }
 

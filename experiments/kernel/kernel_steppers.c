@@ -273,7 +273,7 @@ static void enter_ours(struct contest *contest, const struct scene *scene, struc
         give_up("%s", reason);
     o->stepper = stepper_create(settings.method, &settings.stepper, &start->model->parts[0].system);
     if (!o->stepper)
-        give_up("out of memory");
+        out_of_memory();
     run_ours(o);
     contest_note(contest, "cvode steps", subject, "ours", (double)o->steps);
     contest_add(contest, "cvode", subject, "ours", (double)o->steps, run_ours, o);

@@ -9,18 +9,22 @@
 void give_up(const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
-    fputs("wisplab: kernel: ", stderr);
+    fputs("kernel: ", stderr);
     vfprintf(stderr, format, arguments);
-    fputc('\n', stderr);
     va_end(arguments);
     _Exit(1);
+}
+
+void out_of_memory(void) {
+    fputs("out of memory", stderr);
+    _Exit(2);
 }
 
 void *zeros(size_t bytes) {
     const size_t whole = (bytes + 63) / 64 * 64;
     void *memory = aligned_alloc(64, whole ? whole : 64);
     if (!memory)
-        give_up("out of memory");
+        out_of_memory();
     return memset(memory, 0, whole);
 }
 
@@ -141,7 +145,7 @@ static double *moving_rows(const struct wisp_set *set, const struct scene *many,
 static struct model *create(const struct scene *many, const struct wisp_set *set, int lanes) {
     struct model *model = wisp_problem.create(many, (int)set->treatment, lanes);
     if (!model)
-        give_up("out of memory");
+        out_of_memory();
     return model;
 }
 

@@ -1,0 +1,122 @@
+/* What libconfig would read wrongly, or end the program at, is refused with its place; and what
+ * only looks like it is not. */
+#include "config_text.h"
+
+#include "scene.h"
+#include "support.h"
+
+#include <criterion/criterion.h>
+#include <string.h>
+
+#define CIRCLE "problem = \"circle\"; duration = 1.0;\n"
+
+static const struct {
+    const char *text, *says[3];
+} wrong[] = {
+    /* 2^32 + 1 would be 1, and 2^31 the least of all */
+    {CIRCLE "seed = 4294967297;", {":2:", "4294967297", "point"}},
+    {CIRCLE "\nseed = 2147483648;", {":3:", "2147483648", "point"}},
+    {CIRCLE "frame_rate = -4294967297;", {":2:", "4294967297", "point"}},
+    {CIRCLE "seed = 0x100000001;", {":2:", "0x100000001", "decimals"}},
+    {CIRCLE "seed = 99999999999999999999L;", {":2:", "99999999999999999999"}},
+    {CIRCLE "/* 1 */ frame_rate = 10;seed=4294967297;", {":2:", "4294967297"}},
+    {"\xef\xbb\xbf" CIRCLE, {":1:", "byte-order mark"}},
+    {CIRCLE "name = \"caf\xe9\";", {":2:", "UTF-8", "0xe9"}},
+    {CIRCLE "name = \"\xc0\xaf\";", {":2:", "UTF-8", "0xc0"}},
+    {CIRCLE "name = \"\xed\xa0\x80\";", {":2:", "UTF-8", "0xed"}},
+    {CIRCLE "name = \"\xf4\x90\x80\x80\";", {":2:", "UTF-8", "0xf4"}},
+    {CIRCLE "name = \"caf\xc3", {":2:", "UTF-8", "0xc3"}},
+    {CIRCLE "name = \"a\nb\nc", {":2:", "quote"}},
+    {CIRCLE "seed = 2; /* or\n 3;\n", {":2:", "comment", "no end"}},
+    {CIRCLE "seed = 3; # three", {":2:", "comment", "newline"}},
+    {CIRCLE "@include \"/dev/null\"\n", {":2:", "/dev/null", "no such file beside"}},
+    {CIRCLE "@include \"nowhere.inc\"\n", {":2:", "nowhere.inc", "no such file"}},
+    {CIRCLE "  @include \".\"\n", {":2:", "\".\"", "folder"}},
+    {CIRCLE "@include \"part.inc\"\n@include \"/\"\n", {":3:", "\"/\"", "folder"}},
+    {CIRCLE "@include \"scene.cfg\"\n", {"scene.cfg:2:", "circle"}},
+    {CIRCLE "@include \"ring.inc\"\n", {"ring.inc:1:", "circle"}},
+    {CIRCLE "@include \"long.inc\"\n", {"long.inc:3:", "4294967297"}},
+};
+
+static const char *const right[] = {
+    CIRCLE,
+    CIRCLE "seed = 2147483647;",
+    CIRCLE "seed = 4294967297.0;",
+    CIRCLE "seed = 4294967297L;",
+    CIRCLE "seed = 4.294967297e+9;",
+    CIRCLE "seed = 0x7fffffff;",
+    CIRCLE "name = \"4294967297 /* # // \\\" \\\\\";",
+    CIRCLE "name = \"caf\xc3\xa9 \xe2\x82\xac \xf0\x9f\x92\x87\";",
+    CIRCLE "# caf\xe9 4294967297 \"\n// \" /*\n/* \" 4294967297 @include */ seed = 2;",
+    CIRCLE "@include \"part.inc\"\n",
+    CIRCLE "seed = 3",
+    "problem = \"circle\";\r\nduration = 1.0;\r\n",
+};
+
+static char folder[PATH_SIZE];
+
+static void open_folder(void) {
+    folder_make(folder);
+    file_write(folder, "part.inc", "run = { step = 0.5; };\n", NULL);
+    file_write(folder, "ring.inc", "@include \"ring.inc\"\n", NULL);
+    file_write(folder, "long.inc", "\n\nseed = 4294967297;\n", NULL);
+}
+
+static void close_folder(void) {
+    folder_remove(folder);
+}
+
+Test(config_text, what_libconfig_would_not_say_is_refused, .init = open_folder,
+     .fini = close_folder) {
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        char path[PATH_SIZE], reason[REASON_SIZE] = "";
+        file_write(folder, "scene.cfg", wrong[i].text, path);
+        struct scene *scene = scene_load(path, NULL, 0, reason);
+        cr_expect_null(scene, "taken:\n%s", wrong[i].text);
+        scene_free(scene);
+        cr_expect(strstr(reason, folder) && !strchr(reason, '\n'), "'%s'", reason);
+        for (int k = 0; k < 3 && wrong[i].says[k]; k++)
+            cr_expect(strstr(reason, wrong[i].says[k]), "does not say '%s' but '%s' of\n%s",
+                      wrong[i].says[k], reason, wrong[i].text);
+    }
+}
+
+Test(config_text, what_only_looks_like_it_is_taken, .init = open_folder, .fini = close_folder) {
+    for (size_t i = 0; i < sizeof right / sizeof *right; i++) {
+        char path[PATH_SIZE], reason[REASON_SIZE] = "";
+        file_write(folder, "scene.cfg", right[i], path);
+        struct scene *scene = scene_load(path, NULL, 0, reason);
+        cr_expect(scene, "'%s' of\n%s", reason, right[i]);
+        scene_free(scene);
+    }
+}
+
+/* A folder is no file, wherever it stands. */
+Test(config_text, a_folder_is_no_scene, .init = open_folder, .fini = close_folder) {
+    char reason[REASON_SIZE] = "", path[PATH_SIZE];
+    path_format(path, "%s/", folder);
+    struct scene *scene = scene_load(path, NULL, 0, reason);
+    cr_assert_null(scene);
+    cr_assert(strstr(reason, "is a folder"), "'%s'", reason);
+}
+
+/* What --set gives goes through the same. */
+Test(config_text, so_is_a_value_that_is_set) {
+    static const struct {
+        const char *set, *says;
+    } sets[] = {
+        {"seed=4294967297", "4294967297: too long"},
+        {"name=\"caf\xe9\"", "UTF-8"},
+        {"name=caf\xe9", "UTF-8"},
+        {"name=\"cafe", "closing quote"},
+        {"seed=1;\n@include \"/\"\n", "folder"},
+    };
+    for (size_t i = 0; i < sizeof sets / sizeof *sets; i++) {
+        char reason[REASON_SIZE] = "";
+        struct scene *scene = scene_load("circle", &sets[i].set, 1, reason);
+        cr_expect_null(scene, "--set %s is taken", sets[i].set);
+        scene_free(scene);
+        cr_expect(strstr(reason, sets[i].says) && strstr(reason, "--set"), "--set %s: '%s'",
+                  sets[i].set, reason);
+    }
+}
