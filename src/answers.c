@@ -496,25 +496,28 @@ static int sum_up_limits(FILE *stream, const struct report *report, char *reason
     if (code <= 0)
         return code;
     const char *scene = "", *treatment = "";
-    for (int i = 0, said = 0; i < table.row_count; i++) {
-        const char *stepper = text_table_cell(&table, i, "stepper"),
-                   *kind = text_table_cell(&table, i, "kind");
-        if (strcmp(text_table_cell(&table, i, "scene"), scene) != 0) {
+    for (int i = 0; i < table.row_count; i++) {
+        const char *kind = text_table_cell(&table, i, "kind");
+        const int next = strcmp(text_table_cell(&table, i, "scene"), scene) != 0;
+        if (next) {
             scene = text_table_cell(&table, i, "scene");
             treatment = text_table_cell(&table, i, "treatment");
-            said = 0;
             html_print(stream, "%sLongest stable steps on %s (%s): ", i ? ". " : "", scene,
                        treatment);
         }
         if (strcmp(text_table_cell(&table, i, "treatment"), treatment) != 0)
             continue;
-        if (isfinite(text_table_number(&table, i, "unstable_step")))
-            html_print(stream, "%s%s 1/%.4g s, then %s", said++ ? "; " : "", stepper,
-                       text_table_number(&table, i, "rate"), kind);
-        else if (strcmp(kind, "none") == 0)
-            html_print(stream, "%s%s any", said++ ? "; " : "", stepper);
+        html_print(stream, "%s%s ", next ? "" : "; ", text_table_cell(&table, i, "stepper"));
+        if (strcmp(kind, "none") == 0)
+            html_print(stream, "any");
+        else if (isnan(text_table_number(&table, i, "unstable_step")))
+            html_print(stream, "%s", kind);
+        else if (isnan(text_table_number(&table, i, "step")))
+            html_print(stream, "none that was tried (%s)", kind);
+        else
+            html_print(stream, "1/%.4g s, then %s", text_table_number(&table, i, "rate"), kind);
     }
-    html_print(stream, ".");
+    html_print(stream, "%s", table.row_count ? "." : "No stepper was tried.");
     text_table_free(&table);
     return 1;
 }

@@ -20,10 +20,11 @@ struct volume {
  * has the number of section (i, i + 1), which it ends. Points are numbered node by node, each
  * before its samples. */
 struct node {
-    double v[3];         /* V: the mean of its own velocity and its samples', m/s */
-    double direction[3]; /* w */
-    double yield[2];     /* 1 / mass: of all of it, of one sample, 1/kg */
-    struct contact_place place;
+    double v[3];                 /* V: the mean of its own velocity and its samples', m/s */
+    double direction[3];         /* w */
+    double yield[2];             /* 1 / mass: of all of it, of one sample, 1/kg */
+    const double (*sample_v)[3]; /* its samples', m/s */
+    int strand, index;
 };
 
 /* Some wisps after each other: a task for a thread. */
@@ -149,8 +150,10 @@ static void add_node(struct interaction *it, int number, int index, int i,
     const int samples = strand->wisp->samples;
     double(*x)[3] = &it->x[(size_t)number * (size_t)it->bunch];
     struct node *node = &it->node[number];
-    *node =
-        (struct node){.yield = {weights->node_yield, weights->each_yield}, .place = {index, i, -1}};
+    *node = (struct node){.yield = {weights->node_yield, weights->each_yield},
+                          .sample_v = (const double(*)[3]) & strand->ev[i * samples],
+                          .strand = index,
+                          .index = i};
     memcpy(node->direction, strand->axis_w[i], sizeof node->direction);
     memcpy(*x++, strand->p[i], sizeof *x);
     memcpy(x, strand->e[i * samples], (size_t)samples * sizeof *x);
@@ -234,9 +237,8 @@ struct contact_place interaction_section(const struct interaction *it, int secti
 }
 
 struct contact_place interaction_point(const struct interaction *it, int point) {
-    struct contact_place place = it->node[point / it->bunch].place;
-    place.sample = point % it->bunch - 1;
-    return place;
+    const struct node *node = &it->node[point / it->bunch];
+    return (struct contact_place){node->strand, node->index, point % it->bunch - 1};
 }
 
 /* The node that begins or ends a section, as a point; -1: prescribed. */
@@ -250,9 +252,8 @@ static int end_point(const struct interaction *it, int section, int end) {
 /* Of a node the mean with its samples. */
 static const double *velocity(const struct interaction *it, int point) {
     const struct node *node = &it->node[point / it->bunch];
-    const int samples = it->bunch - 1, sample = point % it->bunch - 1;
-    return sample < 0 ? node->v
-                      : it->strand[node->place.strand]->ev[node->place.node * samples + sample];
+    const int sample = point % it->bunch - 1;
+    return sample < 0 ? node->v : node->sample_v[sample];
 }
 
 /* u: of the point against the section at lambda. */
@@ -333,13 +334,15 @@ static int add_contacts(const struct interaction *it, struct share *share, int s
     if (count == 0)
         return 0;
     const double rest = exp(-it->settings.viscosity * volume->density / it->settings.rate);
-    for (int i = 0; i < count; i++) /* their points come in while the first is at work */
+    for (int i = 0; i < count; i++) /* their points come in while the first is at work, */
         __builtin_prefetch(&it->node[slots.point[found[i]] / it->bunch]);
+    for (int i = 0; i < count; i++) /* and then their velocities */
+        __builtin_prefetch(velocity(it, slots.point[found[i]]));
     if (make_contact_room(&share->contact, &share->room, (size_t)share->count + (size_t)count))
         return -1;
     for (int i = 0; i < count; i++) {
         const int point = slots.point[found[i]];
-        if (twin && it->strand[it->node[point / it->bunch].place.strand] == twin)
+        if (twin && it->strand[it->node[point / it->bunch].strand] == twin)
             continue;
         struct contact *contact = &share->contact[share->count++];
         *contact = (struct contact){.section = section, .point = point};
@@ -501,8 +504,8 @@ static int is_mutual(const struct interaction *it, const struct contact *contact
               end = end_point(it, section, 1), to = end + it->bunch - 1;
     const int from = begin < 0 ? end : begin;
     const int before = contact->point / it->bunch; /* the node ends that, and begins the next */
-    const struct contact_place *of = &it->node[before].place;
-    const int last = of->node == it->strand[of->strand]->wisp->nodes - 1;
+    const struct node *node = &it->node[before];
+    const int last = node->index == it->strand[node->strand]->wisp->nodes - 1;
     return any_in_section(it, before, from, to) ||
            (!last && any_in_section(it, before + 1, from, to));
 }

@@ -39,8 +39,8 @@ void interaction_share(struct interaction *interaction, struct workers *workers)
 int interaction_tick(struct interaction *interaction, struct strand *const *strands, int count);
 
 /* First pass: finds all contacts, in (strand, section, point) order, and what their responses ask
- * for. All strands have as many samples. Returns the number of contacts or -1. They hold until the
- * next call. */
+ * for. All strands have the same number of samples. Returns the number of contacts or -1. They hold
+ * until the next call. */
 int interaction_find(struct interaction *interaction, struct strand *const *strands, int count);
 struct contact *interaction_contacts(struct interaction *interaction);
 

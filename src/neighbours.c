@@ -41,7 +41,6 @@ static int meet(const double a[6], const double b[6]) {
 /* Boxes that meet the next one; returns how many are not known to meet any. */
 static int look_at_the_next(const double (*boxes)[6], int count, unsigned char *near) {
     int left = 0;
-    memset(near, 0, (size_t)count);
     for (int i = 0; i + 1 < count; i++)
         if (meet(boxes[i], boxes[i + 1]))
             near[i] = near[i + 1] = 1;

@@ -25,7 +25,7 @@ struct kernel {
     unsigned (*near)(void *, const double *, const double *, const double *, int, int *);
     unsigned (*pull)(void *, double *, double *, const struct obstacle *, const double *, int,
                      unsigned, int *);
-    void (*boxes)(void *, const double *, double (*)[6]);
+    unsigned (*boxes)(void *, const double *, double (*)[6]);
     void (*open)(void *, const double *, const double *, struct strand *const *);
     double (*strain)(void *, int, const double *);
     const struct system_ops *ops;
@@ -55,7 +55,7 @@ struct wisp_model {
     struct strand **in_order;        /* those of all wisps as they touch; NULL likewise */
     struct neighbours *neighbours;   /* likewise */
     double (*boxes)[6];              /* by wisp: around it at a tick */
-    unsigned char *near;             /* by wisp: whether it may touch another at a tick */
+    unsigned char *near;             /* by wisp: whether it may touch at a tick */
     struct strand **touching;        /* those of in_order that may */
     char **columns, **rate_columns;
     char name[64];

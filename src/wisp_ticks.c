@@ -154,12 +154,15 @@ static void box_part(const struct tick *tick, int i, double *rows) {
     double boxes[LANES_MAX][6];
     (void)rows;
     m->kernel->prescribe(part->system.ctx, m->model.t);
-    m->kernel->boxes(part->system.ctx, part->q, boxes);
-    for (int k = 0; k < m->batches[i].count; k++)
-        memcpy(m->boxes[m->batches[i].wisp[k]], boxes[k], sizeof boxes[k]);
+    const unsigned folded = m->kernel->boxes(part->system.ctx, part->q, boxes);
+    for (int k = 0; k < m->batches[i].count; k++) {
+        const int wisp = m->batches[i].wisp[k];
+        memcpy(m->boxes[wisp], boxes[k], sizeof boxes[k]);
+        m->near[wisp] = folded >> k & 1;
+    }
 }
 
-/* Lanes of a part that may touch another wisp; without interactions, all of them. */
+/* Lanes of a part that may touch; without interactions, all of them. */
 static unsigned near_lanes(const struct wisp_model *m, int i) {
     unsigned lanes = 0;
     for (int k = 0; k < m->batches[i].count; k++)
@@ -188,7 +191,7 @@ static void close_part(const struct tick *tick, int i, double *rows) {
     account_after(part, tick->m->model.t, JUMP_WISP_CONTACT);
 }
 
-/* Which wisps may touch another. All of them are open where some may split. */
+/* Which wisps may touch another or themselves. All of them are open where some may split. */
 static enum outcome find_near(struct tick *tick, struct workers *workers) {
     struct wisp_model *m = tick->m;
     if (wisps_split(m->scene)) {

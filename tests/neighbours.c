@@ -5,6 +5,7 @@
 #include "clock.h"
 #include "section.h"
 #include "support.h"
+#include "wisp_model.h"
 #include "wisp_support.h"
 
 #include <criterion/criterion.h>
@@ -36,7 +37,7 @@ static int check_near(const double (*boxes)[6], int count, int exactly) {
     struct neighbours *neighbours = neighbours_create(count);
     int met = 0;
     cr_assert(neighbours, "no memory");
-    memset(near, 7, sizeof near);
+    memset(near, 0, sizeof near);
     cr_assert_eq(neighbours_find(neighbours, boxes, count, near), 0);
     for (int i = 0; i < count; i++) {
         int meets = 0;
@@ -92,7 +93,7 @@ Test(neighbours, none_is_missed_beside_giants_and_what_is_no_number) {
         check_near((const double(*)[6])boxes, BOXES_MAX, 0);
         if (round % 3 == 2) { /* whose neighbours are nobody's business, but those of others are */
             const double box[6] = {NAN, NAN, NAN, NAN, NAN, NAN};
-            unsigned char near[BOXES_MAX];
+            unsigned char near[BOXES_MAX] = {0};
             struct neighbours *neighbours = neighbours_create(BOXES_MAX);
             cr_assert(neighbours, "no memory");
             make_box(boxes[round], 100, 1, &seed);
@@ -185,8 +186,39 @@ static int check_held(const struct strand *s, const double box[6]) {
     return near;
 }
 
-static int check_part(int lanes, int count, int samples, enum wisp_treatment treatment,
-                      unsigned *seed) {
+/* Whether a point of the wisp is in one of its sections, of those that count (section 4.3.2 of the
+ * thesis: not of nodes i - 1 to i + 2). */
+static int touches_itself(const struct strand *s) {
+    const int samples = s->wisp->samples;
+    for (int i = 1; i + 1 < s->wisp->nodes && samples > 0; i++) {
+        struct section section;
+        section_make(&section, s, i);
+        for (int k = 2; k < s->wisp->nodes; k++)
+            for (int j = -1; j < samples && (k < i - 1 || k > i + 2); j++) {
+                struct section_place place;
+                if (section_contains(&section, j < 0 ? s->p[k] : s->e[k * samples + j], &place))
+                    return 1;
+            }
+    }
+    return 0;
+}
+
+struct tally {
+    int near_border, touching, safe; /* samples; wisps that touch themselves, or are said not to */
+};
+
+/* Samples anywhere, also behind their nodes, where they may be between two clamps. */
+static void draw_state(const struct wisp *wisp, enum wisp_treatment treatment, enum lab_state kind,
+                       unsigned *seed, double *q, double *v) {
+    const int unknowns = wisp_node_unknowns(wisp, treatment);
+    lab_state(wisp, treatment, kind, 0, seed, q, v);
+    for (int i = 0; i < (wisp->nodes - 2) * unknowns && treatment != WISP_PENALTY; i++)
+        if (i % unknowns >= 3 && lab_between(seed, 0, 1) < 0.1)
+            q[i] *= -1.5;
+}
+
+static void check_part(int lanes, int count, int samples, enum wisp_treatment treatment,
+                       unsigned *seed, struct tally *tally) {
     static double q[LAB_SIZE], v[LAB_SIZE], Q[LAB_LANES * LAB_SIZE], V[LAB_LANES * LAB_SIZE];
     const int nodes = (int)lab_between(seed, 3, 12);
     const struct surroundings around = turned_head(seed);
@@ -195,12 +227,12 @@ static int check_part(int lanes, int count, int samples, enum wisp_treatment tre
     struct lab_part part;
     struct placement head;
     double boxes[LAB_LANES][6];
-    int near = 0;
     for (int k = 0; k < count; k++)
         wisps[k] = lab_wisp(nodes, samples, BENDING_SKIP, seed);
     lab_part_make(&part, lanes, wisps, count, &around, treatment);
     for (int k = 0; k < lanes; k++) {
-        lab_state(&wisps[k < count ? k : 0], treatment, STATE_RANDOM, 0, seed, q, v);
+        const enum lab_state kind = (enum lab_state)lab_between(seed, 0, STATES - 0.01);
+        draw_state(&wisps[k < count ? k : 0], treatment, kind, seed, q, v);
         lab_scatter(&part, k, q, Q);
         lab_scatter(&part, k, v, V);
         if (k < count && k != 1) /* lane 1 stays closed */
@@ -208,38 +240,46 @@ static int check_part(int lanes, int count, int samples, enum wisp_treatment tre
     }
     head_placement(&around.head, 0.1, &head);
     open_lanes(&part, Q, V, opened);
-    (lanes == 1 ? kernel_boxes_1 : kernel_boxes_4)(part.system.ctx, Q, boxes);
+    const unsigned folded =
+        (lanes == 1 ? kernel_boxes_1 : kernel_boxes_4)(part.system.ctx, Q, boxes);
     for (int k = 0; k < count; k++) {
         struct strand *s = strand_by_rows(&part, k, Q, V, &wisps[k], treatment, &head);
         if (opened[k])
             check_open(opened[k], s);
-        near += check_held(s, boxes[k]);
+        tally->near_border += check_held(s, boxes[k]);
+        const int touches = touches_itself(s), may = folded >> k & 1;
+        cr_assert(may || !touches, "a wisp that touches itself is missed");
+        tally->touching += touches;
+        tally->safe += samples > 0 && !may;
         strand_free(opened[k]);
         strand_free(s);
     }
     lab_part_free(&part);
-    return near;
 }
 
 Test(neighbours, parts_open_and_box_their_wisps_as_rows_do) {
     static const int samples[] = {0, 3, 4, 7};
     unsigned seed = 11;
-    int near = 0;
-    for (int round = 0; round < 8; round++)
-        for (int m = 0; m < 4; m++)
-            for (int treatment = 0; treatment < TREATMENTS; treatment++) {
-                near +=
-                    check_part(4, 1 + round % 4, samples[m], (enum wisp_treatment)treatment, &seed);
-                near += check_part(1, 1, samples[m], (enum wisp_treatment)treatment, &seed);
+    for (int treatment = 0; treatment < TREATMENTS; treatment++) {
+        struct tally tally = {0};
+        for (int round = 0; round < 80; round++)
+            for (int m = 0; m < 4; m++) {
+                check_part(4, 1 + round % 4, samples[m], (enum wisp_treatment)treatment, &seed,
+                           &tally);
+                check_part(1, 1, samples[m], (enum wisp_treatment)treatment, &seed, &tally);
             }
-    cr_assert(near > 0, "boxes are larger than need be");
+        cr_assert(tally.near_border > 0, "boxes are larger than need be");
+        cr_assert(tally.touching > 10 && tally.safe > 10, "%s: %d touch themselves, %d cannot",
+                  treatment_names[treatment], tally.touching, tally.safe);
+    }
 }
 
 /* --- ticks --- */
 
-/* A tick of a whole model against one of all its strands, near or far. */
-static void check_tick(enum wisp_treatment treatment, double spread, unsigned *seed, int *touched,
-                       int *far) {
+/* A tick of a whole model against one of all its strands, near or far; some that are crooked touch
+ * themselves. */
+static void check_tick(enum wisp_treatment treatment, double spread, double crooked, unsigned *seed,
+                       int *touched, int *far) {
     enum { WISPS = 30, NODES = 6 };
     struct wisp wisps[WISPS];
     struct strand *strands[WISPS];
@@ -264,8 +304,10 @@ static void check_tick(enum wisp_treatment treatment, double spread, unsigned *s
     cr_assert(model, "no memory");
     model->t = interval;
     for (int i = 0; i < model->part_count; i++)
-        for (int k = 0; k < model->parts[i].system.size; k++)
+        for (int k = 0; k < model->parts[i].system.size; k++) {
+            model->parts[i].q[k] += lab_between(seed, -crooked, crooked);
             model->parts[i].v[k] = lab_between(seed, -1, 1);
+        }
     const size_t numbers = (size_t)(model->row_count * model->column_count);
     double *before = calloc(numbers, sizeof *before), *after = calloc(numbers, sizeof *after);
     cr_assert(before && after, "no memory");
@@ -290,8 +332,8 @@ static void check_tick(enum wisp_treatment treatment, double spread, unsigned *s
         if (row % NODES >= 2)
             check_close(after + row * model->column_count, before + row * model->column_count,
                         model->column_count, "column");
-    for (int i = 0; i < model->part_count; i++)
-        *far += !changed[i];
+    for (int i = 0; i < WISPS; i++)
+        *far += !((const struct wisp_model *)model)->near[i];
     *touched += contacts;
     interaction_free(it);
     for (int i = 0; i < WISPS; i++)
@@ -307,9 +349,9 @@ Test(neighbours, ticks_leave_out_wisps_that_are_far) {
     for (int treatment = 0; treatment < TREATMENTS; treatment++) {
         int touched = 0, far = 0;
         for (int round = 0; round < 6; round++)
-            check_tick((enum wisp_treatment)treatment, round % 2 ? 0.1 : 0.5, &seed, &touched,
-                       &far);
-        cr_assert(touched > 100 && far > 0, "%s: %d contacts, %d parts left alone",
+            check_tick((enum wisp_treatment)treatment, round % 2 ? 0.1 : 0.5,
+                       round % 3 ? 0.002 : 0.02, &seed, &touched, &far);
+        cr_assert(touched > 100 && far > 0, "%s: %d contacts, %d wisps left closed",
                   treatment_names[treatment], touched, far);
     }
 }

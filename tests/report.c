@@ -283,8 +283,8 @@ Test(report, answers_follow_from_the_tables) {
 Test(report, limits_and_needs_are_answered_in_a_sentence) {
     static const char *const says[] = {
         "<p class=\"answer\">Longest stable steps on swing (projection): euler 1/8370 s, then "
-        "diverged; implicit-euler any. Longest stable steps on ball (penalty): rk4 1/3240 s, then "
-        "wrong.</p>",
+        "diverged; implicit-euler any; cvode chooses its steps. Longest stable steps on ball "
+        "(penalty): midpoint none that was tried (diverged); rk4 1/3240 s, then wrong.</p>",
         "<p class=\"answer\">swing: 8 nodes, hinges, at 0.31 of the full model's cost. ball: no "
         "answer.</p>",
         NULL,
@@ -296,13 +296,13 @@ Test(report, limits_and_needs_are_answered_in_a_sentence) {
     add_part(&report, "stability", folder);
     file_write(folder, "largest-step.tsv",
                "# steps; nan: of what fails, none does\n"
-               "scene\ttreatment\tstepper\trate\tunstable_step\tkind\n"
-               "swing\tprojection\teuler\t8370\t0.00012\tdiverged\n"
-               "swing\tprojection\timplicit-euler\t300\tnan\tnone\n"
-               "swing\tprojection\tcvode\t1000\tnan\tchooses its steps\n"
-               "swing\tpenalty\teuler\t8100\t0.00012\tdiverged\n"
-               "ball\tpenalty\tcvode\t1000\tnan\tchooses its steps\n"
-               "ball\tpenalty\trk4\t3240\t0.0003\twrong\n",
+               "scene\ttreatment\tstepper\tstep\trate\tunstable_step\tkind\n"
+               "swing\tprojection\teuler\t0.000119\t8370\t0.00012\tdiverged\n"
+               "swing\tprojection\timplicit-euler\t0.0033\t300\tnan\tnone\n"
+               "swing\tprojection\tcvode\t0.001\t1000\tnan\tchooses its steps\n"
+               "swing\tpenalty\teuler\t0.000123\t8100\t0.00012\tdiverged\n"
+               "ball\tpenalty\tmidpoint\tnan\tnan\t0.0003\tdiverged\n"
+               "ball\tpenalty\trk4\t0.000308\t3240\t0.0003\twrong\n",
                NULL);
     file_write(folder, "largest-step.svg", picture, NULL);
     add_part(&report, "needs", folder);

@@ -58,12 +58,13 @@ struct strand;
     unsigned kernel_pull_##lanes(void *part, double *q, double *v, const struct obstacle *bodies,  \
                                  const double *boxes, int count, unsigned counted, int *pulled);   \
                                                                                                    \
-    /* A box around each lane, padding included: of the volume from node 1 on and of all samples   \
-     * (least x y z, most x y z). */                                                               \
-    void kernel_boxes_##lanes(void *part, const double *q, double(*boxes)[6]);                     \
+    /* A box around each lane, padding included: of the volume from node 1 on and of the samples   \
+     * of free nodes (least x y z, most x y z). Returns the lanes, others' bits aside, in which    \
+     * the wisp may touch itself; none that does is missed. */                                     \
+    unsigned kernel_boxes_##lanes(void *part, const double *q, double(*boxes)[6]);                 \
                                                                                                    \
     /* Lays lanes open: fills in all that strand_load does, but for lanes of NULL. Nodes 0 and 1   \
-     * are where they were last prescribed. */                                                     \
+     * are where they were last prescribed. Behind nodes that coincide axes are NaN, not 0. */     \
     void kernel_open_##lanes(void *part, const double *q, const double *v,                         \
                              struct strand *const *strands);                                       \
                                                                                                    \

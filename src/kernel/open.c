@@ -20,17 +20,43 @@ static lane farthest_sample(const struct kernel_part *part, const double *q) {
             if (part->treatment == WISP_PENALTY) {
                 const struct vec d = sub(vec_load(q, at + 3 + 3 * j), vec_load(q, at));
                 most = largest(most, lane_sqrt(dot(d, d)));
-            } else {
-                most = largest(most, load(q, at + 3 + j));
+            } else { /* between two clamps it may be behind its node */
+                const lane r = load(q, at + 3 + j);
+                most = largest(most, lane_select(r < 0, -r, r));
             }
         }
     }
     return most;
 }
 
+/* Lanes in which no section can reach a point two segments off. Along the line from node 1 to the
+ * last every segment advances by a or more, and every tangent, and so every plane's normal, has a
+ * cosine of c or more with it: what is in a plane, `margin` or less from its node, is
+ * margin sqrt(1 - c^2) or less before or behind it; a particle may have left its plane. Between
+ * such a point and the nearest end of a section that counts there are two segments, 2 a. */
+static mask cannot_touch_itself(const struct kernel_part *part, const double *q, lane margin) {
+    const struct vec last = vec_load(q, (part->nodes - 3) * part->node_unknowns);
+    const struct vec chord = sub(last, part->p[1]);
+    const struct vec along = scale(1 / lane_sqrt(dot(chord, chord)), chord);
+    lane advance = lane_all(INFINITY), cosine = dot(part->tangent, along);
+    struct vec before = part->p[1];
+    for (int i = 2; i < part->nodes; i++) {
+        const struct vec p = vec_load(q, (i - 2) * part->node_unknowns), d = sub(p, before);
+        const lane a = dot(d, along), c = a / lane_sqrt(dot(d, d));
+        advance = lane_select(a < advance, a, advance);
+        cosine = lane_select(c < cosine, c, cosine);
+        before = p;
+    }
+    const lane square = 1 - cosine * cosine;
+    const lane off = part->treatment == WISP_PENALTY
+                         ? lane_all(1)
+                         : lane_sqrt(lane_select(square > 0, square, lane_all(0)));
+    return (cosine > 0) & (advance > margin * off); /* neither is where there is no direction */
+}
+
 /* Sections reach from node 1 to the last; points are free nodes and their samples. None of that is
  * further from a node than its farthest sample. A part in a million more, for rounding. */
-void LANED(kernel_boxes)(void *ctx, const double *q, double (*boxes)[6]) {
+unsigned LANED(kernel_boxes)(void *ctx, const double *q, double (*boxes)[6]) {
     const struct kernel_part *part = ctx;
     const lane margin = (1 + 1e-6) * farthest_sample(part, q);
     const struct span free = span_of(part, q);
@@ -40,6 +66,7 @@ void LANED(kernel_boxes)(void *ctx, const double *q, double (*boxes)[6]) {
         vec_get(boxes[k], sub(low, away), k);
         vec_get(boxes[k] + 3, add(high, away), k);
     }
+    return ~mask_bits(cannot_touch_itself(part, q, margin));
 }
 
 /* --- laid open --- */
