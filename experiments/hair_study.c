@@ -207,11 +207,13 @@ void hair_state(struct hair_study *study, const char *name, double value, const 
     printf("  %-13s  %s\n", verdict == NO_CLAIM ? "" : words[verdict], text);
 }
 
+/* Of the timed run, or of the watched one where only that did not reach its end. */
 static void state_failure(struct hair_study *study, const struct hair_run *run) {
-    hair_state(
-        study, run->variant->label, run->cost.failure_time, "s", NO_CLAIM,
-        "%s: the run did not reach its end (%s), so nothing is stated", run->variant->label,
-        outcome_name(run->cost.outcome != FINISHED ? run->cost.outcome : run->files.outcome));
+    const int timed = run->cost.outcome != FINISHED;
+    hair_state(study, run->variant->label,
+               timed ? run->cost.failure_time : run_number(&run->files, "failure_time"), "s",
+               NO_CLAIM, "%s: the run did not reach its end (%s), so nothing is stated",
+               run->variant->label, outcome_name(timed ? run->cost.outcome : run->files.outcome));
 }
 
 static int write_statements(struct plan *plan, const char *folder, struct hair_study *study) {
