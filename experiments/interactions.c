@@ -104,6 +104,7 @@ static const struct hair_question question = {
     .columns = 5,
     .azimuth = 35,
     .elevation = 20,
+    .quick = 0.8,
     .watch_rate = 300,
     .series = {"crossings", "overlap", "net_crossings"},
     .measure = measure,

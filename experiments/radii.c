@@ -95,6 +95,7 @@ static const struct hair_question question = {
     .columns = 3,
     .azimuth = 20,
     .elevation = 10,
+    .quick = 2.4,
     .series = {"largest_inclination", "mean_inclination"},
     .measure = measure,
     .state = state,

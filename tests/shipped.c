@@ -65,7 +65,7 @@ static const double *root_of(const struct lab_run *run, int nodes, int frame, in
     return run->row + (frame * run->rows + wisp * nodes) * run->columns;
 }
 
-/* Of the line from a node to the tip against the vertical, degrees: mean and largest of all wisps. */
+/* Of the line from a node to the tip against the vertical, degrees: mean and largest. */
 static double inclination_from(const struct lab_run *run, int nodes, int node, int frame,
                                double *largest) {
     const int wisps = run->rows / nodes;
