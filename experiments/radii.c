@@ -26,7 +26,7 @@ static void state_inclination(struct hair_study *study, int series, const char *
     for (int i = 0; i < study->count; i++) {
         const struct hair_run *run = &study->runs[i];
         const int frame = hair_largest(run, series);
-        least = i > 0 ? fmin(least, widest) : least;
+        least = fmin(least, widest);
         falls &= run->series[series][frame] < widest;
         widest = run->series[series][frame];
         char label[64];
