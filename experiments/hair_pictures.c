@@ -186,16 +186,17 @@ int hair_pictures(struct plan *plan, const char *folder, struct hair_study *stud
 
 /* --- the hair itself --- */
 
-/* The first variant's pictures, as the watched runs number their frames, that all rows have. */
+/* The first variant's pictures, as the timed runs number their frames, that all rows have. */
 static int frames_shown(const struct hair_study *study, int *frames) {
     const int *pictures = study->question->variants[0].pictures;
+    const double rate = study->runs[0].timed->run.scene->frame_rate;
     int count = 0;
     for (int k = 0; k < HAIR_PICTURES && pictures[k]; k++) {
         int frame = 0;
         for (int i = 0; i < study->count && frame >= 0; i++)
             frame = hair_frame_at(&study->runs[i].hair, (pictures[k] - 1) / 30.);
         if (frame >= 0)
-            frames[count++] = frame + 1;
+            frames[count++] = 1 + (int)lround((pictures[k] - 1) / 30. * rate);
     }
     return count;
 }
@@ -206,11 +207,11 @@ int hair_strip(struct plan *plan, const char *folder, const struct hair_study *s
     int frames[HAIR_PICTURES];
     for (int i = 0; i < study->count; i++) {
         const struct hair_run *run = &study->runs[i];
-        if (path_format(paths[i], "%s/states.tsv", run->watched->run.folder))
+        if (path_format(paths[i], "%s/states.tsv", run->timed->run.folder))
             return -1;
         rows[i] = (struct strip_row){.label = study->count > 1 ? run->variant->label : "",
                                      .states = paths[i],
-                                     .scene = run->watched->run.scene};
+                                     .scene = run->timed->run.scene};
     }
     const struct strip_request request = {.rows = rows,
                                           .row_count = study->count,

@@ -8,7 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double quick_duration = 0.4;     /* s */
 static const double reference_duration = 0.5; /* s, on a large scene: minutes for all of it */
 
 static int variant_count(const struct hair_question *question) {
@@ -57,9 +56,14 @@ struct run_request hair_request(const struct scene *scene, const struct stepper_
     return request;
 }
 
-static const struct scene *variant_scene(struct plan *plan, const struct subject *subject,
+static double quick_duration(const struct hair_question *question) {
+    return question->quick > 0 ? question->quick : 0.4;
+}
+
+static const struct scene *variant_scene(struct plan *plan, const struct hair_question *question,
                                          const struct hair_variant *variant, double frame_rate,
                                          double most) {
+    const struct subject *subject = &plan->subjects[0];
     const char *sets[HAIR_SETS + 2];
     char rate[64], duration[64];
     int count = 0;
@@ -68,8 +72,9 @@ static const struct scene *variant_scene(struct plan *plan, const struct subject
         count++;
     }
     snprintf(rate, sizeof rate, "frame_rate=%.17e", frame_rate);
-    snprintf(duration, sizeof duration, "duration=%.17e",
-             fmin(plan->quick ? fmin(quick_duration, most) : most, subject->scene->duration));
+    snprintf(
+        duration, sizeof duration, "duration=%.17e",
+        fmin(plan->quick ? fmin(quick_duration(question), most) : most, subject->scene->duration));
     sets[count++] = rate;
     sets[count++] = duration;
     return plan_scene(plan, subject->source, sets, count);
@@ -77,9 +82,8 @@ static const struct scene *variant_scene(struct plan *plan, const struct subject
 
 static int plan_variant(struct plan *plan, const struct hair_question *question,
                         const struct hair_variant *variant, const struct stepper_method *method) {
-    const struct subject *subject = &plan->subjects[0];
-    const double rate = subject->scene->frame_rate;
-    const struct scene *scene = variant_scene(plan, subject, variant, rate, INFINITY);
+    const double rate = plan->subjects[0].scene->frame_rate;
+    const struct scene *scene = variant_scene(plan, question, variant, rate, INFINITY);
     if (!scene)
         return -1;
     struct run_request request = hair_request(scene, method);
@@ -88,7 +92,7 @@ static int plan_variant(struct plan *plan, const struct hair_question *question,
         return -1;
     request.timings = 0;
     request.diagnostics = 1;
-    scene = variant_scene(plan, subject, variant,
+    scene = variant_scene(plan, question, variant,
                           question->watch_rate > 0 ? question->watch_rate : rate, INFINITY);
     return scene ? plan_add(plan, scene, &request, "watched", "%s", variant->label) : -1;
 }
@@ -100,8 +104,7 @@ static int plan_stepper(struct plan *plan, const struct hair_question *question,
     const struct scene *scene = find_case(plan, "variants", variant->label)->run.scene;
     const struct run_request request = hair_request(scene, method);
     if (is_named(method, "reference") && is_large(scene))
-        scene =
-            variant_scene(plan, &plan->subjects[0], variant, scene->frame_rate, reference_duration);
+        scene = variant_scene(plan, question, variant, scene->frame_rate, reference_duration);
     if (!scene)
         return -1;
     struct settings settings;
@@ -217,21 +220,25 @@ void hair_state(struct hair_study *study, const char *name, double value, const 
     printf("  %-13s  %s\n", verdict == NO_CLAIM ? "" : words[verdict], text);
 }
 
+/* Of the timed run, or of the watched one where only that did not reach its end. */
 static void state_failure(struct hair_study *study, const struct hair_run *run) {
-    hair_state(
-        study, run->variant->label, run->cost.failure_time, "s", NO_CLAIM,
-        "%s: the run did not reach its end (%s), so nothing is stated", run->variant->label,
-        outcome_name(run->cost.outcome != FINISHED ? run->cost.outcome : run->files.outcome));
+    const int timed = run->cost.outcome != FINISHED;
+    hair_state(study, run->variant->label,
+               timed ? run->cost.failure_time : run_number(&run->files, "failure_time"), "s",
+               NO_CLAIM, "%s: the run did not reach its end (%s), so nothing is stated",
+               run->variant->label, outcome_name(timed ? run->cost.outcome : run->files.outcome));
 }
 
 static int write_statements(struct plan *plan, const char *folder, struct hair_study *study) {
     struct atomic_file file;
+    char what[128] = "what the thesis states of its figure, measured";
     int finished = 1;
-    if (open_table(&file, folder, "statement",
-                   plan->quick ? "what the thesis states of its figure, measured; --quick: the "
-                                 "first 0.4 s, too short for most of it"
-                               : "what the thesis states of its figure, measured",
-                   study->subject->scene, "name\tvalue\tunit\tverdict\tsentence", plan->reason))
+    if (plan->quick)
+        snprintf(what, sizeof what,
+                 "what the thesis states of its figure, measured; --quick: in the first %g s only",
+                 quick_duration(study->question));
+    if (open_table(&file, folder, "statement", what, study->subject->scene,
+                   "name\tvalue\tunit\tverdict\tsentence", plan->reason))
         return -1;
     study->statements = &file;
     for (int i = 0; i < study->count; i++)

@@ -27,6 +27,7 @@ struct hair_question {
     int main;                  /* the variant on which all steppers are tried */
     int columns;               /* of the pictures */
     double azimuth, elevation; /* of the eye, degrees: 0, 0 sees x to the right and y up */
+    double quick;              /* duration with --quick, s; 0: 0.4 */
     double watch_rate;         /* of the frames that are measured, Hz; 0: the scene's frames */
     const char *series[HAIR_SERIES]; /* column names */
 

@@ -1,5 +1,5 @@
-/* What does adaptive subdivision add to the motion, and what does it cost? The two wisps of
- * `interactions`, with and without it (section 5.5 of the thesis). */
+/* What does adaptive subdivision add to the motion, and what does it cost? Two wisps that
+ * swing into each other, with and without it (section 5.5 of the thesis). */
 #include "captions.h"
 #include "hair_study.h"
 

@@ -366,7 +366,7 @@ Test(diagnostics, jumps_at_ticks_are_booked) {
         for (int treatment = 0; treatment < TREATMENTS; treatment++) {
             struct scene *scene = lab_load(cases[i].scene, cases[i].sets, cases[i].sets[1] ? 2 : 1);
             const struct run_request request = {.treatment = treatment_names[treatment],
-                                                .step = 1. / 24000};
+                                                .step = 1. / 60000};
             run_with_books(scene, request, &books);
             const struct diagnosis *last = &books.frame[books.frames - 1];
             double contacts = 0, jumps = 0;

@@ -620,9 +620,9 @@ Test(interaction, contacts_do_not_depend_on_the_order_of_wisps) {
 }
 
 /* A bundle of wisps that gravity pulls through each other. */
-#define BUNDLE(order)                                                              \
-    "duration=0.25", "frame_rate=20.0", "run.step=2e-4", "contacts.threshold=0.5", \
-        "wisps=(" order ")"
+#define BUNDLE(order)                                                                    \
+    "duration=0.25", "frame_rate=20.0", "run.step=2e-4", "material={ }", "envelope={ }", \
+        "contacts={ threshold = 0.5; }", "wisps=(" order ")"
 
 /* Whole runs are the same by bits in any order of the file, for any number of threads. */
 Test(interaction, runs_do_not_depend_on_threads_or_on_the_file) {
@@ -702,9 +702,9 @@ Test(interaction, contacts_matter_and_cost_nothing_where_they_are_off) {
  * one root has become 1e-8 m. */
 Test(interaction, slow_two_methods_agree_as_long_as_the_motion_is_told) {
     static const char pushed[] =
-        "wisps=({ root = [0.0, 0.0, 0.0]; direction = [1.0, 0.94, 0.0]; length = 0.30;"
-        "nodes = 16; }, { root = [0.1300000001, -0.02, -0.13]; direction = [0.1, 0.4, 1.0];"
-        "length = 0.30; nodes = 16; })";
+        "wisps=({ root = [0.0, 0.0, 0.0]; direction = [0.99, -0.08, 0.4]; length = 0.16;"
+        "nodes = 7; }, { root = [0.0870000001, 0.033, -0.066]; direction = [-0.58, 0.81, 0.95];"
+        "length = 0.16; nodes = 7; })";
     struct scene *scene = LAB_LOAD("interactions", "duration=1.5"),
                  *other = LAB_LOAD("interactions", "duration=1.5", pushed);
     const struct run_request tight = {.stepper = "cvode", .rtol = 3e-10, .atol = 3e-12};
@@ -766,7 +766,7 @@ static void see_pair(struct crossing *c, double *side, const double *p, const do
 }
 
 static struct crossing crossing_of(const struct lab_run *run) {
-    enum { SEGMENTS = 15 };
+    enum { SEGMENTS = 6 };
     static double side[SEGMENTS][SEGMENTS];
     struct crossing c = {.least = INFINITY};
     memset(side, 0, sizeof side);
@@ -791,10 +791,13 @@ Test(interaction, slow_the_scene_interactions_shows_what_it_says) {
         {"contacts.interpenetration=true", "contacts.collision=true", "contacts.threshold=0.44"},
     };
     static const struct {
-        int crosses;
+        int least_crossed, most_crossed;
         double least, most; /* distance, m */
-    } expected[] = {
-        {1, 0, 1e-3}, {1, 0, 2e-3}, {0, 2e-3, 1.5e-2}, {0, 7e-3, 1e-2}, {0, 3e-3, 1e-2}};
+    } expected[] = {{6, 12, 0, 1e-3},
+                    {1, 4, 0, 2e-3},
+                    {0, 0, 2e-3, 1.5e-2},
+                    {0, 0, 2e-3, 1e-2},
+                    {0, 0, 3e-3, 1e-2}};
     const struct run_request request = {.stepper = "rk4", .step = 2e-4};
     for (int i = 0; i < 5; i++) {
         struct scene *scene =
@@ -802,8 +805,8 @@ Test(interaction, slow_the_scene_interactions_shows_what_it_says) {
         struct lab_run run;
         lab_run(scene, &request, &run);
         const struct crossing c = crossing_of(&run);
-        cr_assert_eq(c.crossed > 0, expected[i].crosses, "%s, %s: crosses %d times", sets[i][0],
-                     sets[i][1], c.crossed);
+        cr_assert(c.crossed >= expected[i].least_crossed && c.crossed <= expected[i].most_crossed,
+                  "%s, %s: crosses %d times", sets[i][0], sets[i][1], c.crossed);
         cr_assert(c.least >= expected[i].least && c.least <= expected[i].most, "%s, %s: %g m apart",
                   sets[i][0], sets[i][1], c.least);
         lab_run_free(&run);
