@@ -44,7 +44,7 @@ struct interaction {
     int volume_count, point_count, contact_count;
     int strand_room, volume_room, point_room, contact_room;
     struct strand *const *strand; /* of the tick */
-    int bunch;                    /* points of a node: 1 and its samples */
+    int node_points;              /* of a node: 1 and its samples */
     int *first;                   /* by strand: number of its first section and first free node */
     struct volume *volume;        /* by section */
     struct node *node;            /* by section */
@@ -148,7 +148,7 @@ static void add_node(struct interaction *it, int number, int index, int i,
                      const struct weights *weights) {
     const struct strand *strand = it->strand[index];
     const int samples = strand->wisp->samples;
-    double(*x)[3] = &it->x[(size_t)number * (size_t)it->bunch];
+    double(*x)[3] = &it->x[(size_t)number * (size_t)it->node_points];
     struct node *node = &it->node[number];
     *node = (struct node){.yield = {weights->node_yield, weights->each_yield},
                           .sample_v = (const double(*)[3]) & strand->ev[i * samples],
@@ -212,17 +212,17 @@ static int gather(struct interaction *it, struct strand *const *strands, int cou
     size_t nodes = 0;
     for (int s = 0; s < count; s++)
         nodes += (size_t)strands[s]->wisp->nodes - 2;
-    it->bunch = count > 0 ? 1 + strands[0]->wisp->samples : 1;
+    it->node_points = count > 0 ? 1 + strands[0]->wisp->samples : 1;
     it->volume_count = it->point_count = it->contact_count = 0;
-    if (nodes > (size_t)(INT_MAX / it->bunch) ||
-        make_room(it, count, (int)nodes, (int)nodes * it->bunch))
+    if (nodes > (size_t)(INT_MAX / it->node_points) ||
+        make_room(it, count, (int)nodes, (int)nodes * it->node_points))
         return -1;
     it->strand = strands;
     for (int s = 0; s < count; s++) {
         it->first[s] = it->volume_count;
         it->volume_count += strands[s]->wisp->nodes - 2;
     }
-    it->point_count = it->volume_count * it->bunch;
+    it->point_count = it->volume_count * it->node_points;
     for (int i = 0; i < SHARES; i++) {
         it->share[i].from = (int)((long long)count * i / SHARES);
         it->share[i].to = (int)((long long)count * (i + 1) / SHARES);
@@ -237,22 +237,22 @@ struct contact_place interaction_section(const struct interaction *it, int secti
 }
 
 struct contact_place interaction_point(const struct interaction *it, int point) {
-    const struct node *node = &it->node[point / it->bunch];
-    return (struct contact_place){node->strand, node->index, point % it->bunch - 1};
+    const struct node *node = &it->node[point / it->node_points];
+    return (struct contact_place){node->strand, node->index, point % it->node_points - 1};
 }
 
 /* The node that begins or ends a section, as a point; -1: prescribed. */
 static int end_point(const struct interaction *it, int section, int end) {
     const int prescribed = it->volume[section].section.index + end < 2;
-    return prescribed ? -1 : (section - 1 + end) * it->bunch;
+    return prescribed ? -1 : (section - 1 + end) * it->node_points;
 }
 
 /* --- what a contact asks for --- */
 
 /* Of a node the mean with its samples. */
 static const double *velocity(const struct interaction *it, int point) {
-    const struct node *node = &it->node[point / it->bunch];
-    const int sample = point % it->bunch - 1;
+    const struct node *node = &it->node[point / it->node_points];
+    const int sample = point % it->node_points - 1;
     return sample < 0 ? node->v : node->sample_v[sample];
 }
 
@@ -291,7 +291,7 @@ static void respond(const struct interaction *it, struct contact *contact,
     double u[3], normal[3];
     contact->lambda = lambda < 0 ? 0 : lambda > 1 ? 1 : lambda;
     relative_velocity(it, contact, u);
-    vector_cross(section->t, it->node[contact->point / it->bunch].direction, normal);
+    vector_cross(section->t, it->node[contact->point / it->node_points].direction, normal);
     const double speed = vector_length(u);
     const int closing = vector_dot(u, place->q) < 0;
     if (speed < 1e-9 || fabs(vector_dot(normal, u)) < it->settings.threshold * speed) {
@@ -335,14 +335,14 @@ static int add_contacts(const struct interaction *it, struct share *share, int s
         return 0;
     const double rest = exp(-it->settings.viscosity * volume->density / it->settings.rate);
     for (int i = 0; i < count; i++) /* their points come in while the first is at work, */
-        __builtin_prefetch(&it->node[slots.point[found[i]] / it->bunch]);
+        __builtin_prefetch(&it->node[slots.point[found[i]] / it->node_points]);
     for (int i = 0; i < count; i++) /* and then their velocities */
         __builtin_prefetch(velocity(it, slots.point[found[i]]));
     if (make_contact_room(&share->contact, &share->room, (size_t)share->count + (size_t)count))
         return -1;
     for (int i = 0; i < count; i++) {
         const int point = slots.point[found[i]];
-        if (twin && it->strand[it->node[point / it->bunch].strand] == twin)
+        if (twin && it->strand[it->node[point / it->node_points].strand] == twin)
             continue;
         struct contact *contact = &share->contact[share->count++];
         *contact = (struct contact){.section = section, .point = point};
@@ -356,8 +356,8 @@ static void own_points(const struct interaction *it, int section, int own[2]) {
     const struct volume *volume = &it->volume[section];
     const int first = it->first[volume->strand], i = volume->section.index,
               last = it->strand[volume->strand]->wisp->nodes - 1;
-    own[0] = (first + (i > 3 ? i - 3 : 0)) * it->bunch;
-    own[1] = (first + (i < last - 2 ? i + 1 : last - 1)) * it->bunch;
+    own[0] = (first + (i > 3 ? i - 3 : 0)) * it->node_points;
+    own[1] = (first + (i < last - 2 ? i + 1 : last - 1)) * it->node_points;
 }
 
 /* Appends the contacts of one section, by point. */
@@ -450,7 +450,7 @@ static void count_shares(struct interaction *it, const struct contact *contacts,
 
 /* 1 / mass of what moves with a point, 1/kg. */
 static double yield_of(const struct interaction *it, int point) {
-    return it->node[point / it->bunch].yield[point % it->bunch > 0];
+    return it->node[point / it->node_points].yield[point % it->node_points > 0];
 }
 
 /* An impulse on the point and its opposite on the section's nodes. It is what would bring u to u'
@@ -501,9 +501,10 @@ static int any_in_section(const struct interaction *it, int section, int from, i
  * bounds. */
 static int is_mutual(const struct interaction *it, const struct contact *contact) {
     const int section = contact->section, begin = end_point(it, section, 0),
-              end = end_point(it, section, 1), to = end + it->bunch - 1;
+              end = end_point(it, section, 1), to = end + it->node_points - 1;
     const int from = begin < 0 ? end : begin;
-    const int before = contact->point / it->bunch; /* the node ends that, and begins the next */
+    const int before =
+        contact->point / it->node_points; /* the node ends that, and begins the next */
     const struct node *node = &it->node[before];
     const int last = node->index == it->strand[node->strand]->wisp->nodes - 1;
     return any_in_section(it, before, from, to) ||
@@ -530,9 +531,9 @@ static void change_share(void *ctx, int index) {
     struct interaction *it = ctx;
     const struct share *share = &it->share[index];
     for (int s = share->from; s < share->to; s++) {
-        const double(*dv)[3] = (const double(*)[3]) & it->dv[it->first[s] * it->bunch];
+        const double(*dv)[3] = (const double(*)[3]) & it->dv[it->first[s] * it->node_points];
         for (int i = 2; i < it->strand[s]->wisp->nodes; i++)
-            for (int j = -1; j < it->bunch - 1; j++, dv++) {
+            for (int j = -1; j < it->node_points - 1; j++, dv++) {
                 if (vector_dot(*dv, *dv) == 0)
                     continue;
                 if (j < 0)
