@@ -148,12 +148,15 @@ static void close_strand(const struct tick *tick, int i, int lane, double *rows)
     tick->changed[i] = 1;
 }
 
-static void box_part(const struct tick *tick, int i, double *rows) {
+/* Puts a part's first nodes where the head has them, and boxes around wisps that may touch. */
+static void look_at_part(const struct tick *tick, int i, double *rows) {
     const struct wisp_model *m = tick->m;
     const struct part *part = &m->model.parts[i];
     double boxes[LANES_MAX][6];
     (void)rows;
     m->kernel->prescribe(part->system.ctx, m->model.t);
+    if (!m->near)
+        return;
     const unsigned folded = m->kernel->boxes(part->system.ctx, part->q, boxes);
     for (int k = 0; k < m->batches[i].count; k++) {
         const int wisp = m->batches[i].wisp[k];
@@ -172,13 +175,10 @@ static unsigned near_lanes(const struct wisp_model *m, int i) {
 }
 
 static void open_part(const struct tick *tick, int i, double *rows) {
-    const struct wisp_model *m = tick->m;
-    const unsigned lanes = near_lanes(m, i);
+    const unsigned lanes = near_lanes(tick->m, i);
     (void)rows;
-    if (!lanes)
-        return;
-    m->kernel->prescribe(m->model.parts[i].system.ctx, m->model.t);
-    open_strands(tick, i, lanes);
+    if (lanes)
+        open_strands(tick, i, lanes);
 }
 
 static void close_part(const struct tick *tick, int i, double *rows) {
@@ -191,17 +191,13 @@ static void close_part(const struct tick *tick, int i, double *rows) {
     account_after(part, tick->m->model.t, JUMP_WISP_CONTACT);
 }
 
-/* Which wisps may touch another or themselves. All of them are open where some may split. */
-static enum outcome find_near(struct tick *tick, struct workers *workers) {
-    struct wisp_model *m = tick->m;
-    if (wisps_split(m->scene)) {
-        memset(m->near, 1, (size_t)m->wisp_count);
-        return FINISHED;
-    }
-    do_parts(tick, workers, box_part);
-    return neighbours_find(m->neighbours, (const double(*)[6])m->boxes, m->wisp_count, m->near)
-               ? OUT_OF_MEMORY
-               : FINISHED;
+/* Which wisps may touch another or themselves. All of them are open where some may split. -1 where
+ * memory cannot be had. */
+static int find_near(struct wisp_model *m) {
+    if (!wisps_split(m->scene))
+        return neighbours_find(m->neighbours, (const double(*)[6])m->boxes, m->wisp_count, m->near);
+    memset(m->near, 1, (size_t)m->wisp_count);
+    return 0;
 }
 
 static enum outcome interact(struct tick *tick, struct workers *workers) {
@@ -223,9 +219,10 @@ static enum outcome interact(struct tick *tick, struct workers *workers) {
 /* Wisps that subdivision has made touch their twins only once they are separated from them. */
 static enum outcome meet(struct tick *tick, struct workers *workers) {
     struct wisp_model *m = tick->m;
-    enum outcome outcome = m->interaction ? find_near(tick, workers) : FINISHED;
-    if (outcome != FINISHED)
-        return outcome;
+    enum outcome outcome = FINISHED;
+    do_parts(tick, workers, look_at_part);
+    if (m->interaction && find_near(m))
+        return OUT_OF_MEMORY;
     do_parts(tick, workers, open_part);
     for (int i = m->scene->wisp_count; i < m->wisp_count; i++) /* of a pair one is always here */
         subdivision_separate(&m->scene->subdivision, m->strands[i]);
