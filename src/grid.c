@@ -20,9 +20,8 @@ struct grid {
     unsigned mask;  /* number of hashes - 1; a power of two >= count, less 1 */
     int *start;     /* by hash: first of its slots; mask + 2 of them */
     unsigned *hash; /* by point */
-    double *x[4];   /* by slot: coordinates, and the point's number once more; in the order of
-                       hashes, then of points */
-    int *point;     /* by slot */
+    double *x[4];   /* by slot: coordinates and, to be compared with them, the point's number; in
+                       the order of hashes, then of points */
 };
 
 enum {
@@ -38,7 +37,6 @@ struct grid *grid_create(void) {
 static void release(struct grid *g) {
     free(g->start);
     free(g->hash);
-    free(g->point);
     for (int k = 0; k < 4; k++)
         free(g->x[k]);
 }
@@ -50,7 +48,7 @@ void grid_free(struct grid *grid) {
 }
 
 struct grid_slots grid_slots(const struct grid *g) {
-    return (struct grid_slots){{g->x[0], g->x[1], g->x[2]}, g->point};
+    return (struct grid_slots){{g->x[0], g->x[1], g->x[2]}, g->x[3]};
 }
 
 /* The cell of a coordinate. What is too far out for the number goes with the outermost cell; that
@@ -76,9 +74,8 @@ static int make_room(struct grid *g, int count) {
     release(g);
     *g = (struct grid){.mask = (unsigned)hashes - 1,
                        .start = malloc((hashes + 1) * sizeof *g->start),
-                       .hash = malloc(hashes * sizeof *g->hash),
-                       .point = calloc(hashes + LANES, sizeof *g->point)};
-    int there = g->start && g->hash && g->point;
+                       .hash = malloc(hashes * sizeof *g->hash)};
+    int there = g->start && g->hash;
     for (int k = 0; k < 4; k++) {
         g->x[k] = calloc(hashes + LANES, sizeof(double)); /* read in fours */
         there = there && g->x[k];
@@ -128,7 +125,6 @@ int grid_fill(struct grid *g, double cell, const double (*points)[3], int count,
         g->start[h] += g->start[h - 1];
     for (int i = count - 1; i >= 0; i--) { /* and with the last point put, their start */
         const int slot = --g->start[g->hash[i]];
-        g->point[slot] = i;
         g->x[3][slot] = i;
         for (int k = 0; k < 3; k++)
             g->x[k][slot] = points[i][k];

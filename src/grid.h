@@ -20,9 +20,12 @@ int grid_fill(struct grid *grid, double cell, const double (*points)[3], int cou
 /* Points as they stand in the grid, those of a cell side by side; until the grid is filled again.
  */
 struct grid_slots {
-    const double *x[3]; /* by axis and slot, m */
-    const int *point;   /* their numbers */
+    const double *x[3];   /* by axis and slot, m */
+    const double *number; /* of the point, by slot */
 };
+static inline int grid_point(const struct grid_slots *slots, int slot) {
+    return (int)slots->number[slot];
+}
 struct grid_slots grid_slots(const struct grid *grid);
 
 /* A search for the points in a box, borders included, but for those numbered except[0] to before

@@ -335,13 +335,13 @@ static int add_contacts(const struct interaction *it, struct share *share, int s
         return 0;
     const double rest = exp(-it->settings.viscosity * volume->density / it->settings.rate);
     for (int i = 0; i < count; i++) /* their points come in while the first is at work, */
-        __builtin_prefetch(&it->node[slots.point[found[i]] / it->node_points]);
+        __builtin_prefetch(&it->node[grid_point(&slots, found[i]) / it->node_points]);
     for (int i = 0; i < count; i++) /* and then their velocities */
-        __builtin_prefetch(velocity(it, slots.point[found[i]]));
+        __builtin_prefetch(velocity(it, grid_point(&slots, found[i])));
     if (make_contact_room(&share->contact, &share->room, (size_t)share->count + (size_t)count))
         return -1;
     for (int i = 0; i < count; i++) {
-        const int point = slots.point[found[i]];
+        const int point = grid_point(&slots, found[i]);
         if (twin && it->strand[it->node[point / it->node_points].strand] == twin)
             continue;
         struct contact *contact = &share->contact[share->count++];

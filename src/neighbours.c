@@ -78,7 +78,7 @@ static int meets_any(const struct neighbours *n, const double (*boxes)[6], int i
     grid_begin(n->grid, low, high, (const int[]){i, i + 1}, &search);
     for (int found; (found = grid_next(n->grid, &search, slot)) > 0;)
         for (int k = 0; k < found; k++)
-            if (meet(boxes[i], boxes[slots.point[slot[k]]]))
+            if (meet(boxes[i], boxes[grid_point(&slots, slot[k])]))
                 return 1;
     return 0;
 }
