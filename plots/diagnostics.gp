@@ -55,6 +55,12 @@ decade(x) = 10**floor(log10(x))
 step_for(x) = (x / decade(x) < 2 ? 0.5 : x / decade(x) < 4 ? 1 : 2) * decade(x)
 few_tics(x) = sprintf('set ytics 0, %g; set yrange [0:%g]', step_for(x > 0 ? x : 1), x > 0 ? 1.12 * x : 1)
 
+# Where frames are finer than ticks, most have no contacts: they are added up over 1/30 s.
+bin(t) = fine ? ceil(30 * t - 1e-6) / 30. : t
+most_together(table, name) = 'most = 0; sum = 0; last = -1; stats table using (' \
+    .'sum = (bin(column("t")) == last ? sum : 0) + column("'.name.'"), last = bin(column("t")), ' \
+    .'most = sum > most ? sum : most) nooutput'
+
 do for [f = 1:words(files)] {
     table = data.'/'.word(files, f)
     set datafile separator "\t"; set datafile columnheaders
@@ -95,6 +101,7 @@ do for [f = 1:words(files)] {
     }
 
     touched = extreme[3] + extreme[4] + extreme[5] > 0
+    fine = frames > 31 * end + 1
     eval figure(stem(word(files, f)), 900, touched ? 1030 : 865)
     set datafile columnheaders
     set multiplot
@@ -162,12 +169,16 @@ do for [f = 1:words(files)] {
             plot table using (column("t")):(column("speed")) with lines lt 11
         }
         if (k == 3) {
-            set label 3 '{/:Bold contacts} from frame to frame'.(extreme[3] == 0 ? ', of wisps' \
-                : extreme[4] == 0 ? ', with bodies' : ', of wisps dashed')
-            eval few_tics(extreme[3] > extreme[4] ? extreme[3] : extreme[4])
+            set label 3 '{/:Bold contacts} '.(fine ? 'in 1/30 s' : 'from frame to frame') \
+                .(extreme[3] == 0 ? ', of wisps' : extreme[4] == 0 ? ', with bodies' : ', of wisps dashed')
+            eval most_together(table, 'body_contacts'); together = most
+            eval most_together(table, 'wisp_contacts')
+            eval few_tics(most > together ? most : together)
             set ylabel 'number' offset -0.8, 0
-            plot table using (column("t")):(extreme[3] > 0 ? column("body_contacts") : -1) with lines lt 11, \
-                 table using (column("t")):(extreme[4] > 0 ? column("wisp_contacts") : -1) with lines lt 12
+            plot table using (bin(column("t"))):(extreme[3] > 0 ? column("body_contacts") : -1) \
+                    smooth frequency with lines lt 11, \
+                 table using (bin(column("t"))):(extreme[4] > 0 ? column("wisp_contacts") : -1) \
+                    smooth frequency with lines lt 12
         }
         if (k == 4 && extreme[5] > 0) {
             deep = scale_of(extreme[5])
