@@ -1,6 +1,6 @@
 #include "captions.h"
 
-#include "text_table.h"
+#include "base/text_table.h"
 
 #include <math.h>
 #include <stdarg.h>

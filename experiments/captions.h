@@ -4,7 +4,7 @@
 #ifndef WISPLAB_CAPTIONS_H
 #define WISPLAB_CAPTIONS_H
 
-#include "experiment.h"
+#include "experiments/common/plan.h"
 
 int caption_circle(const char *folder, const char *figure, struct caption *caption, char *reason);
 int caption_treatments(const char *folder, const char *figure, struct caption *caption,

@@ -1,9 +1,9 @@
 /* How far does each method carry a particle off its circle? The thesis's section 2.3.3: figures
  * 2.4 and 2.5, and what they do not show: error against time and against cost. */
-#include "circle.h"
+#include "model/circle.h"
 
 #include "captions.h"
-#include "measure.h"
+#include "experiments/common/measure.h"
 
 #include <complex.h>
 #include <math.h>

@@ -4,8 +4,8 @@
  * perturbed starts have in common says anything: their mean shape, energy and number of contacts.
  * The yardstick is how far two halves of the reference's own ensemble are from each other. */
 #include "captions.h"
-#include "measure.h"
-#include "model.h"
+#include "experiments/common/measure.h"
+#include "model/model.h"
 
 #include <math.h>
 #include <stdlib.h>

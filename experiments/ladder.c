@@ -6,8 +6,8 @@
  * target: from coarse to fine until one does, then between it and the last that did not, by halves.
  * The runs that are next depend on those before; refine() names them, round by round. */
 #include "captions.h"
-#include "model.h"
-#include "search.h"
+#include "experiments/common/search.h"
+#include "model/model.h"
 
 #include <math.h>
 #include <stdlib.h>

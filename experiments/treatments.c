@@ -3,8 +3,8 @@
  * with springs, and is exact in the limit of stiff ones; `projection` and `generalised` leave terms
  * out. Distances here are between tight solutions: no integrator has a part in them. */
 #include "captions.h"
-#include "measure.h"
-#include "model.h"
+#include "experiments/common/measure.h"
+#include "model/model.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* CVODE: variable-order, variable-step multistep methods, of SUNDIALS. */
 #include "first_order.h"
+#include "integrators/linear/sundials_support.h"
 #include "stepper.h"
-#include "sundials_support.h"
 
 #include <cvode/cvode.h>
 #include <cvode/cvode_ls.h>

@@ -2,7 +2,7 @@
 #ifndef WISPLAB_FIRST_ORDER_H
 #define WISPLAB_FIRST_ORDER_H
 
-#include "system.h"
+#include "system/system.h"
 
 /* rate <- (v, v') at y, both of 2 * size doubles. A rate that is not finite is NOT_FINITE, for a
  * smaller step may do: the libraries do not look, and would accept a NaN of an error as small. */

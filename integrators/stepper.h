@@ -4,10 +4,10 @@
 #ifndef WISPLAB_STEPPER_H
 #define WISPLAB_STEPPER_H
 
+#include "base/options.h"
 #include "butcher.h"
-#include "linear/linear.h"
-#include "options.h"
-#include "system.h"
+#include "integrators/linear/linear.h"
+#include "system/system.h"
 
 enum stepper_capability {
     STEPPER_IMPLICIT = 1, /* solves M - alpha D - beta K: takes a linear solver, needs Jacobians */

@@ -1,9 +1,9 @@
 /* Body contact at one tick: the ellipsoid, and the response of one wisp against closed forms and
  * against the page's own words written down a second time. */
-#include "body.h"
+#include "wisp/body.h"
 
+#include "base/vector.h"
 #include "body_oracle.h"
-#include "vector.h"
 #include "wisp_support.h"
 
 #include <criterion/criterion.h>

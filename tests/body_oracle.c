@@ -1,6 +1,6 @@
 #include "body_oracle.h"
 
-#include "vector.h"
+#include "base/vector.h"
 
 #include <math.h>
 #include <stddef.h>

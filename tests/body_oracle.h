@@ -3,7 +3,7 @@
 #ifndef WISPLAB_TESTS_BODY_ORACLE_H
 #define WISPLAB_TESTS_BODY_ORACLE_H
 
-#include "body.h"
+#include "wisp/body.h"
 
 /* sum(y_k^2 / R_k^2) - 1 of y = x + s d, extended; d may be NULL. */
 long double twin_level(const double radii[3], const double x[3], const double d[3], long double s);

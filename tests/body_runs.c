@@ -1,6 +1,6 @@
 /* Whole runs of wisps that touch bodies. */
+#include "base/vector.h"
 #include "body_oracle.h"
-#include "vector.h"
 #include "wisp_support.h"
 
 #include <criterion/criterion.h>

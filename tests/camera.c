@@ -1,10 +1,10 @@
 /* Where points are in a picture, what bodies hide, and the order in which all is drawn. */
-#include "camera.h"
+#include "picture/camera.h"
 
-#include "figure.h"
-#include "identity.h"
-#include "picture.h"
-#include "vector.h"
+#include "base/vector.h"
+#include "picture/bodies.h"
+#include "picture/picture.h"
+#include "run/identity.h"
 #include "wisp_support.h"
 
 #include <criterion/criterion.h>

@@ -1,7 +1,7 @@
 /* Runs that hang, crash, leave or eat memory: each is a result with its kind and its time, and the
  * others go on. */
-#include "results.h"
-#include "runs.h"
+#include "run/results.h"
+#include "run/runs.h"
 #include "support.h"
 
 #include <criterion/criterion.h>

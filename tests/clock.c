@@ -1,5 +1,5 @@
 /* Stops: from integer counts, merged, and none lost. */
-#include "clock.h"
+#include "model/clock.h"
 
 #include <criterion/criterion.h>
 #include <math.h>

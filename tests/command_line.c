@@ -1,5 +1,5 @@
 /* The program as a user meets it: what is wrong is said in one line, with the right exit code. */
-#include "cli.h"
+#include "command/cli.h"
 #include "support.h"
 
 #include <criterion/criterion.h>

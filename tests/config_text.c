@@ -1,8 +1,8 @@
 /* What libconfig would read wrongly, or end the program at, is refused with its place; and what
  * only looks like it is not. */
-#include "config_text.h"
+#include "scene/config_text.h"
 
-#include "scene.h"
+#include "scene/scene_load.h"
 #include "support.h"
 
 #include <criterion/criterion.h>

@@ -1,13 +1,13 @@
 /* Diagnoses: energies and powers against the twin and against each other, the books of whole runs,
  * and extremes of states that are known. */
-#include "diagnostics.h"
+#include "experiments/common/diagnostics.h"
 
-#include "clock.h"
-#include "plot.h"
-#include "results.h"
-#include "runs.h"
+#include "base/vector.h"
+#include "model/clock.h"
+#include "picture/plot.h"
+#include "run/results.h"
+#include "run/runs.h"
 #include "support.h"
-#include "vector.h"
 #include "wisp_support.h"
 
 #include <criterion/criterion.h>

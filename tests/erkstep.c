@@ -2,8 +2,8 @@
  * the last stage of any table with c_s = 1 for the first one of the next step, whether or not they
  * are the same. In the classical method of order 4 they are not, and it silently converges at
  * order 3. A testbed must be able to tell. */
+#include "integrators/linear/sundials_support.h"
 #include "order.h"
-#include "sundials_support.h"
 
 #include <arkode/arkode_erkstep.h>
 #include <criterion/criterion.h>

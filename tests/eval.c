@@ -1,6 +1,6 @@
 /* `wisplab eval`: the accelerations of a start or of a saved state are those of the model, and a
  * file that holds no state of the scene is refused in one line. */
-#include "results.h"
+#include "run/results.h"
 #include "support.h"
 #include "wisp_support.h"
 

@@ -2,8 +2,8 @@
 #ifndef WISPLAB_TESTS_FIXTURE_H
 #define WISPLAB_TESTS_FIXTURE_H
 
-#include "model.h"
-#include "scene.h"
+#include "model/model.h"
+#include "scene/scene_load.h"
 
 #include <complex.h>
 

@@ -1,9 +1,9 @@
 /* Hairs: where they are in a wisp, the curves through these places, and the light on them. */
-#include "hair.h"
+#include "wisp/hair.h"
 
-#include "section.h"
-#include "shade.h"
-#include "vector.h"
+#include "base/vector.h"
+#include "picture/shade.h"
+#include "wisp/section.h"
 #include "wisp_support.h"
 
 #include <criterion/criterion.h>

@@ -1,8 +1,8 @@
 /* What the experiments of chapter 5 measure, on states made by hand. */
-#include "hair_frames.h"
+#include "experiments/chapter5/hair_frames.h"
 
-#include "crossing.h"
-#include "section.h"
+#include "experiments/chapter5/crossing.h"
+#include "wisp/section.h"
 #include "wisp_support.h"
 
 #include <criterion/criterion.h>

@@ -1,5 +1,5 @@
 /* What stands beside the program: man page, completion, and the program where it is installed. */
-#include "cli.h"
+#include "command/cli.h"
 #include "support.h"
 
 #include <criterion/criterion.h>

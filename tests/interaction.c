@@ -1,8 +1,8 @@
 /* Wisps against wisps: the tick against its rules done by brute
  * force, what physics asks of it, and what it must not depend on. */
+#include "base/vector.h"
 #include "interaction_oracle.h"
-#include "section.h"
-#include "vector.h"
+#include "wisp/section.h"
 #include "wisp_support.h"
 
 #include <criterion/criterion.h>

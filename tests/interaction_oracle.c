@@ -1,7 +1,7 @@
 #include "interaction_oracle.h"
 
-#include "section.h"
-#include "vector.h"
+#include "base/vector.h"
+#include "wisp/section.h"
 
 #include <math.h>
 #include <stdlib.h>

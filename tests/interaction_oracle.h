@@ -3,7 +3,7 @@
 #ifndef WISPLAB_TESTS_INTERACTION_ORACLE_H
 #define WISPLAB_TESTS_INTERACTION_ORACLE_H
 
-#include "interaction.h"
+#include "wisp/interaction.h"
 
 enum { TWIN_NODES = 12, TWIN_SLOTS = 1 + SAMPLES_MAX }; /* nodes of a wisp at most */
 

@@ -3,11 +3,11 @@
  * malloc and its kin are replaced in the whole test program, libraries included, and do what
  * glibc's do except for one call that is told to fail. Under sanitizers, which replace them too,
  * this file has no tests. */
-#include "clock.h"
+#include "base/text_table.h"
 #include "fixture.h"
-#include "picture.h"
+#include "model/clock.h"
+#include "picture/picture.h"
 #include "support.h"
-#include "text_table.h"
 
 #include <criterion/criterion.h>
 #include <gsl/gsl_errno.h>

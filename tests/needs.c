@@ -1,9 +1,9 @@
 /* What a scene needs: curves of unlike numbers of nodes against closed forms, scenes of other
  * detail, and an experiment whose verdicts follow from its numbers. */
-#include "curve.h"
-#include "identity.h"
-#include "measure.h"
-#include "scene_detail.h"
+#include "experiments/common/curve.h"
+#include "experiments/common/measure.h"
+#include "run/identity.h"
+#include "scene/scene_detail.h"
 #include "support.h"
 #include "wisp_support.h"
 

@@ -1,11 +1,11 @@
 /* Which wisps may touch: boxes that meet against brute force, boxes of wisps against all that is in
  * them, wisps laid open by the kernel against their rows, and ticks that leave out who is far. */
-#include "neighbours.h"
+#include "wisp/neighbours.h"
 
-#include "clock.h"
-#include "section.h"
+#include "model/clock.h"
+#include "model/wisp_model.h"
 #include "support.h"
-#include "wisp_model.h"
+#include "wisp/section.h"
 #include "wisp_support.h"
 
 #include <criterion/criterion.h>

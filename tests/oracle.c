@@ -1,7 +1,7 @@
 /* What is known in closed form: the discrete solution of every Runge-Kutta method on the circle,
  * and the position errors that follow from it. */
-#include "circle.h"
 #include "closed_forms.h"
+#include "model/circle.h"
 #include "support.h"
 
 #include <complex.h>

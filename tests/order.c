@@ -1,7 +1,7 @@
 /* Orders of accuracy, observed; stage times; the effect of tolerances. */
 #include "order.h"
 
-#include "circle.h"
+#include "model/circle.h"
 
 #include <complex.h>
 #include <criterion/criterion.h>

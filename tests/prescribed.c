@@ -1,9 +1,9 @@
 /* The head's motion and style fields: against differences, closed forms and each other. */
-#include "prescribed.h"
+#include "wisp/prescribed.h"
 
-#include "model.h"
-#include "scene.h"
-#include "settings.h"
+#include "model/model.h"
+#include "run/settings.h"
+#include "scene/scene_load.h"
 #include "wisp_support.h"
 
 #include <criterion/criterion.h>

@@ -2,7 +2,7 @@
  * Solvers (F. Mazzia & C. Magherini, release 2.4, University of Bari, 2008; archimede.uniba.it/
  * ~testset). Published are equations, starts and the values at the end, computed there with RADAU5
  * and RADAU at tolerances of 1.1e-18, and printed to 16 digits. */
-#include "measure.h"
+#include "experiments/common/measure.h"
 #include "order.h"
 
 #include <criterion/criterion.h>

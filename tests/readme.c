@@ -1,6 +1,6 @@
 /* The stepper that README makes, as it stands there. */
 #include "fixture.h"
-#include "stepper.h"
+#include "integrators/stepper.h"
 
 #include <criterion/criterion.h>
 #include <math.h>

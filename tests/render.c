@@ -1,9 +1,9 @@
 /* From a run's files to pictures of it, and to files for other tools. */
-#include "cli.h"
-#include "strip.h"
+#include "base/vector.h"
+#include "command/cli.h"
+#include "picture/strip.h"
+#include "picture/vtk.h"
 #include "support.h"
-#include "vector.h"
-#include "vtk.h"
 #include "wisp_support.h"
 
 #include <criterion/criterion.h>

@@ -1,8 +1,8 @@
 /* The report: a page that is whole, says something of every figure, and hides no gap. */
-#include "report.h"
+#include "report/report.h"
 
+#include "base/text_table.h"
 #include "support.h"
-#include "text_table.h"
 
 #include <criterion/criterion.h>
 #include <ctype.h>

@@ -1,5 +1,5 @@
 /* Experiments that are killed, shared and split: every run is done once, and none is lost. */
-#include "results.h"
+#include "run/results.h"
 #include "support.h"
 
 #include <criterion/criterion.h>

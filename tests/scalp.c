@@ -1,7 +1,7 @@
 /* Hair on a scalp: even, outside, along the normals, and as a scene's wisps. */
-#include "scalp.h"
+#include "wisp/scalp.h"
 
-#include "vector.h"
+#include "base/vector.h"
 #include "wisp_support.h"
 
 #include <criterion/criterion.h>

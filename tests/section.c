@@ -1,8 +1,8 @@
 /* Whether a point is in a section, against the thesis's own definition (section 4.3.2): the point
  * is in one and only one of two triangles. */
-#include "section.h"
+#include "wisp/section.h"
 
-#include "vector.h"
+#include "base/vector.h"
 #include "wisp_support.h"
 
 #include <criterion/criterion.h>

@@ -1,7 +1,7 @@
 /* The experiment of stability: growth of the real steps against closed forms, eigenvalues of a
  * chain that is solved by hand, ring-down against R(ih), searches that come to what was measured
  * before; and that wrong is a failure however finite it is. */
-#include "stability.h"
+#include "experiments/stability/stability.h"
 
 #include "closed_forms.h"
 #include "fixture.h"

@@ -1,7 +1,7 @@
 /* Scenes that start from a saved state: to the bit where nothing is converted, to rounding where
  * samples change from distances to particles, and one line where the state is of something else. */
-#include "identity.h"
-#include "results.h"
+#include "run/identity.h"
+#include "run/results.h"
 #include "support.h"
 #include "wisp_support.h"
 

@@ -1,8 +1,8 @@
 /* Wisps that split at a tick: the rule against its text, and what a split leaves alone. */
-#include "subdivision.h"
+#include "wisp/subdivision.h"
 
-#include "clock.h"
-#include "vector.h"
+#include "base/vector.h"
+#include "model/clock.h"
 #include "wisp_support.h"
 
 #include <criterion/criterion.h>

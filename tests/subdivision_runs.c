@@ -1,7 +1,7 @@
 /* Runs of wisps that split: nothing depends on threads or on the file, and what reads runs knows
  * that their frames grow. */
-#include "measure.h"
-#include "second_opinion.h"
+#include "experiments/common/measure.h"
+#include "run/reference_check.h"
 #include "support.h"
 #include "wisp_support.h"
 

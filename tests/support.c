@@ -1,6 +1,6 @@
 #include "support.h"
 
-#include "circle.h"
+#include "model/circle.h"
 
 #include <criterion/criterion.h>
 #include <fcntl.h>

@@ -3,8 +3,8 @@
 #ifndef WISPLAB_TESTS_SUPPORT_H
 #define WISPLAB_TESTS_SUPPORT_H
 
-#include "files.h"
-#include "simulation.h"
+#include "base/files.h"
+#include "run/simulation.h"
 
 #include <sys/types.h>
 

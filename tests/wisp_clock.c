@@ -1,6 +1,6 @@
 /* What happens to wisps at times rather than between them: the tick that keeps samples off their
  * node, and wind, whose kinks stop the advance. */
-#include "clock.h"
+#include "model/clock.h"
 #include "wisp_support.h"
 
 #include <criterion/criterion.h>

@@ -1,6 +1,6 @@
 /* What the forces of a wisp must obey: energies and their gradients, momentum, the frequencies of a
  * hanging chain, and the thesis's own procedure with positions in space. */
-#include "vector.h"
+#include "base/vector.h"
 #include "wisp_support.h"
 
 #include <criterion/criterion.h>

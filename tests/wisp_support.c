@@ -1,8 +1,8 @@
 #include "wisp_support.h"
 
+#include "base/vector.h"
 #include "kernel/sparse.h"
 #include "support.h"
-#include "vector.h"
 
 #include <criterion/criterion.h>
 #include <math.h>

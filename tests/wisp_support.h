@@ -3,9 +3,9 @@
 #ifndef WISPLAB_TESTS_WISP_SUPPORT_H
 #define WISPLAB_TESTS_WISP_SUPPORT_H
 
+#include "experiments/bench/wisp_twin.h"
 #include "kernel/kernel.h"
-#include "simulation.h"
-#include "wisp_twin.h"
+#include "run/simulation.h"
 
 enum { TREATMENTS = 3, LAWS = 3, WINDS = 4, LAB_LANES = 4, LAB_NODES = 40 };
 enum { LAB_SIZE = (LAB_NODES - 2) * (3 + 3 * SAMPLES_MAX) }; /* unknowns of one wisp at most */

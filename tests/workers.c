@@ -1,6 +1,6 @@
 /* Threads: each task is done once, all are done when the call returns, and a run's bits do not
  * depend on how many threads there are. */
-#include "workers.h"
+#include "base/workers.h"
 
 #include "support.h"
 #include "wisp_support.h"

@@ -1,7 +1,7 @@
 /* Conjugate gradients by SUNDIALS, without ever forming the matrix. Not preconditioned: dividing
  * by the diagonal took more iterations on wisps than nothing at all. */
-#include "../sundials_support.h"
 #include "linear.h"
+#include "sundials_support.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,8 +2,8 @@
 #ifndef WISPLAB_LINEAR_H
 #define WISPLAB_LINEAR_H
 
-#include "options.h"
-#include "system.h"
+#include "base/options.h"
+#include "system/system.h"
 
 /* A solver at work on one system; concrete solvers begin with this, set by linear_create. */
 struct linear_solver {

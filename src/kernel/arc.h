@@ -3,7 +3,7 @@
 #ifndef WISPLAB_KERNEL_ARC_H
 #define WISPLAB_KERNEL_ARC_H
 
-#include "lanes.h"
+#include "base/lanes.h"
 
 /* (atan(r) - r) / r^3 in z = r^2 for 0 <= r <= tan(pi / 8): interpolation at Chebyshev nodes in 60
  * digits, wrong by less than 5e-18 r. */

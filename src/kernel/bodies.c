@@ -1,9 +1,9 @@
 /* Bodies as parts see them: which wisps may touch one, and samples pulled out of those. */
-#include "body.h"
 #include "frames.h"
 #include "kernel.h"
 #include "part.h"
 #include "span.h"
+#include "wisp/body.h"
 
 /* --- near a body? --- */
 

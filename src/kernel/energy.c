@@ -18,7 +18,7 @@
  *
  * Measuring leaves no trace in what steppers use: it works on a copy of the part with work space
  * of its own. */
-#include "energy.h"
+#include "system/energy.h"
 
 #include "frames.h"
 #include "part.h"

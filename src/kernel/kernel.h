@@ -4,8 +4,8 @@
 #ifndef WISPLAB_KERNEL_H
 #define WISPLAB_KERNEL_H
 
-#include "system.h"
-#include "wisp.h"
+#include "system/system.h"
+#include "wisp/wisp.h"
 
 struct obstacle;
 struct strand;

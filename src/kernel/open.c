@@ -3,7 +3,7 @@
 #include "kernel.h"
 #include "part.h"
 #include "span.h"
-#include "strand.h"
+#include "wisp/strand.h"
 
 /* --- boxes --- */
 

@@ -3,9 +3,9 @@
 #ifndef WISPLAB_KERNEL_PART_H
 #define WISPLAB_KERNEL_PART_H
 
-#include "lanes.h"
-#include "system.h"
-#include "wisp.h"
+#include "base/lanes.h"
+#include "system/system.h"
+#include "wisp/wisp.h"
 
 /* Material axes and the envelope's plane at a node (section 4.1.2 of the thesis). */
 struct frame {

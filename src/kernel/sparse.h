@@ -2,7 +2,7 @@
 #ifndef WISPLAB_KERNEL_SPARSE_H
 #define WISPLAB_KERNEL_SPARSE_H
 
-#include "system.h"
+#include "system/system.h"
 
 /* Rows of each column, ascending, for a part of one wisp; one block, to be freed with free. NULL
  * where memory cannot be had. */

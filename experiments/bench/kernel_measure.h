@@ -1,0 +1,173 @@
+/* What the files of the experiment `kernel` share: contestants that are timed in turn, the raw
+ * samples they leave, and statistics of those. */
+#ifndef WISPLAB_KERNEL_MEASURE_H
+#define WISPLAB_KERNEL_MEASURE_H
+
+#include "experiments/common/plan.h"
+#include "wisp_twin.h"
+
+enum { KERNEL_NODES = 12, KERNEL_ROUNDS_MAX = 4000 };
+
+/* --- wisps to measure on (kernel_wisps.c) --- */
+
+struct wisp_set {
+    enum wisp_treatment treatment;
+    enum bending bending;
+    int samples, wisps;
+};
+
+/* Who they are, for tables: "generalised skip 4 256". */
+enum { SUBJECT_SIZE = 48 };
+void wisp_set_subject(const struct wisp_set *set, char subject[SUBJECT_SIZE]);
+const char *bending_name(enum bending bending);
+
+/* The machine's rates are measured again beside every bending law and batch: "rates skip 256". */
+void rates_subject(const struct wisp_set *set, char subject[SUBJECT_SIZE]);
+const char *treatment_name(enum wisp_treatment treatment);
+
+/* The kernel's evaluations that are measured: treatments x bending laws x samples; without samples
+ * all treatments are one. Writes them for `wisps` wisps; returns how many there are. */
+enum { WISP_SETS_MAX = 32 };
+int wisp_sets(int wisps, struct wisp_set sets[WISP_SETS_MAX]);
+
+/* The set in parts of at most `lanes`, bent and in motion; and the same as plain twins. The program
+ * ends with the measurement, and their memory with it: nothing here is ever freed. */
+struct model *moving_model(const struct scene *scene, const struct wisp_set *set, int lanes);
+struct model *resting_model(const struct scene *scene, const struct wisp_set *set, int lanes);
+
+struct twins {
+    int count, size; /* wisps; doubles in q of one */
+    struct wisp_twin *twin;
+    double *q, *v, *a;
+};
+struct twins *moving_twins(const struct scene *scene, const struct wisp_set *set);
+
+/* Zeros on a boundary of 64 bytes; the measurement ends where they cannot be had. */
+void *zeros(size_t bytes);
+
+/* Ends the measuring process, whose standard error is the reason: of an integration that failed,
+ * and of the machine. */
+void give_up(const char *format, ...) __attribute__((format(printf, 1, 2), noreturn));
+void out_of_memory(void) __attribute__((noreturn));
+
+/* --- the contest (kernel_contest.c) --- */
+
+/* `run` does its work once: `units` of whatever is counted (node evaluations, wisps, steps). */
+struct contestant {
+    char group[16], subject[SUBJECT_SIZE], name[32];
+    void (*run)(void *ctx);
+    void *ctx;
+    double units;
+    int repeats;      /* of `run` in one sample */
+    int wall;         /* by wall time, for work on several threads; else by CPU time */
+    int warms_itself; /* takes so long that what it finds in the cache matters little */
+};
+
+struct contest {
+    struct contestant *all;
+    int count, capacity;
+    FILE *notes; /* single numbers that are not times, as lines of the samples' file */
+};
+
+void contest_add(struct contest *contest, const char *group, const char *subject, const char *name,
+                 double units, void (*run)(void *), void *ctx);
+void contest_add_wall(struct contest *contest, const char *group, const char *subject,
+                      const char *name, double units, void (*run)(void *), void *ctx);
+void contest_note(struct contest *contest, const char *group, const char *subject, const char *name,
+                  double value);
+
+/* Times all of them in turn, round after round, for about `seconds` but at least 3 rounds; writes
+ * `group`, `subject`, `contestant` and then ns per unit, a number for each round. */
+void contest_run(struct contest *contest, double seconds, FILE *stream);
+
+/* Entries, by subject of the experiment. */
+void enter_evaluations(struct contest *contest, const struct scene *scene);
+void enter_rates(struct contest *contest, const char *subject);
+void enter_solvers(struct contest *contest, const struct scene *scene);
+void enter_steppers(struct contest *contest, const struct scene *scene);
+void enter_contacts(struct contest *contest, const struct scene *scene);
+
+/* --- wisps that touch (kernel_contacts.c) --- */
+
+/* Hanging wisps, roots about `spacing` apart. */
+struct mat {
+    const char *name;
+    double spacing; /* m */
+};
+enum { MATS = 2, MAT_SIZES = 3 };
+extern const struct mat mats[MATS];
+extern const int mat_sizes[MAT_SIZES]; /* wisps */
+void mat_subject(const struct mat *mat, int wisps, char subject[SUBJECT_SIZE]);
+
+/* --- samples read back --- */
+
+struct series {
+    char *line; /* owned, cut at its tabs */
+    const char *group, *subject, *name;
+    double *value; /* by round */
+    int count;
+};
+
+struct samples {
+    struct series *series;
+    int count;
+};
+
+/* Whether the file holds samples with just this heading: then they are read. */
+int samples_read(struct samples *samples, const char *path, const char *heading);
+void samples_free(struct samples *samples);
+
+/* NULL where there is none. */
+const struct series *series_find(const struct samples *samples, const char *group,
+                                 const char *subject, const char *name);
+/* A note; NaN where there is none. */
+double note_find(const struct samples *samples, const char *group, const char *subject,
+                 const char *name);
+
+struct quartiles {
+    double median, lower, upper;
+};
+
+/* Of the series; of `a` over `b` formed round by round; NaN where one is NULL. */
+struct quartiles series_quartiles(const struct series *a);
+struct quartiles ratio_quartiles(const struct series *a, const struct series *b);
+struct quartiles quartiles(const double *value, int count);
+
+/* --- the arithmetic of an evaluation (kernel_floor.c, kernel_trace.c) --- */
+
+/* Per free node and wisp. */
+struct operations {
+    double square_roots, divisions, others; /* others: additions and multiplications */
+};
+
+/* What the model needs, by the table in kernel_floor.c. */
+struct operations needed_operations(const struct wisp_set *set);
+
+/* The time of that at the machine's rates, ns per free node of one wisp among four, by round;
+ * returns the number of rounds. */
+int floor_times(const struct samples *samples, const struct wisp_set *set, double *floor);
+
+/* What one evaluation of a part executes, by stepping through it: one count for each kind. */
+enum executed {
+    EXECUTED_SQUARE_ROOTS,
+    EXECUTED_DIVISIONS,
+    EXECUTED_ARITHMETIC, /* additions, subtractions, multiplications */
+    EXECUTED_LOGIC,      /* comparisons, masks, signs */
+    EXECUTED_ARRANGING,  /* numbers moved from lane to lane */
+    EXECUTED_MOVES,      /* loads, stores and copies of floating-point registers */
+    EXECUTED_OTHER,      /* addresses, branches, calls */
+    EXECUTED_LIBRARY,    /* instructions of any kind outside of the program: atan2 */
+    EXECUTED_KINDS
+};
+extern const char *const executed_names[EXECUTED_KINDS];
+
+/* Numbers: how many results a lane gets, a vector instruction counting its width over `lanes`; for
+ * the rows of no arithmetic, instructions. Returns 0, or -1 where this machine does not let us. */
+int trace_evaluation(struct system *system, const double *q, const double *v, double *a,
+                     double executed[EXECUTED_KINDS]);
+
+/* --- tables (kernel_tables.c) --- */
+
+int kernel_tables(struct plan *plan, const struct samples *samples, const char *folder);
+
+#endif

@@ -1,0 +1,349 @@
+#include "hair_frames.h"
+
+#include "base/vector.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { T, WISP, NODE, POSITION }; /* columns of states.tsv */
+
+static const double *row_of(const struct hair *hair, int row) {
+    return hair->states->value + (size_t)row * (size_t)hair->states->column_count;
+}
+
+/* --- reading --- */
+
+/* Marks where frames and wisps begin. */
+static void find_frames(struct hair *hair) {
+    int wisps = 0;
+    for (int i = 0; i < hair->states->row_count; i++) {
+        const double *row = row_of(hair, i), *before = i > 0 ? row_of(hair, i - 1) : NULL;
+        const int new_frame = !before || row[T] != before[T];
+        if (new_frame)
+            hair->frames[hair->frame_count++] =
+                (struct hair_frame){.t = row[T], .row = i, .first_wisp = wisps};
+        if (new_frame || row[WISP] != before[WISP]) {
+            hair->wisp_row[wisps++] = i;
+            hair->frames[hair->frame_count - 1].wisps++;
+        }
+    }
+    hair->wisp_row[wisps] = hair->states->row_count;
+    for (int f = 0; f < hair->frame_count; f++)
+        if (hair->frames[f].wisps > hair->most_wisps)
+            hair->most_wisps = hair->frames[f].wisps;
+}
+
+/* The frame of most wisps has all of them that the run ever had. */
+static int fullest_frame(const struct hair *hair) {
+    int frame = 0;
+    while (hair->frames[frame].wisps < hair->most_wisps)
+        frame++;
+    return frame;
+}
+
+static int create_strands(struct hair *hair) {
+    const int frame = hair->frame_count > 0 ? fullest_frame(hair) : 0;
+    for (int w = 0; w < hair->most_wisps; w++) {
+        hair->wisps[w] = hair->scene->wisps[hair_ancestor(hair, frame, w)];
+        if (hair->wisps[w].nodes != hair_nodes(hair, frame, w))
+            return -1;
+        hair->strands[w] = strand_create(&hair->wisps[w], hair->treatment);
+        if (!hair->strands[w])
+            return -1;
+    }
+    hair->interaction = interaction_create(&hair->scene->interaction);
+    return hair->interaction ? 0 : -1;
+}
+
+int hair_open(struct hair *hair, const struct scene *scene, const struct table *states,
+              enum wisp_treatment treatment, char *reason) {
+    const size_t rows = (size_t)states->row_count;
+    *hair = (struct hair){.scene = scene, .states = states, .treatment = treatment};
+    hair->frames = calloc(rows + 1, sizeof *hair->frames);
+    hair->wisp_row = calloc(rows + 1, sizeof *hair->wisp_row);
+    int code = hair->frames && hair->wisp_row ? 0 : -1;
+    if (!code) {
+        find_frames(hair);
+        hair->wisps = calloc((size_t)hair->most_wisps + 1, sizeof *hair->wisps);
+        hair->strands = calloc((size_t)hair->most_wisps + 1, sizeof *hair->strands);
+        code = hair->wisps && hair->strands ? create_strands(hair) : -1;
+    }
+    if (code)
+        snprintf(reason, REASON_SIZE, "scene %s: no memory for its frames, or they are not of it",
+                 scene->name);
+    return code;
+}
+
+void hair_close(struct hair *hair) {
+    for (int w = 0; hair->strands && w < hair->most_wisps; w++)
+        strand_free(hair->strands[w]);
+    if (hair->interaction)
+        interaction_free(hair->interaction);
+    free(hair->strands);
+    free(hair->wisps);
+    free(hair->frames);
+    free(hair->wisp_row);
+    *hair = (struct hair){0};
+}
+
+int hair_nodes(const struct hair *hair, int frame, int wisp) {
+    const int *row = hair->wisp_row + hair->frames[frame].first_wisp + wisp;
+    return row[1] - row[0];
+}
+
+const double *hair_node(const struct hair *hair, int frame, int wisp, int node) {
+    return row_of(hair, hair->wisp_row[hair->frames[frame].first_wisp + wisp] + node) + POSITION;
+}
+
+static double square_distance(const double *a, const double *b) {
+    const double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+    return vector_dot(d, d);
+}
+
+/* Children have their parent's root, and come after all wisps of the scene. */
+int hair_ancestor(const struct hair *hair, int frame, int wisp) {
+    const int count = hair->scene->wisp_count;
+    int best = wisp < count ? wisp : 0;
+    const double *root = hair_node(hair, frame, wisp, 0);
+    for (int w = 1; w < count && wisp >= count; w++)
+        if (square_distance(root, hair_node(hair, frame, w, 0)) <
+            square_distance(root, hair_node(hair, frame, best, 0)))
+            best = w;
+    return best;
+}
+
+void hair_lay_open(struct hair *hair, int frame) {
+    struct placement head;
+    head_placement(&hair->scene->around.head, hair->frames[frame].t, &head);
+    for (int w = 0; w < hair->frames[frame].wisps; w++) {
+        strand_turn(hair->strands[w], &head);
+        strand_load(hair->strands[w], hair_node(hair, frame, w, 0), hair->states->column_count);
+    }
+}
+
+int hair_frame_at(const struct hair *hair, double t) {
+    int best = -1;
+    for (int f = 0; f < hair->frame_count; f++)
+        if (best < 0 || fabs(hair->frames[f].t - t) < fabs(hair->frames[best].t - t))
+            best = f;
+    const double rate = hair->scene->frame_rate;
+    return best >= 0 && fabs(hair->frames[best].t - t) * rate <= 0.5 ? best : -1;
+}
+
+/* A body rests or moves with respect to the head, and is carried along by it. */
+struct hair_body hair_body(const struct scene *scene, int body, double t) {
+    const struct body *b = &scene->bodies[body];
+    struct hair_body place;
+    struct placement head;
+    double rest[3];
+    memcpy(rest, b->centre, sizeof rest);
+    vector_add(rest, t, b->velocity);
+    head_placement(&scene->around.head, t, &head);
+    placed_point(&head, 0, rest, place.centre);
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; i < 3; i++)
+            place.axis[k][i] = head.turn[0][i][k];
+    return place;
+}
+
+/* --- measures --- */
+
+static double angle_between(const double a[3], const double b[3]) {
+    double cross[3];
+    vector_cross(a, b, cross);
+    return atan2(vector_length(cross), vector_dot(a, b));
+}
+
+struct inclination hair_inclination(const struct hair *hair, int frame) {
+    struct inclination inclination = {0, 0};
+    const int wisps = hair->frames[frame].wisps;
+    for (int w = 0; w < wisps; w++) {
+        const double *root = hair_node(hair, frame, w, 1);
+        const double *tip = hair_node(hair, frame, w, hair_nodes(hair, frame, w) - 1);
+        const double line[3] = {tip[0] - root[0], tip[1] - root[1], tip[2] - root[2]};
+        const double angle = angle_between(line, hair->scene->around.gravity);
+        inclination.mean += angle / wisps;
+        inclination.largest = fmax(inclination.largest, angle);
+    }
+    return inclination;
+}
+
+int hair_overlap(struct hair *hair, int frame) {
+    struct interaction *interaction = hair->interaction;
+    if (hair->scene->wisps[0].samples == 0)
+        return 0;
+    hair_lay_open(hair, frame);
+    const int found = interaction_find(interaction, hair->strands, hair->frames[frame].wisps);
+    const struct contact *contacts = interaction_contacts(interaction);
+    int count = 0;
+    for (int i = 0; i < found; i++)
+        count += interaction_section(interaction, contacts[i].section).strand !=
+                 interaction_point(interaction, contacts[i].point).strand;
+    return found < 0 ? -1 : count;
+}
+
+double hair_strain(const struct hair *hair, int frame) {
+    double largest = 0;
+    for (int w = 0; w < hair->frames[frame].wisps; w++) {
+        const double rest = wisp_spacing(&hair->wisps[w]);
+        for (int i = 1; i + 1 < hair_nodes(hair, frame, w); i++) {
+            const double length = sqrt(
+                square_distance(hair_node(hair, frame, w, i), hair_node(hair, frame, w, i + 1)));
+            largest = fmax(largest, fabs(length / rest - 1));
+        }
+    }
+    return largest;
+}
+
+/* In the body's own axes. */
+static void to_body(const struct hair_body *place, const double p[3], double x[3]) {
+    const double from[3] = {p[0] - place->centre[0], p[1] - place->centre[1],
+                            p[2] - place->centre[2]};
+    for (int k = 0; k < 3; k++)
+        x[k] = vector_dot(place->axis[k], from);
+}
+
+/* From a point to the surface along the normal of the shell through it; 0 outside. */
+static double point_depth(const double radii[3], const double x[3]) {
+    double normal[3];
+    if (!ellipsoid_contains(radii, x))
+        return 0;
+    ellipsoid_normal(radii, x, normal);
+    return ellipsoid_exit(radii, x, normal);
+}
+
+/* At the point of the line that is on the innermost shell: where sum ((x + s d)_k / R_k)^2 is
+ * least. */
+static double segment_depth(const double radii[3], const double from[3], const double to[3]) {
+    double d[3], along = 0, square = 0, x[3];
+    for (int k = 0; k < 3; k++) {
+        d[k] = to[k] - from[k];
+        along -= from[k] * d[k] / (radii[k] * radii[k]);
+        square += d[k] * d[k] / (radii[k] * radii[k]);
+    }
+    const double s = square > 0 ? fmin(fmax(along / square, 0), 1) : 0;
+    memcpy(x, from, sizeof x);
+    vector_add(x, s, d);
+    return point_depth(radii, x);
+}
+
+static void look_at_wisp(const struct strand *strand, const struct hair_body *place,
+                         const double radii[3], struct depth *depth) {
+    const int samples = strand->wisp->samples;
+    double before[3], x[3];
+    for (int i = 1; i < strand->wisp->nodes; i++) {
+        to_body(place, strand->p[i], x);
+        if (i > 1) {
+            depth->points = fmax(depth->points, point_depth(radii, x));
+            depth->segments = fmax(depth->segments, segment_depth(radii, before, x));
+        }
+        memcpy(before, x, sizeof before);
+        for (int j = 0; j < samples && i > 1; j++) {
+            to_body(place, strand->e[i * samples + j], x);
+            depth->points = fmax(depth->points, point_depth(radii, x));
+        }
+    }
+}
+
+struct depth hair_depth(struct hair *hair, int frame) {
+    struct depth depth = {0, 0};
+    hair_lay_open(hair, frame);
+    for (int b = 0; b < hair->scene->body_count; b++) {
+        const struct hair_body place = hair_body(hair->scene, b, hair->frames[frame].t);
+        for (int w = 0; w < hair->frames[frame].wisps; w++)
+            look_at_wisp(hair->strands[w], &place, hair->scene->bodies[b].radii, &depth);
+    }
+    return depth;
+}
+
+static const double *tip(const struct hair *hair, int frame, int wisp) {
+    return hair_node(hair, frame, wisp, hair_nodes(hair, frame, wisp) - 1);
+}
+
+double hair_tips_along(const struct hair *hair, int frame, const double direction[3]) {
+    double sum = 0;
+    const int wisps = hair->frames[frame].wisps;
+    for (int w = 0; w < wisps; w++) {
+        const double *at = tip(hair, frame, w), *was = tip(hair, 0, hair_ancestor(hair, frame, w));
+        for (int k = 0; k < 3; k++)
+            sum += (at[k] - was[k]) * direction[k];
+    }
+    return sum / wisps;
+}
+
+/* Angles add as a sine and a cosine: the turn of `from` into `to` about the axis, weighted by both
+ * distances from it. */
+static void add_turn(const double axis[3], const double from[3], const double to[3], double *sine,
+                     double *cosine) {
+    double cross[3];
+    vector_cross(from, to, cross);
+    *sine += vector_dot(cross, axis);
+    *cosine += vector_dot(from, to) - vector_dot(from, axis) * vector_dot(to, axis);
+}
+
+/* The head's position at a time is where its point 0 is. */
+static void from_head(const struct scene *scene, double t, const double p[3], double from[3]) {
+    static const double origin[3] = {0, 0, 0};
+    struct placement head;
+    double position[3];
+    head_placement(&scene->around.head, t, &head);
+    placed_point(&head, 0, origin, position);
+    for (int k = 0; k < 3; k++)
+        from[k] = p[k] - position[k];
+}
+
+/* Least squares: sum |to - R from|^2 is least where sine / cosine is the tangent of R's angle. */
+double hair_turn(const struct hair *hair, int frame, const double axis[3]) {
+    double sine = 0, cosine = 0, from[3], to[3];
+    for (int w = 0; w < hair->frames[frame].wisps; w++) {
+        const double *was = tip(hair, 0, hair_ancestor(hair, frame, w));
+        from_head(hair->scene, hair->frames[0].t, was, from);
+        from_head(hair->scene, hair->frames[frame].t, tip(hair, frame, w), to);
+        add_turn(axis, from, to, &sine, &cosine);
+    }
+    return atan2(sine, cosine);
+}
+
+double hair_head_turn(const struct scene *scene, double t, const double axis[3]) {
+    double sine = 0, cosine = 0;
+    struct placement head;
+    head_placement(&scene->around.head, t, &head);
+    for (int k = 0; k < 3; k++) {
+        double from[3] = {0, 0, 0}, to[3];
+        from[k] = 1;
+        placed_direction(&head, from, to);
+        add_turn(axis, from, to, &sine, &cosine);
+    }
+    return atan2(sine, cosine);
+}
+
+static int same_layout(const struct hair *a, const struct hair *b, int frame) {
+    const int there = frame < a->frame_count && frame < b->frame_count &&
+                      a->frames[frame].wisps == b->frames[frame].wisps;
+    for (int w = 0; there && w < a->frames[frame].wisps; w++)
+        if (hair_nodes(a, frame, w) != hair_nodes(b, frame, w))
+            return 0;
+    return there;
+}
+
+double hair_distance(const struct hair *a, const struct hair *b, int frame) {
+    double sum = 0;
+    int nodes = 0;
+    if (!same_layout(a, b, frame))
+        return NAN;
+    for (int w = 0; w < a->frames[frame].wisps; w++)
+        for (int i = 2; i < hair_nodes(a, frame, w); i++, nodes++)
+            sum += square_distance(hair_node(a, frame, w, i), hair_node(b, frame, w, i));
+    return sqrt(sum / nodes);
+}
+
+int hair_same(const struct hair *a, const struct hair *b, int frame) {
+    const int columns = a->states->column_count;
+    if (!same_layout(a, b, frame) || columns != b->states->column_count)
+        return 0;
+    const int rows =
+        a->wisp_row[a->frames[frame].first_wisp + a->frames[frame].wisps] - a->frames[frame].row;
+    return memcmp(row_of(a, a->frames[frame].row), row_of(b, b->frames[frame].row),
+                  (size_t)(rows * columns) * sizeof(double)) == 0;
+}

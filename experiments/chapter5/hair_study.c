@@ -1,0 +1,299 @@
+#include "hair_study.h"
+
+#include "experiments/common/diagnostics.h"
+#include "model/model.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double reference_duration = 0.5; /* s, on a large scene: minutes for all of it */
+
+static int variant_count(const struct hair_question *question) {
+    int count = 0;
+    while (count < HAIR_VARIANTS && question->variants[count].label)
+        count++;
+    return count;
+}
+
+/* --- the runs --- */
+
+static int is_named(const struct stepper_method *method, const char *name) {
+    return strcmp(method->name, name) == 0;
+}
+
+/* Runs that take seconds are repeated less often; their times spread less, too. */
+static int is_large(const struct scene *scene) {
+    return scene->wisp_count * scene->duration > 60;
+}
+
+/* 1/Hz. The highest mode decides. */
+static double stable_step(const struct scene *scene, const struct butcher_table *table) {
+    const struct mode mode = stiffest_mode(scene);
+    int hundreds = 1;
+    while (hundreds < 1000000 && !is_stable(table, &mode, 1 / (100. * hundreds)))
+        hundreds++;
+    return 1 / (100 * ceil(1.25 * hundreds));
+}
+
+struct run_request hair_request(const struct scene *scene, const struct stepper_method *method) {
+    struct run_request request = {.stepper = method->name, .treatment = "projection"};
+    const unsigned is = method->capabilities;
+    if (is_named(method, "reference"))
+        return request;
+    if (is & STEPPER_ADAPTIVE) {
+        request.rtol = 1e-4;
+        request.atol = request.rtol * scene->run.atol / scene->run.rtol;
+        return request;
+    }
+    request.timings = !is_large(scene);
+    if (is & STEPPER_IMPLICIT)
+        request.linear = "direct"; /* the matrix of this treatment is not symmetric */
+    request.step = is_named(method, "euler")                   ? 1 / 9000.
+                   : method->table && !(is & STEPPER_IMPLICIT) ? stable_step(scene, method->table)
+                                                               : 1 / 300.;
+    return request;
+}
+
+static double quick_duration(const struct hair_question *question) {
+    return question->quick > 0 ? question->quick : 0.4;
+}
+
+static const struct scene *variant_scene(struct plan *plan, const struct hair_question *question,
+                                         const struct hair_variant *variant, double frame_rate,
+                                         double most) {
+    const struct subject *subject = &plan->subjects[0];
+    const char *sets[HAIR_SETS + 2];
+    char rate[64], duration[64];
+    int count = 0;
+    while (count < HAIR_SETS && variant->sets[count]) {
+        sets[count] = variant->sets[count];
+        count++;
+    }
+    snprintf(rate, sizeof rate, "frame_rate=%.17e", frame_rate);
+    snprintf(
+        duration, sizeof duration, "duration=%.17e",
+        fmin(plan->quick ? fmin(quick_duration(question), most) : most, subject->scene->duration));
+    sets[count++] = rate;
+    sets[count++] = duration;
+    return plan_scene(plan, subject->source, sets, count);
+}
+
+static int plan_variant(struct plan *plan, const struct hair_question *question,
+                        const struct hair_variant *variant, const struct stepper_method *method) {
+    const double rate = plan->subjects[0].scene->frame_rate;
+    const struct scene *scene = variant_scene(plan, question, variant, rate, INFINITY);
+    if (!scene)
+        return -1;
+    struct run_request request = hair_request(scene, method);
+    request.timings = plan->quick ? 1 : is_large(scene) || method->advance ? 3 : 7;
+    if (plan_add(plan, scene, &request, "variants", "%s", variant->label))
+        return -1;
+    request.timings = 0;
+    request.diagnostics = 1;
+    scene = variant_scene(plan, question, variant,
+                          question->watch_rate > 0 ? question->watch_rate : rate, INFINITY);
+    return scene ? plan_add(plan, scene, &request, "watched", "%s", variant->label) : -1;
+}
+
+/* A stepper that refuses the scene has a row in the table and no run. */
+static int plan_stepper(struct plan *plan, const struct hair_question *question,
+                        const struct stepper_method *method) {
+    const struct hair_variant *variant = &question->variants[question->main];
+    const struct scene *scene = find_case(plan, "variants", variant->label)->run.scene;
+    const struct run_request request = hair_request(scene, method);
+    if (is_named(method, "reference") && is_large(scene))
+        scene = variant_scene(plan, question, variant, scene->frame_rate, reference_duration);
+    if (!scene)
+        return -1;
+    struct settings settings;
+    char reason[REASON_SIZE];
+    if (settings_resolve(scene, &request, &settings, reason))
+        return 0;
+    return plan_add(plan, scene, &request, "steppers", "%s", method->name);
+}
+
+static int refuse_scene(struct plan *plan, const struct hair_question *question) {
+    const struct scene *scene = plan->subjects[0].scene;
+    if (!question->needs || json_object_get(scene->source, question->needs))
+        return 0;
+    snprintf(plan->reason, REASON_SIZE,
+             "experiment %s needs a scene with %s, and scene %s has none", plan->experiment->name,
+             question->needs, scene->name);
+    return -1;
+}
+
+int hair_plan(struct plan *plan, const struct hair_question *question) {
+    const struct stepper_method *recipe =
+        stepper_find(plan->stepper_count > 0 ? plan->steppers[0] : "euler");
+    plan->run_seconds = 300;
+    if (plan->scene_count > 1) {
+        snprintf(plan->reason, REASON_SIZE, "experiment %s takes one --scene; %d were given",
+                 plan->experiment->name, plan->scene_count);
+        return -1;
+    }
+    if (plan_subjects(plan, &question->scene, 1) || refuse_scene(plan, question))
+        return -1;
+    for (int i = 0; i < variant_count(question); i++)
+        if (plan_variant(plan, question, &question->variants[i], recipe))
+            return -1;
+    for (int i = 0; stepper_methods[i]; i++)
+        if (stepper_methods[i] != recipe && plan_wants(plan, stepper_methods[i]->name) &&
+            plan_stepper(plan, question, stepper_methods[i]))
+            return -1;
+    return 0;
+}
+
+/* --- reading them --- */
+
+static int measure_run(struct hair_study *study, struct hair_run *run) {
+    const int frames = run->hair.frame_count;
+    for (int k = 0; k < HAIR_SERIES; k++) {
+        run->series[k] = calloc((size_t)frames + 1, sizeof(double));
+        if (!run->series[k])
+            return -1;
+    }
+    return study->question->measure(&run->hair, run->series);
+}
+
+static int read_run(struct plan *plan, struct hair_study *study, int i) {
+    struct hair_run *run = &study->runs[i];
+    struct run_files timed;
+    run->variant = &study->question->variants[i];
+    run->timed = find_case(plan, "variants", run->variant->label);
+    run->watched = find_case(plan, "watched", run->variant->label);
+    if (run_read(&timed, run->timed->run.folder, plan->reason))
+        return -1;
+    run->cost = run_cost(&timed);
+    run_free(&timed);
+    if (run_read(&run->files, run->watched->run.folder, plan->reason))
+        return -1;
+    study->count = i + 1;
+    run->finished = run->cost.outcome == FINISHED && run->files.outcome == FINISHED;
+    if (hair_open(&run->hair, run->watched->run.scene, &run->files.states,
+                  (enum wisp_treatment)run->watched->run.settings.treatment, plan->reason))
+        return -1;
+    if (measure_run(study, run) == 0)
+        return 0;
+    snprintf(plan->reason, REASON_SIZE, "out of memory");
+    return -1;
+}
+
+static void free_study(struct hair_study *study) {
+    for (int i = 0; i < study->count; i++) {
+        struct hair_run *run = &study->runs[i];
+        for (int k = 0; k < HAIR_SERIES; k++)
+            free(run->series[k]);
+        hair_close(&run->hair);
+        run_free(&run->files);
+    }
+}
+
+double hair_contacts_per_frame(const struct hair_run *run) {
+    const struct scene *scene = run->watched->run.scene;
+    return run_number(&run->files, "counters.wisp_contacts") /
+           (scene->duration * run->timed->run.scene->frame_rate);
+}
+
+int hair_largest(const struct hair_run *run, int series) {
+    int best = 0;
+    for (int f = 1; f < run->hair.frame_count; f++)
+        if (run->series[series][f] > run->series[series][best])
+            best = f;
+    return best;
+}
+
+/* --- statements --- */
+
+void hair_state(struct hair_study *study, const char *name, double value, const char *unit,
+                enum hair_verdict verdict, const char *sentence, ...) {
+    static const char *const words[] = {
+        [HOLDS_NOT] = "does not hold", [HOLDS] = "holds", [NO_CLAIM] = "–"};
+    char text[400];
+    va_list arguments;
+    va_start(arguments, sentence);
+    vsnprintf(text, sizeof text, sentence, arguments);
+    va_end(arguments);
+    fprintf(study->statements->stream, "%s\t%.17g\t%s\t%s\t%s\n", name, value, *unit ? unit : "–",
+            words[verdict], text);
+    printf("  %-13s  %s\n", verdict == NO_CLAIM ? "" : words[verdict], text);
+}
+
+/* Of the timed run, or of the watched one where only that did not reach its end. */
+static void state_failure(struct hair_study *study, const struct hair_run *run) {
+    const int timed = run->cost.outcome != FINISHED;
+    hair_state(study, run->variant->label,
+               timed ? run->cost.failure_time : run_number(&run->files, "failure_time"), "s",
+               NO_CLAIM, "%s: the run did not reach its end (%s), so nothing is stated",
+               run->variant->label, outcome_name(timed ? run->cost.outcome : run->files.outcome));
+}
+
+static int write_statements(struct plan *plan, const char *folder, struct hair_study *study) {
+    struct atomic_file file;
+    char what[128] = "what the thesis states of its figure, measured";
+    int finished = 1;
+    if (plan->quick)
+        snprintf(what, sizeof what,
+                 "what the thesis states of its figure, measured; --quick: in the first %g s only",
+                 quick_duration(study->question));
+    if (open_table(&file, folder, "statement", what, study->subject->scene,
+                   "name\tvalue\tunit\tverdict\tsentence", plan->reason))
+        return -1;
+    study->statements = &file;
+    for (int i = 0; i < study->count; i++)
+        if (!study->runs[i].finished) {
+            state_failure(study, &study->runs[i]);
+            finished = 0;
+        }
+    if (finished)
+        study->question->state(study);
+    return atomic_commit(&file, plan->reason);
+}
+
+static int write_series(struct plan *plan, const char *folder, const struct hair_study *study) {
+    struct atomic_file file;
+    char columns[256] = "variant\tt";
+    const char *const *names = study->question->series;
+    for (int k = 0; k < HAIR_SERIES && names[k]; k++) {
+        const size_t used = strlen(columns);
+        snprintf(columns + used, sizeof columns - used, "\t%s", names[k]);
+    }
+    if (open_table(&file, folder, "series", "what the statements are made from, by frame",
+                   study->subject->scene, columns, plan->reason))
+        return -1;
+    for (int i = 0; i < study->count; i++) {
+        const struct hair_run *run = &study->runs[i];
+        for (int f = 0; f < run->hair.frame_count; f++) {
+            fprintf(file.stream, "%s\t%.17g", run->variant->label, run->hair.frames[f].t);
+            for (int k = 0; k < HAIR_SERIES && names[k]; k++)
+                fprintf(file.stream, "\t%.17g", run->series[k][f]);
+            fputc('\n', file.stream);
+        }
+        fputs("\n\n", file.stream);
+    }
+    return atomic_commit(&file, plan->reason);
+}
+
+int hair_tabulate(struct plan *plan, const char *folder, const struct hair_question *question) {
+    struct hair_study study = {.question = question, .subject = &plan->subjects[0]};
+    int code = 0;
+    for (int i = 0; i < variant_count(question) && !code; i++) {
+        code = read_run(plan, &study, i);
+        if (!code)
+            code = keep_diagnostics(&study.runs[i].watched->run, folder,
+                                    question->variants[i].label, plan->reason);
+    }
+    if (!code)
+        code = hair_cost_tables(plan, folder, &study);
+    if (!code)
+        code = write_series(plan, folder, &study);
+    if (!code)
+        code = write_statements(plan, folder, &study);
+    if (!code)
+        code = hair_pictures(plan, folder, &study);
+    if (!code)
+        code = hair_strip(plan, folder, &study);
+    free_study(&study);
+    return code;
+}

@@ -1,0 +1,101 @@
+/* What the experiments of the thesis's chapter 5 have in common. Each is a scene and a few variants
+ * of it; its question is answered by series measured over the frames, and by sentences computed
+ * from them. The frame around it is here: the runs, what they cost beside the thesis's times, how
+ * every other stepper fares, and the pictures that the thesis prints. */
+#ifndef WISPLAB_HAIR_STUDY_H
+#define WISPLAB_HAIR_STUDY_H
+
+#include "experiments/common/measure.h"
+#include "hair_frames.h"
+
+enum { HAIR_VARIANTS = 4, HAIR_SETS = 3, HAIR_SERIES = 3, HAIR_PICTURES = 12 };
+
+struct hair_variant {
+    const char *label;           /* NULL: there are no more */
+    const char *sets[HAIR_SETS]; /* what it overrides in the scene; NULL: no more */
+    double thesis;               /* CPU time in the thesis, s per frame; 0: none */
+    int pictures[HAIR_PICTURES]; /* frames shown, numbered from 1 at 30 a second; 0: no more */
+};
+
+struct hair_study;
+
+/* The static description of an experiment. */
+struct hair_question {
+    const char *scene; /* its name */
+    const char *needs; /* the group of a scene in which the variants differ; NULL: none */
+    struct hair_variant variants[HAIR_VARIANTS];
+    int main;                  /* the variant on which all steppers are tried */
+    int columns;               /* of the pictures */
+    double azimuth, elevation; /* of the eye, degrees: 0, 0 sees x to the right and y up */
+    double quick;              /* duration with --quick, s; 0: 0.4 */
+    double watch_rate;         /* of the frames that are measured, Hz; 0: the scene's frames */
+    const char *series[HAIR_SERIES]; /* column names */
+
+    /* Fills series[k][frame] for all frames of a run. Returns 0, or -1 where memory cannot be had.
+     */
+    int (*measure)(struct hair *hair, double *const *series);
+
+    /* States what was found, by hair_state; called where every variant reached its end. */
+    void (*state)(struct hair_study *study);
+};
+
+/* A variant's runs, read back. */
+struct hair_run {
+    const struct hair_variant *variant;
+    const struct labelled_case *timed, *watched; /* watched: diagnosed, and at the watch rate */
+    struct cost cost;                            /* of the timed one */
+    int finished;
+    struct run_files files; /* of the watched one */
+    struct hair hair;       /* in files.states */
+    double *series[HAIR_SERIES];
+};
+
+struct hair_study {
+    const struct hair_question *question;
+    const struct subject *subject;
+    struct hair_run runs[HAIR_VARIANTS];
+    int count;
+    struct atomic_file *statements;
+};
+
+/* Writes a statement into the table and prints it (printf): a value, and whether the thesis's claim
+ * holds on it. */
+enum hair_verdict { HOLDS_NOT, HOLDS, NO_CLAIM };
+void hair_state(struct hair_study *study, const char *name, double value, const char *unit,
+                enum hair_verdict verdict, const char *sentence, ...)
+    __attribute__((format(printf, 6, 7)));
+
+/* CPU time per frame, s; NaN where a run has no frames. */
+struct spread hair_cpu_per_frame(const struct hair_run *run);
+
+/* How often a point was found in a section of another wisp, at the ticks from one frame to the next
+ * in the mean. */
+double hair_contacts_per_frame(const struct hair_run *run);
+
+/* The frame of the largest value of a series, and that value's. */
+int hair_largest(const struct hair_run *run, int series);
+
+/* plan and tabulate of struct experiment. */
+int hair_plan(struct plan *plan, const struct hair_question *question);
+int hair_tabulate(struct plan *plan, const char *folder, const struct hair_question *question);
+
+/* --- its parts --- */
+
+/* The request for a run by a stepper: the thesis's recipe for explicit Euler (9000 Hz), for other
+ * explicit methods a quarter more than the least rate, in hundreds of Hz, that linear theory calls
+ * stable, for implicit ones with fixed steps 300 Hz, and for adaptive ones a relative tolerance of
+ * 1e-4; `reference` is what it is, and on large scenes goes only so far as its time allows. All
+ * with the treatment `projection`, so that they solve the same equations. */
+struct run_request hair_request(const struct scene *scene, const struct stepper_method *method);
+
+/* The tables of what variants and steppers cost. Return 0, or -1 with a reason. */
+int hair_cost_tables(struct plan *plan, const char *folder, struct hair_study *study);
+
+/* The pictures' lines, seen from the question's eye. Returns 0, or -1 with a reason. */
+int hair_pictures(struct plan *plan, const char *folder, struct hair_study *study);
+
+/* The same pictures of the hair itself, seen by the scene's camera, as folder/hair.png: drawn here,
+ * for they are made of whole runs. Returns 0, or -1 with a reason. */
+int hair_strip(struct plan *plan, const char *folder, const struct hair_study *study);
+
+#endif

@@ -1,0 +1,114 @@
+/* Does hair lag behind the head that it is on, and does it come to rest with it? A head that is
+ * turned briskly left and right. */
+#include "base/vector.h"
+#include "experiments/captions.h"
+#include "hair_study.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { HEAD, HAIR, BEHIND };
+
+static const double left_over = 0.1; /* of the largest angle between them, once it has returned */
+
+/* The axis of the head's largest turn between knots; the y axis where it does not turn. */
+static void turning_axis(const struct head_motion *head, double axis[3]) {
+    double largest = 0;
+    memcpy(axis, (const double[3]){0, 1, 0}, 3 * sizeof *axis);
+    for (int i = 0; i < head->knots; i++) {
+        const double size = vector_length(head->rotation[i]);
+        if (size <= largest)
+            continue;
+        largest = size;
+        for (int k = 0; k < 3; k++)
+            axis[k] = head->rotation[i][k] / size;
+    }
+}
+
+static int measure(struct hair *hair, double *const *series) {
+    double axis[3];
+    turning_axis(&hair->scene->around.head, axis);
+    const double start = hair_head_turn(hair->scene, 0, axis);
+    for (int f = 0; f < hair->frame_count; f++) {
+        const double head = hair_head_turn(hair->scene, hair->frames[f].t, axis) - start;
+        const double turn = hair_turn(hair, f, axis);
+        series[HEAD][f] = head * 180 / M_PI;
+        series[HAIR][f] = turn * 180 / M_PI;
+        series[BEHIND][f] = fabs(turn - head) * 180 / M_PI;
+    }
+    return 0;
+}
+
+/* Correlation of the hair's angle with the head's some time before. */
+static double correlation(const struct hair_run *run, double lag) {
+    const struct hair *hair = &run->hair;
+    double axis[3], products = 0, squares = 0, hair_squares = 0;
+    turning_axis(&hair->scene->around.head, axis);
+    const double start = hair_head_turn(hair->scene, 0, axis);
+    for (int f = 0; f < hair->frame_count; f++) {
+        const double t = hair->frames[f].t - lag;
+        const double head = hair_head_turn(hair->scene, fmax(t, 0), axis) - start;
+        products += head * run->series[HAIR][f];
+        squares += head * head;
+        hair_squares += run->series[HAIR][f] * run->series[HAIR][f];
+    }
+    return squares > 0 && hair_squares > 0 ? products / sqrt(squares * hair_squares) : 0;
+}
+
+/* The lag of the largest correlation, within a second before and after, in steps of a 300th. */
+static double lag_of(const struct hair_run *run) {
+    int best = 0;
+    double most = -INFINITY;
+    for (int k = -300; k <= 300; k++) {
+        const double here = correlation(run, k / 300.);
+        if (here > most) {
+            most = here;
+            best = k;
+        }
+    }
+    return best / 300.;
+}
+
+static void state(struct hair_study *study) {
+    const struct hair_run *run = &study->runs[0];
+    const int frame = hair_largest(run, BEHIND), last = run->hair.frame_count - 1;
+    const double lag = lag_of(run), most = run->series[BEHIND][frame],
+                 end = run->series[BEHIND][last];
+    hair_state(study, "lag", lag, "s", lag > 0 ? HOLDS : HOLDS_NOT,
+               "the hair lags the head: its turn fits best the head's of %.3f s before "
+               "(correlation %.2f)",
+               lag, correlation(run, lag));
+    hair_state(study, "behind", most, "deg", NO_CLAIM,
+               "they are %.1f degrees apart at most, at %.2f s", most, run->hair.frames[frame].t);
+    hair_state(
+        study, "returned", end, "deg", most > 0 && end < left_over * most ? HOLDS : HOLDS_NOT,
+        "the hair returns: at the end, %.2f s, they are %.1f degrees apart, %.0f %% (returned: "
+        "less than %.0f %%)",
+        run->hair.frames[last].t, end, most > 0 ? 100 * end / most : 0, 100 * left_over);
+}
+
+static const struct hair_question question = {
+    .scene = "shake",
+    .variants = {{.label = "shake", .pictures = {1, 7, 13, 19, 25, 31, 46, 91}}},
+    .columns = 4,
+    .elevation = 15,
+    .series = {"head", "hair", "behind"},
+    .measure = measure,
+    .state = state,
+};
+
+static int shake_plan(struct plan *plan) {
+    return hair_plan(plan, &question);
+}
+
+static int shake_tabulate(struct plan *plan, const char *folder) {
+    return hair_tabulate(plan, folder, &question);
+}
+
+const struct experiment shake_experiment = {
+    .name = "shake",
+    .question = "does hair lag behind the head, and does it return?",
+    .plan = shake_plan,
+    .tabulate = shake_tabulate,
+    .caption = caption_hair,
+};

@@ -1,0 +1,108 @@
+/* What does adaptive subdivision add to the motion, and what does it cost? Two wisps that
+ * swing into each other, with and without it (section 5.5 of the thesis). */
+#include "experiments/captions.h"
+#include "hair_study.h"
+
+enum { WISPS, STRAIN };
+
+static int measure(struct hair *hair, double *const *series) {
+    for (int f = 0; f < hair->frame_count; f++) {
+        series[WISPS][f] = hair->frames[f].wisps;
+        series[STRAIN][f] = 100 * hair_strain(hair, f);
+    }
+    return 0;
+}
+
+static void state_count(struct hair_study *study, const struct hair_run *whole,
+                        const struct hair_run *split) {
+    const int last = split->hair.frame_count - 1;
+    const double first = split->series[WISPS][0], end = split->series[WISPS][last];
+    const double without = whole->series[WISPS][whole->hair.frame_count - 1];
+    hair_state(study, "wisps, without", without, "wisps",
+               without == whole->series[WISPS][0] ? HOLDS : HOLDS_NOT,
+               "%s: %.0f wisps at the start and %.0f at the end", whole->variant->label,
+               whole->series[WISPS][0], without);
+    hair_state(study, "wisps", end, "wisps", end == 2 * first ? HOLDS : HOLDS_NOT,
+               "%s: the count doubles: %.0f wisps at the start and %.0f at the end",
+               split->variant->label, first, end);
+}
+
+/* Before the first split both runs are the same; from it on the motions differ. */
+static void state_motion(struct hair_study *study, const struct hair_run *whole,
+                         const struct hair_run *split) {
+    const struct hair *hair = &split->hair;
+    int divided = 0, same = 0;
+    while (divided < hair->frame_count && split->series[WISPS][divided] == split->series[WISPS][0])
+        divided++;
+    while (same < divided && hair_same(&whole->hair, hair, same))
+        same++;
+    hair_state(study, "the same until", same, "frames", same == divided ? HOLDS : HOLDS_NOT,
+               "of %d frames before the first split %d are the same in both runs, bit for bit",
+               divided, same);
+    if (divided == hair->frame_count) {
+        hair_state(study, "split", -1, "frame", HOLDS_NOT, "no wisp was ever split");
+        return;
+    }
+    hair_state(study, "split", hair->frames[divided].t * 30 + 1, "frame", NO_CLAIM,
+               "the first split shows at frame %.0f (the thesis: 8)",
+               hair->frames[divided].t * 30 + 1);
+    double apart = 0;
+    for (int w = 0; w < whole->hair.frames[divided].wisps; w++)
+        for (int i = 2; i < hair_nodes(hair, divided, w); i++)
+            for (int k = 0; k < 6; k++)
+                apart +=
+                    hair_node(hair, divided, w, i)[k] != hair_node(&whole->hair, divided, w, i)[k];
+    hair_state(study, "differs after", apart, "numbers", apart > 0 ? HOLDS : HOLDS_NOT,
+               "from the split on the motion differs: in %.0f numbers of the first frame", apart);
+}
+
+static void state_cost(struct hair_study *study, const struct hair_run *whole,
+                       const struct hair_run *split) {
+    const struct spread without = hair_cpu_per_frame(whole), with = hair_cpu_per_frame(split);
+    hair_state(
+        study, "cost", with.median / without.median, "",
+        with.least > without.greatest ? HOLDS : HOLDS_NOT,
+        "more wisps cost more, beyond the spreads: %.2f times as much (up to four are computed "
+        "side by side, for the price of one)",
+        with.median / without.median);
+}
+
+static void state(struct hair_study *study) {
+    const struct hair_run *whole = &study->runs[0], *split = &study->runs[1];
+    state_count(study, whole, split);
+    state_motion(study, whole, split);
+    state_cost(study, whole, split);
+}
+
+static const struct hair_question question = {
+    .scene = "subdivision",
+    .needs = "subdivision",
+    .variants = {{.label = "without",
+                  .sets = {"subdivision.ratio=1e-6"}, /* the test is made, and nothing follows */
+                  .thesis = 0.88,
+                  .pictures = {1, 6, 8, 10}},
+                 {.label = "with", .thesis = 1.66, .pictures = {1, 6, 8, 10}}},
+    .main = 1,
+    .columns = 4,
+    .azimuth = 35,
+    .elevation = 20,
+    .series = {"wisps", "strain"},
+    .measure = measure,
+    .state = state,
+};
+
+static int subdivision_plan(struct plan *plan) {
+    return hair_plan(plan, &question);
+}
+
+static int subdivision_tabulate(struct plan *plan, const char *folder) {
+    return hair_tabulate(plan, folder, &question);
+}
+
+const struct experiment subdivision_experiment = {
+    .name = "subdivision",
+    .question = "thesis 5.5: what does adaptive subdivision add, and what does it cost?",
+    .plan = subdivision_plan,
+    .tabulate = subdivision_tabulate,
+    .caption = caption_hair,
+};

@@ -1,0 +1,81 @@
+/* Does a gust lay hair over, and does it fall back? A hundred wisps on a figure of ellipsoids, in
+ * wind for a second and then in still air (section 5.6 of the thesis). */
+#include "base/vector.h"
+#include "experiments/captions.h"
+#include "hair_study.h"
+
+#include <math.h>
+
+enum { DOWNWIND, MEAN, LARGEST };
+
+/* Of the largest displacement: less is left where the hair has fallen back. And of the mean length:
+ * what counts as laid over. */
+static const double left_over = 0.25, laid_over = 0.1;
+
+static int measure(struct hair *hair, double *const *series) {
+    const double *wind = hair->scene->around.wind.velocity, speed = vector_length(wind);
+    double along[3] = {0, 0, 0};
+    if (speed > 0)
+        vector_add(along, 1 / speed, wind);
+    for (int f = 0; f < hair->frame_count; f++) {
+        const struct inclination inclination = hair_inclination(hair, f);
+        series[DOWNWIND][f] = 100 * hair_tips_along(hair, f, along);
+        series[MEAN][f] = inclination.mean * 180 / M_PI;
+        series[LARGEST][f] = inclination.largest * 180 / M_PI;
+    }
+    return 0;
+}
+
+static double mean_length(const struct scene *scene) {
+    double sum = 0;
+    for (int i = 0; i < scene->wisp_count; i++)
+        sum += scene->wisps[i].length;
+    return 100 * sum / scene->wisp_count;
+}
+
+static void state(struct hair_study *study) {
+    const struct hair_run *run = &study->runs[0];
+    const struct wind *wind = &run->hair.scene->around.wind;
+    const int frame = hair_largest(run, DOWNWIND), last = run->hair.frame_count - 1;
+    const double most = run->series[DOWNWIND][frame], end = run->series[DOWNWIND][last];
+    const double length = mean_length(run->hair.scene), t = run->hair.frames[frame].t;
+    hair_state(study, "laid over", most, "cm", most > laid_over * length ? HOLDS : HOLDS_NOT,
+               "the gust lays the hair over: its tips move downwind by %.1f cm in the mean, at "
+               "%.2f s (more than a tenth of its length would be %.1f)",
+               most, t, laid_over * length);
+    hair_state(study, "in the gust", t, "s", t <= wind->hold + 3 * wind->decay ? HOLDS : HOLDS_NOT,
+               "that is while the wind blows (%.1f s, then a decay of %.3f s)", wind->hold,
+               wind->decay);
+    hair_state(study, "fallen back", end, "cm", end < left_over * most ? HOLDS : HOLDS_NOT,
+               "at the end, %.2f s, %.1f cm of it are left, %.0f %% (fallen back: less than "
+               "%.0f %%)",
+               run->hair.frames[last].t, end, most > 0 ? 100 * end / most : 0, 100 * left_over);
+}
+
+static const struct hair_question question = {
+    .scene = "wind",
+    .variants = {{.label = "gust",
+                  .thesis = 235,
+                  .pictures = {1, 6, 10, 16, 21, 26, 36, 46, 56, 66, 86, 121}}},
+    .columns = 3,
+    .elevation = 8,
+    .series = {"downwind", "mean_inclination", "largest_inclination"},
+    .measure = measure,
+    .state = state,
+};
+
+static int wind_plan(struct plan *plan) {
+    return hair_plan(plan, &question);
+}
+
+static int wind_tabulate(struct plan *plan, const char *folder) {
+    return hair_tabulate(plan, folder, &question);
+}
+
+const struct experiment wind_experiment = {
+    .name = "wind",
+    .question = "thesis 5.6: does a gust lay hair over, and does it fall back?",
+    .plan = wind_plan,
+    .tabulate = wind_tabulate,
+    .caption = caption_hair,
+};

@@ -1,0 +1,159 @@
+/* What experiments have in common: whom they compare, how far a run is from another, what it cost,
+ * and the tables that say so. */
+#ifndef WISPLAB_MEASURE_H
+#define WISPLAB_MEASURE_H
+
+#include "plan.h"
+#include "run/results.h"
+
+/* A curve of a comparison: a stepper with its settings. */
+struct contestant {
+    const char *name;       /* in tables and legends; its first word gives the colour */
+    const char *stepper;    /* in the registry */
+    const char *linear;     /* solver, or NULL for the default */
+    const char *options[3]; /* "key=value"; NULL-terminated */
+    double finest;          /* tolerance of an adaptive method that is worth trying */
+    int order;              /* with which its steps follow the tolerance */
+    double cost;            /* CPU time of a fixed step, s per unknown, roughly */
+};
+
+int contestant_is_adaptive(const struct contestant *contestant);
+
+/* The request for a run of the contestant: `setting` is its step, s, or its rtol, with
+ * atol = setting * atol_ratio. It points into the contestant. */
+struct run_request contestant_request(const struct contestant *contestant, double setting,
+                                      double atol_ratio);
+
+/* The first case of the plan in a group with that label, or NULL. */
+const struct labelled_case *find_case(const struct plan *plan, const char *group,
+                                      const char *label);
+
+/* Opens folder/name.tsv and writes where it comes from, and the names of its columns. Returns 0, or
+ * -1 with a reason. */
+int open_table(struct atomic_file *file, const char *folder, const char *name, const char *what,
+               const struct scene *scene, const char *columns, char *reason);
+
+/* CPU time of one run with fixed steps, s, roughly; `cost` of a step, s per unknown. */
+double estimated_cost(const struct scene *scene, enum wisp_treatment treatment, double cost,
+                      double step);
+
+/* What a run took, whether or not it got to its end; NaN where it could not say. */
+struct cost {
+    enum outcome outcome;
+    double evaluations, steps, failure_time;
+    struct spread cpu; /* of one that failed: the one time that it took to get there */
+};
+struct cost run_cost(const struct run_files *run);
+
+/* Of a run that there was not. */
+extern const struct cost no_cost;
+
+/* Distance of one run of wisps from another, at all frames (the common start among them) or at the
+ * last one; over the free nodes where nothing else is said. */
+struct deviation {
+    double rms, largest;     /* m */
+    double relative;         /* rms over the length of the node's wisp */
+    double end, end_largest; /* rms and largest at the last frame, m */
+    double rms_all, end_all; /* rms over the prescribed nodes too, m */
+    double velocity;         /* rms, m/s */
+    double radius;           /* rms of the samples' distances from their node, m; 0: none */
+    double mescd;            /* -log10 of the largest error at the end over atol/rtol + |value| */
+    double parted; /* of the first frame at which the runs have not the same wisps, for these
+                      split at other ticks, s; NaN: there is none */
+};
+
+/* The largest |a_i - b_i| / (floor + |b_i|) of n numbers, NaN where there is one. -log10 of it is
+ * the scd of the Test Set for IVP Solvers with a floor of 0, and its mescd with atol/rtol. */
+double mixed_error(const double *a, const double *b, int n, double floor);
+
+/* Compares run and reference, tables of states of `scene`; samples, where both have the same ones.
+ * The reference may go on for longer. `floor` is atol/rtol of the mescd. Where they part, frames
+ * before that are compared, and what belongs to the last frame is NaN. Returns 0, or -1 with a
+ * reason where their frames differ. */
+int measure_deviation(const struct scene *scene, const struct table *run,
+                      const struct table *reference, double floor, struct deviation *deviation,
+                      char *reason);
+
+/* Distance of a run's wisps from another's as curves, at equal shares of their arc length: their
+ * numbers of nodes may differ. Over all frames and the wisps that are there from the start, in 32
+ * points of each free hair, which begins at node 1; that one is not among them. */
+struct curve_deviation {
+    double rms, largest; /* m */
+    double end;          /* rms at the last frame, m */
+};
+
+/* Compares run and reference, tables of states of `scene` or of one with as many wisps. Returns 0,
+ * or -1 with a reason where their frames differ. */
+int measure_curves(const struct scene *scene, const struct table *run,
+                   const struct table *reference, struct curve_deviation *deviation, char *reason);
+
+/* --- how long trajectories can be compared --- */
+
+/* Whether ticks can part two trajectories that are close. */
+int scene_has_contacts(const struct scene *scene);
+
+/* CPU time that `reference` and what checks it take for a simulated second, s, roughly. */
+double reference_cost(const struct scene *scene);
+
+/* Two runs from starts that are this far apart, m, are within the other distance, m, up to the
+ * separation horizon: what they do after it no longer depends on the method alone. */
+#define HORIZON_PERTURBATION 1e-10
+#define HORIZON_DISTANCE     1e-3
+
+/* The last frame, s, at which no node of two runs is farther from the other one's than
+ * HORIZON_DISTANCE, but at least the second one. NaN where a run did not finish. Returns 0, or -1
+ * with a reason. */
+int measure_horizon(const char *folder, const char *other_folder, double *horizon, char *reason);
+
+/* Writes rows "name, t, largest distance of a node, m", one for each frame of both runs. Returns 0,
+ * or -1 with a reason. */
+int measure_separation(const char *folder, const char *other_folder, const char *name, FILE *stream,
+                       char *reason);
+
+/* The slope of log error over log cost, of points added from coarse to fine. */
+enum { SLOPE_POINTS = 48, SLOPE_FINEST = 3 };
+struct slope {
+    double x[SLOPE_POINTS], y[SLOPE_POINTS];
+    int count;
+};
+void slope_add(struct slope *slope, double cost, double error);
+
+/* By least squares: of a fixed-step method the finest three points, where it is nearest to its
+ * order; of an adaptive one all, which only says how steep it is on the whole. */
+struct fit {
+    double slope;
+    double spread; /* largest less least of the slopes from point to point */
+    int points;    /* 0, and no numbers: there were fewer than three */
+};
+struct fit slope_fit(const struct slope *slope, const struct contestant *contestant);
+
+/* The same for a table's first line. */
+#define SLOPE_RULE                                                                                 \
+    "by least squares: with fixed steps of the finest three points, else of all; spread: how far " \
+    "slopes from point to point differ: with fixed steps figures give one digit and ≈ above 0.05"
+
+/* The largest of the highest stretch frequencies of the scene's wisps, rad/s (a chain's is below
+ * 2 sqrt(k/m), and comes near it), with its damping time over stiffness, s. */
+struct mode {
+    double frequency, damping_time;
+};
+struct mode stiffest_mode(const struct scene *scene);
+
+/* Whether a Runge-Kutta method's steps of h are stable on that mode by linear theory. */
+int is_stable(const struct butcher_table *table, const struct mode *mode, double h);
+
+/* A step at which people would run a method on a scene, s. The scene's own is for Runge-Kutta 4; at
+ * the default material others have 9000, 6000 and 300 Hz where that has 4000, and the same ratios
+ * elsewhere. 0 where the method chooses its steps. */
+double usual_step(const struct scene *scene, const struct stepper_method *method);
+
+/* How often fixed steps are stopped on a scene's wisps, by ticks or frames, Hz: the rate of the
+ * stops that come most often. */
+double stop_rate(const struct scene *scene);
+
+/* The k-th step of a ladder downwards, s, with that many rungs to the octave: the time between
+ * stops of the scene's clock, or 1/60 s where that is longer, over whole numbers, so that steps
+ * divide it: 1, 2, 3, 4, 6, 8, 12, ... with 2 to the octave. */
+double ladder_step(const struct scene *scene, int per_octave, int k);
+
+#endif

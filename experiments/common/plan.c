@@ -1,0 +1,200 @@
+#include "plan.h"
+
+#include "model/model.h"
+#include "scene/scene_detail.h"
+#include "scene/scene_wisps.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A new experiment is one file and one line here. */
+#define EXPERIMENTS(X) \
+    X(circle)          \
+    X(treatments)      \
+    X(work_precision)  \
+    X(solvers)         \
+    X(horizon)         \
+    X(ladder)          \
+    X(stability)       \
+    X(needs)           \
+    X(radii)           \
+    X(interactions)    \
+    X(viscosity)       \
+    X(sphere)          \
+    X(subdivision)     \
+    X(wind)            \
+    X(shake)           \
+    X(kernel)
+
+#define X(name) extern const struct experiment name##_experiment;
+EXPERIMENTS(X)
+#undef X
+
+const struct experiment *const experiments[] = {
+#define X(name) &name##_experiment,
+    EXPERIMENTS(X)
+#undef X
+        NULL,
+};
+
+const struct experiment *experiment_find(const char *name) {
+    for (int i = 0; experiments[i]; i++)
+        if (strcmp(experiments[i]->name, name) == 0)
+            return experiments[i];
+    return NULL;
+}
+
+/* Takes the scene over, NULL or not. */
+static const struct scene *keep_scene(struct plan *plan, struct scene *scene) {
+    struct scene **loaded =
+        scene ? realloc(plan->loaded, (size_t)(plan->loaded_count + 1) * sizeof *loaded) : NULL;
+    if (!loaded) {
+        if (scene)
+            snprintf(plan->reason, REASON_SIZE, "out of memory");
+        scene_free(scene);
+        return NULL;
+    }
+    plan->loaded = loaded;
+    plan->loaded[plan->loaded_count++] = scene;
+    return scene;
+}
+
+const struct scene *plan_scene(struct plan *plan, const char *name, const char *const *sets,
+                               int set_count) {
+    return keep_scene(plan, scene_load(name, sets, set_count, plan->reason));
+}
+
+const struct scene *plan_scene_bare(struct plan *plan, const char *name, double frame_rate) {
+    char rate[64];
+    const char *const sets[] = {rate};
+    snprintf(rate, sizeof rate, "frame_rate=%.17e", frame_rate);
+    struct scene *scene = scene_load(name, sets, 1, plan->reason);
+    if (scene)
+        scene_remove_envelope(scene);
+    return keep_scene(plan, scene);
+}
+
+const struct scene *plan_scene_detail(struct plan *plan, const char *name, const char *const *sets,
+                                      int set_count, double factor, int samples) {
+    struct scene *scene = scene_load(name, sets, set_count, plan->reason);
+    if (scene && scene_set_detail(scene, factor, samples, plan->reason)) {
+        scene_free(scene);
+        return NULL;
+    }
+    return keep_scene(plan, scene);
+}
+
+static void name_subject(const struct plan *plan, struct subject *subject) {
+    static const char safe[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-";
+    int same = 0;
+    snprintf(subject->name, sizeof subject->name, "%s", subject->scene->name);
+    for (char *at = subject->name; *at; at++)
+        if (!strchr(safe, *at) || (at == subject->name && *at == '.'))
+            *at = '-';
+    const size_t length = strlen(subject->name);
+    for (int i = 0; i < plan->subject_count; i++)
+        same += strncmp(plan->subjects[i].name, subject->name, length) == 0;
+    if (same > 0 || length == 0)
+        snprintf(subject->name + length, sizeof subject->name - length, "-%d", same + 1);
+}
+
+static int add_subject(struct plan *plan, const char *name) {
+    static const char *const frames[] = {"frame_rate=30"};
+    const struct scene *scene = plan_scene(plan, name, NULL, 0);
+    if (scene && scene->problem != &wisp_problem) {
+        snprintf(plan->reason, REASON_SIZE, "experiment %s is of wisps, and scene %s has none",
+                 plan->experiment->name, scene->name);
+        return -1;
+    }
+    if (scene && scene->frame_rate == 0)
+        scene = plan_scene(plan, name, frames, 1);
+    if (!scene)
+        return -1;
+    struct subject *subject = &plan->subjects[plan->subject_count];
+    *subject = (struct subject){.scene = scene, .source = name};
+    name_subject(plan, subject);
+    plan->subject_count++;
+    return 0;
+}
+
+int plan_subjects(struct plan *plan, const char *const *own, int own_count) {
+    const char *const *names = plan->scene_count ? plan->scenes : own;
+    const int count = plan->scene_count ? plan->scene_count : own_count;
+    plan->subjects = calloc((size_t)count + 1, sizeof *plan->subjects);
+    if (!plan->subjects) {
+        snprintf(plan->reason, REASON_SIZE, "out of memory");
+        return -1;
+    }
+    for (int i = 0; i < count; i++)
+        if (add_subject(plan, names[i]))
+            return -1;
+    return 0;
+}
+
+double sparse_frame_rate(const struct scene *scene, double duration) {
+    const double most = 200000; /* 4 MB of text */
+    double nodes = 0;
+    for (int i = 0; i < scene->wisp_count; i++)
+        nodes += scene->wisps[i].nodes;
+    const double numbers = nodes * (7 + 6 * scene->wisps[0].samples) * duration * scene->frame_rate;
+    return scene->frame_rate / fmax(1, ceil(numbers / most));
+}
+
+const struct scene *plan_cut_scene(struct plan *plan, const struct subject *subject, double rate,
+                                   double duration, const char *set) {
+    char sets[2][64];
+    const char *const all[] = {sets[0], sets[1], set};
+    const double frames = fmax(1, floor(duration * rate + 1e-9));
+    snprintf(sets[0], sizeof sets[0], "frame_rate=%.17e", rate);
+    snprintf(sets[1], sizeof sets[1], "duration=%.17e",
+             fmin(frames / rate, subject->scene->duration));
+    return plan_scene(plan, subject->source, all, set ? 3 : 2);
+}
+
+int plan_wants(const struct plan *plan, const char *stepper) {
+    for (int i = 0; i < plan->stepper_count; i++)
+        if (strcmp(plan->steppers[i], stepper) == 0)
+            return 1;
+    return plan->stepper_count == 0;
+}
+
+int plan_add(struct plan *plan, const struct scene *scene, const struct run_request *request,
+             const char *group, const char *label, ...) {
+    if (plan->case_count == plan->case_capacity) {
+        const int capacity = 2 * plan->case_capacity + 16;
+        struct labelled_case *cases = realloc(plan->cases, (size_t)capacity * sizeof *cases);
+        if (!cases) {
+            snprintf(plan->reason, REASON_SIZE, "out of memory");
+            return -1;
+        }
+        plan->cases = cases;
+        plan->case_capacity = capacity;
+    }
+    struct labelled_case *new = &plan->cases[plan->case_count];
+    *new = (struct labelled_case){.run.scene = scene};
+    if (settings_resolve(scene, request, &new->run.settings, plan->reason))
+        return -1;
+    run_folder(plan->out, scene, &new->run.settings, new->run.folder);
+    snprintf(new->group, sizeof new->group, "%s", group);
+    va_list arguments;
+    va_start(arguments, label);
+    vsnprintf(new->label, sizeof new->label, label, arguments);
+    va_end(arguments);
+    plan->case_count++;
+    return 0;
+}
+
+double plan_budget(const struct plan *plan, double seconds) {
+    return plan->share > 0 ? plan->share * seconds : seconds;
+}
+
+void plan_free(struct plan *plan) {
+    for (int i = 0; i < plan->loaded_count; i++)
+        scene_free(plan->loaded[i]);
+    free(plan->loaded);
+    free(plan->subjects);
+    free(plan->cases);
+    free(plan->memo);
+}

@@ -1,0 +1,113 @@
+/* An experiment answers one question: it names runs, and makes tables from their folders. Figures
+ * are drawn from the tables by a gnuplot script of the same name. */
+#ifndef WISPLAB_EXPERIMENT_H
+#define WISPLAB_EXPERIMENT_H
+
+#include "run/runs.h"
+
+/* A run and what the tables call it. */
+struct labelled_case {
+    struct run_case run;
+    char group[128]; /* the table that it is for */
+    char label[64];  /* its row or curve */
+};
+
+/* A scene under study, and what its tables, figures and runs are called: its name, made safe for
+ * files, and with a number where another one has it. */
+struct subject {
+    const struct scene *scene;
+    const char *source; /* what it was loaded by */
+    char name[72];
+};
+
+/* What was asked for, and the runs that answer it. */
+struct plan {
+    const struct experiment *experiment;
+    const char *out;    /* root folder of results */
+    int quick;          /* a stated subset */
+    int fresh;          /* what is there already does not count */
+    double share;       /* of the experiment's own budget of time, where it has one; 0: all */
+    double run_seconds; /* wall time for a run where the user sets none; 0: the program's default */
+    const char *const *scenes, *const *steppers; /* chosen by the user; none: the experiment's */
+    int scene_count, stepper_count;
+
+    struct labelled_case *cases;
+    int case_count, case_capacity;
+    struct scene **loaded; /* owned */
+    int loaded_count;
+    struct subject *subjects; /* owned; see plan_subjects */
+    int subject_count;
+    void *memo;               /* the experiment's own, from round to round; freed with the plan */
+    char reason[REASON_SIZE]; /* of a failure */
+};
+
+/* What a report says under a figure. */
+struct caption {
+    char tables[256]; /* that it is drawn from: names without .tsv, parted by blanks */
+    char text[1200];  /* a sentence or two, computed from them */
+};
+
+struct experiment {
+    const char *name;
+    const char *question;
+
+    /* Fills the plan with plan_add. Returns 0, or -1 with plan->reason. */
+    int (*plan)(struct plan *plan);
+
+    /* Called when the plan's runs are there, and again as long as it adds some: the runs that those
+     * before call for, as in a search. From equal runs it must name equal ones, so that an
+     * interrupted experiment goes on where it was. NULL where the plan is all. Returns 0, or -1
+     * with plan->reason. */
+    int (*refine)(struct plan *plan);
+
+    /* Writes the tables into `folder` from the run folders, and prints the answer in a few lines.
+     * Returns 0, or -1 with plan->reason, or 1 with one where the runs left nothing to tabulate. */
+    int (*tabulate)(struct plan *plan, const char *folder);
+
+    /* Captions folder/FIGURE.svg from the tables in `folder`. Where it is NULL, or leaves a text
+     * empty, the report counts what the tables hold. Returns 0, or -1 with a reason. */
+    int (*caption)(const char *folder, const char *figure, struct caption *caption, char *reason);
+};
+
+/* How much of `seconds`, an experiment's own budget, this plan may take, s. */
+double plan_budget(const struct plan *plan, double seconds);
+
+/* All experiments, NULL-terminated, and the one of that name or NULL. */
+extern const struct experiment *const experiments[];
+const struct experiment *experiment_find(const char *name);
+
+/* Loads a scene with overrides; it belongs to the plan. NULL with plan->reason on failure. */
+const struct scene *plan_scene(struct plan *plan, const char *name, const char *const *sets,
+                               int set_count);
+
+/* The same without its envelope, at a frame rate in Hz. */
+const struct scene *plan_scene_bare(struct plan *plan, const char *name, double frame_rate);
+
+/* A scene with overrides and other numbers of nodes and samples: see scene_set_detail. */
+const struct scene *plan_scene_detail(struct plan *plan, const char *name, const char *const *sets,
+                                      int set_count, double factor, int samples);
+
+/* Makes the user's scenes, or else the experiment's own, the plan's subjects. They must be scenes
+ * of wisps, and get 30 frames a second where they have none: runs are compared at the same times.
+ * Returns 0, or -1 with plan->reason. */
+int plan_subjects(struct plan *plan, const char *const *own, int own_count);
+
+/* The frame rate at which a run of that duration writes no more numbers than are of use, a whole
+ * fraction of the scene's, Hz. */
+double sparse_frame_rate(const struct scene *scene, double duration);
+
+/* A subject's scene over its first seconds, a whole number of frames; `set` is a further override
+ * or NULL. NULL with plan->reason. */
+const struct scene *plan_cut_scene(struct plan *plan, const struct subject *subject, double rate,
+                                   double duration, const char *set);
+
+/* Whether the user's choice of steppers leaves this one in. */
+int plan_wants(const struct plan *plan, const char *stepper);
+
+/* Adds a run, labelled (printf). Returns 0, or -1 with plan->reason. */
+int plan_add(struct plan *plan, const struct scene *scene, const struct run_request *request,
+             const char *group, const char *label, ...) __attribute__((format(printf, 5, 6)));
+
+void plan_free(struct plan *plan);
+
+#endif

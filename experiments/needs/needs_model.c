@@ -1,0 +1,211 @@
+#include "needs_model.h"
+
+#include "experiments/common/measure.h"
+#include "model/model.h"
+#include "scene/scene_detail.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdarg.h>
+#include <string.h>
+
+/* --- what can be chosen --- */
+
+const char *const thing_names[THINGS] = {"nodes",
+                                         "envelope",
+                                         "bending law",
+                                         "treatment",
+                                         "body contact rate",
+                                         "wisp contact rate",
+                                         "wisp contact",
+                                         "bodies",
+                                         "style field",
+                                         "subdivision"};
+
+double value_of(const struct menu *menu, const struct choice *choice, enum thing thing) {
+    return menu->option[thing][choice->of[thing]].value;
+}
+
+static void __attribute__((format(printf, 4, 5)))
+add_option(struct menu *menu, enum thing thing, double value, const char *format, ...) {
+    struct option *option = &menu->option[thing][menu->count[thing]++];
+    va_list arguments;
+    option->value = value;
+    va_start(arguments, format);
+    vsnprintf(option->name, sizeof option->name, format, arguments);
+    va_end(arguments);
+}
+
+/* Twice the scene's segments, and then down to half of them. */
+static void add_nodes(struct menu *menu, const struct scene *scene, int quick) {
+    static const double factors[] = {2, 1.5, 1, 0.7, 0.5};
+    int before = 0;
+    for (int i = 0; i < 5; i++) {
+        const int nodes = detailed_nodes(scene->wisps[0].nodes, factors[i]);
+        if (nodes != before && !(quick && i % 2 != 0))
+            add_option(menu, NODES, factors[i], "%d nodes", nodes);
+        before = nodes;
+    }
+}
+
+static void add_envelope(struct menu *menu, const struct scene *scene) {
+    static const int samples[] = {6, 4, 3};
+    const int own = scene->wisps[0].samples, most = own > 8 ? own : 8;
+    if (own > 0) {
+        add_option(menu, ENVELOPE, most, "%d samples", most);
+        for (int i = 0; i < 3; i++)
+            add_option(menu, ENVELOPE, samples[i], "%d samples", samples[i]);
+    }
+    add_option(menu, ENVELOPE, 0, "no envelope");
+}
+
+/* Hinges have a limit as nodes grow more, and skip springs have none: their energy goes with the
+ * fourth power of an angle that halves. But a start has settled under the scene's own law, and what
+ * a scene goes without is not added to its full model. */
+static void add_bending(struct menu *menu, const struct scene *scene) {
+    static const enum bending laws[] = {BENDING_HINGE, BENDING_SKIP, BENDING_NONE};
+    static const char *const names[] = {"hinges", "skip springs", "no bending"};
+    const enum bending own = scene->wisps[0].bending,
+                       full = own == BENDING_NONE || scene->start.rows ? own : BENDING_HINGE;
+    for (int is_first = 1; is_first >= 0; is_first--)
+        for (int i = 0; i < 3; i++)
+            if ((laws[i] == full) == is_first)
+                add_option(menu, BENDING, laws[i], "%s", names[i]);
+}
+
+static void add_treatments(struct menu *menu, const struct scene *scene) {
+    static const enum wisp_treatment order[] = {WISP_GENERALISED, WISP_PENALTY, WISP_PROJECTION};
+    for (int i = 0; i < (scene->wisps[0].samples > 0 ? 3 : 1); i++)
+        add_option(menu, TREATMENT, order[i], "%s", wisp_problem.treatments[order[i]].name);
+}
+
+/* Twice the scene's rate, and then down to a quarter of it. */
+static void add_rates(struct menu *menu, enum thing thing, double rate, int count) {
+    for (int i = 0; i < count; i++)
+        add_option(menu, thing, ldexp(rate, 1 - i), "%s at %g Hz",
+                   thing == COLLISION_RATE ? "bodies" : "wisps", ldexp(rate, 1 - i));
+}
+
+static void add_switch(struct menu *menu, enum thing thing, int there, const char *off) {
+    add_option(menu, thing, there, "%s", thing_names[thing]);
+    if (there)
+        add_option(menu, thing, 0, "%s", off);
+}
+
+static int scene_touches(const struct scene *scene) {
+    return scene->interaction.interpenetration || scene->interaction.collision;
+}
+
+static int scene_splits(const struct scene *scene) {
+    return scene->subdivision.limit > scene->wisp_count;
+}
+
+void make_menu(struct menu *menu, const struct scene *scene, int quick) {
+    const int touches = scene_touches(scene), splits = scene_splits(scene);
+    *menu = (struct menu){.count = {0}};
+    add_nodes(menu, scene, quick);
+    add_envelope(menu, scene);
+    add_bending(menu, scene);
+    add_treatments(menu, scene);
+    add_rates(menu, COLLISION_RATE, scene->collision_rate, scene->body_count > 0 ? 4 : 1);
+    add_rates(menu, INTERACTION_RATE, scene->interaction.rate, touches || splits ? 3 : 1);
+    add_switch(menu, INTERACTIONS, touches, "no wisp contact");
+    add_switch(menu, BODIES, scene->body_count > 0, "no bodies");
+    add_switch(menu, STYLE, scene->around.style.knots > 0, "no style field");
+    add_switch(menu, SPLITS, splits, "no subdivision");
+}
+
+int is_moot(const struct menu *menu, const struct choice *choice, enum thing thing) {
+    const int bare = value_of(menu, choice, ENVELOPE) == 0;
+    const int untouched = bare || value_of(menu, choice, INTERACTIONS) == 0;
+    const int whole = bare || value_of(menu, choice, SPLITS) == 0;
+    return (bare && (thing == TREATMENT || thing == INTERACTIONS || thing == SPLITS)) ||
+           (untouched && whole && thing == INTERACTION_RATE) ||
+           (value_of(menu, choice, BODIES) == 0 && thing == COLLISION_RATE);
+}
+
+/* --- its scene --- */
+
+enum { SETS_MAX = 12, SET_SIZE = 96 };
+struct sets {
+    int count;
+    char text[SETS_MAX][SET_SIZE];
+    const char *list[SETS_MAX];
+};
+
+static void __attribute__((format(printf, 2, 3))) set(struct sets *sets, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(sets->text[sets->count], SET_SIZE, format, arguments);
+    va_end(arguments);
+    sets->list[sets->count] = sets->text[sets->count];
+    sets->count++;
+}
+
+/* Without bodies there are no ticks of them: nothing is put out, nor are samples that would be
+ * nearer to their node than a thousandth of the radius, which bodies bring about. */
+static void set_contacts(struct sets *sets, const struct scene *own, const struct menu *menu,
+                         const struct choice *choice) {
+    const int bodies = value_of(menu, choice, BODIES) != 0;
+    const int touch =
+        value_of(menu, choice, INTERACTIONS) != 0 && value_of(menu, choice, ENVELOPE) > 0;
+    if (!json_object_get(own->source, "contacts"))
+        set(sets, "contacts={ interpenetration = false; collision = false; }");
+    if (own->body_count > 0)
+        set(sets, "contacts.collision_rate=%.17e",
+            bodies ? value_of(menu, choice, COLLISION_RATE) : 0);
+    set(sets, "contacts.interaction_rate=%.17e", value_of(menu, choice, INTERACTION_RATE));
+    if (!touch) {
+        set(sets, "contacts.interpenetration=false");
+        set(sets, "contacts.collision=false");
+    }
+}
+
+const struct scene *choose_scene(struct plan *plan, const struct subject *subject, double duration,
+                                 const struct menu *menu, const struct choice *choice) {
+    static const char *const laws[] = {"none", "skip", "hinge"};
+    struct sets sets = {0};
+    const struct scene *own = subject->scene;
+    set(&sets, "frame_rate=%.17e", own->frame_rate);
+    set(&sets, "duration=%.17e", duration);
+    set(&sets, "material.bending=\"%s\"", laws[(int)value_of(menu, choice, BENDING)]);
+    set_contacts(&sets, own, menu, choice);
+    if (own->around.style.knots > 0 && value_of(menu, choice, STYLE) == 0)
+        set(&sets, "style={ times = [0.0]; accelerations = ([0.0, 0.0, 0.0]); }");
+    if (scene_splits(own) && value_of(menu, choice, SPLITS) == 0)
+        set(&sets, "subdivision.limit=%d", own->wisp_count);
+    errno = 0;
+    return plan_scene_detail(plan, subject->source, sets.list, sets.count,
+                             value_of(menu, choice, NODES), (int)value_of(menu, choice, ENVELOPE));
+}
+
+/* --- its steps --- */
+
+/* The longest step that linear theory allows Runge-Kutta 4, times the share, s. The highest mode of
+ * a wisp's stretch and bending springs together is below that of both added up: w^2 = 4 k/m for a
+ * chain of springs k, also for springs over every second node; a hinge of energy kappa/2 phi^2
+ * pulls with at most 16 kappa/l^2. */
+double recipe_step(const struct scene *scene) {
+    const struct butcher_table *table = stepper_find("rk4")->table;
+    double step = 1 / scene->frame_rate;
+    for (int w = 0; w < scene->wisp_count; w++) {
+        const struct wisp *wisp = &scene->wisps[w];
+        const double l = wisp_spacing(wisp), mass = wisp_node_mass(wisp, 2);
+        const double stretch = 4 * wisp_stretch_constant(wisp),
+                     bending = wisp->bending == BENDING_NONE ? 0
+                               : wisp->bending == BENDING_SKIP
+                                   ? 4 * wisp_bending_constant(wisp)
+                                   : 16 * wisp_bending_constant(wisp) / (l * l);
+        const double all = stretch + bending;
+        const struct mode mode = {
+            sqrt(all / mass),
+            all > 0 ? (stretch * wisp->stretch_time + bending * wisp->bending_time) / all : 0};
+        while (step > 1e-9 && !is_stable(table, &mode, step))
+            step *= 0.99;
+    }
+    return STABILITY_SHARE * step;
+}
+
+double model_seconds(const struct scene *scene) {
+    return estimated_cost(scene, WISP_GENERALISED, 20e-9, recipe_step(scene));
+}

@@ -1,0 +1,20 @@
+/* Where is each stepper stable, and what is it there? Regions and maps of the real code on the
+ * smallest systems beside the analytic ones; the longest stable step on wisps beside the prediction
+ * of linear theory; how each fails beyond it; and what damping and frequency shift it has of its
+ * own, since stable is not accurate. */
+#include "stability.h"
+
+#include "experiments/captions.h"
+
+static int stability_tabulate(struct plan *plan, const char *folder) {
+    return stability_maps(plan, folder) || limits_tabulate(plan, folder) ? -1 : 0;
+}
+
+const struct experiment stability_experiment = {
+    .name = "stability",
+    .question = "what is the longest stable step of each stepper, and how does it fail beyond?",
+    .plan = limits_plan,
+    .refine = limits_refine,
+    .tabulate = stability_tabulate,
+    .caption = caption_stability,
+};

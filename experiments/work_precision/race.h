@@ -1,0 +1,112 @@
+/* Charts of error against cost: contestants on scenes of wisps, from steps that are too long for
+ * them to steps that are shorter than anyone needs. What experiments work-precision and solvers
+ * share; they differ in their contestants.
+ *
+ * First the tight solution of each scene and treatment, how long a trajectory means anything
+ * there (the separation horizon), and one pilot run of each contestant, which tells what its steps
+ * cost; then as many runs as the budget of time allows. */
+#ifndef WISPLAB_RACE_H
+#define WISPLAB_RACE_H
+
+#include "experiments/common/measure.h"
+
+enum { CONTESTANTS_MAX = 16, RUNGS_MAX = 48, TOLERANCES = 11, JITTERS = 9 };
+
+struct race {
+    const char *const *scenes, *const *quick_scenes; /* own ones; NULL-terminated */
+    const struct contestant *contestants;            /* ends with a name of NULL */
+    const char *const *treatments;                   /* NULL-terminated; NULL: all */
+    double seconds, quick_seconds;                   /* of wall time, on two cores */
+};
+
+/* One contestant in a field: the settings at which it runs. */
+struct entry {
+    const struct contestant *contestant;
+    double cost;               /* CPU s of its pilot per simulated second; NaN: it left no time */
+    int rungs, jitters;        /* settings planned; runs of each adaptive one */
+    int shortened, thinned;    /* the budget left out rungs; jittered runs */
+    char cut[160];             /* both in words; empty: neither */
+    char refused[REASON_SIZE]; /* why it cannot take part; empty: it can */
+};
+
+/* Largest at any frame: strain; depth of a node in a body, m; and |energy since the start that no
+ * work accounts for|, J, over the largest kinetic energy. NaN: unknown. */
+struct extent {
+    double strain, penetration, drift;
+};
+
+/* What came of one contestant at one setting. */
+struct point {
+    const struct entry *entry;
+    double setting;
+    const char *status;                 /* an outcome's name, "parted", "refused", "left out" */
+    int runs, failed;                   /* of jittered tolerances; 1 of a fixed step */
+    struct cost cost;                   /* of the run with the median error; CPU time over all */
+    struct deviation deviation;         /* likewise; NaN where a run did not finish */
+    struct extent extent;               /* likewise */
+    double error_least, error_greatest; /* rms over the jittered runs, m */
+    int limited;                        /* closer to the reference than ten times its bound */
+    int front[2]; /* not limited, and none is cheaper and better: by CPU time, by evaluations */
+    char note[REASON_SIZE];
+};
+
+/* One panel: a scene with one treatment. */
+struct field {
+    const struct subject *subject;
+    const struct scene *whole, *scene; /* of the reference; cut to the horizon */
+    int treatment;
+    int touches;    /* whether ticks can part trajectories: they are compared with a horizon */
+    double horizon; /* s; the duration where nothing parts within it; NaN: unknown */
+    int has_reference;
+    double bound;      /* of the reference, m; NaN: unknown */
+    double evaluation; /* CPU s of one force evaluation, by the pilot of rk4; NaN: unknown */
+    struct entry entries[CONTESTANTS_MAX];
+    int entry_count;
+    struct run_files reference; /* while points are read */
+    struct point *points;       /* likewise; of who reads them */
+    int point_count;
+    double treatment_error; /* m; NaN: unknown */
+};
+
+/* The penalty ratio that stands for the exact constrained motion: samples are then held 30 times
+ * more stiffly than by their own springs, which still is softer than stretching. */
+#define EXACT_RATIO "3000"
+
+/* Everything that a plan of such an experiment keeps from stage to stage: plan->memo. */
+struct race_notes {
+    const struct race *race;
+    int laddered; /* the second round is planned */
+    int field_count;
+    struct field fields[];
+};
+
+/* The stages of struct experiment. */
+int race_plan(struct plan *plan, const struct race *race);
+int race_refine(struct plan *plan);
+int race_tabulate(struct plan *plan, const char *folder);
+
+/* --- between the files of a race --- */
+
+/* The setting of rung k: a step, s, or a relative tolerance. */
+double race_setting(const struct field *field, const struct entry *entry, int k);
+
+/* Whether rung k is run: --quick takes every third. */
+int race_takes(const struct plan *plan, int k);
+
+/* The run of entry at rung k with the j-th jittered tolerance. */
+const struct labelled_case *race_case(const struct plan *plan, const struct field *field,
+                                      const struct entry *entry, int k, int j);
+
+void race_group(char group[128], const struct field *field);
+const char *race_treatment(int treatment);
+
+/* Reads a field's runs into its points. 0, or -1 with plan->reason. */
+int race_read(struct plan *plan, struct field *field);
+
+/* The error of a point at most: an adaptive one counts with the worst of its runs, and a limited
+ * one is known to within the reference's bound, m. */
+double race_error_at_most(const struct field *field, const struct point *p);
+int race_finished(const struct point *p);
+double race_cost(const struct point *p, int measure);
+
+#endif

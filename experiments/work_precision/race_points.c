@@ -1,0 +1,257 @@
+/* A race's runs read back: one point for each contestant and setting, and the Pareto fronts. */
+#include "model/model.h"
+#include "race.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+int race_finished(const struct point *p) {
+    return p->failed == 0 && isfinite(p->deviation.rms);
+}
+
+double race_cost(const struct point *p, int measure) {
+    return measure == 0 ? p->cost.cpu.median : p->cost.evaluations;
+}
+
+double race_error_at_most(const struct field *field, const struct point *p) {
+    return p->error_greatest + (p->limited ? field->bound : 0);
+}
+
+static struct point *new_point(struct field *field, const struct entry *entry, int k,
+                               const char *status, const char *note) {
+    struct point *p = &field->points[field->point_count++];
+    const struct deviation none = {NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
+    *p = (struct point){.entry = entry,
+                        .setting = race_setting(field, entry, k),
+                        .status = status,
+                        .failed = 1,
+                        .cost = no_cost,
+                        .deviation = none,
+                        .extent = {NAN, NAN, NAN},
+                        .error_least = NAN,
+                        .error_greatest = NAN};
+    snprintf(p->note, sizeof p->note, "%s", note);
+    return p;
+}
+
+/* --- the runs of one point --- */
+
+struct outcome_of_run {
+    enum outcome outcome;
+    struct cost cost;
+    struct deviation deviation;
+    struct extent extent;
+    char reason[REASON_SIZE];
+};
+
+static double largest_of(const struct table *table, const char *name) {
+    const int column = table_column(table, name);
+    double largest = NAN;
+    for (int i = 0; i < table->row_count && column >= 0; i++)
+        largest = fmax(largest, fabs(table_value(table, i, column)));
+    return largest;
+}
+
+/* 0, or -1 with a reason. */
+static int read_extent(const char *folder, struct extent *extent, char *reason) {
+    struct table diagnoses;
+    char path[PATH_SIZE];
+    *extent = (struct extent){NAN, NAN, NAN};
+    if (path_format(path, "%s/diagnostics.tsv", folder) || !file_exists(path))
+        return 0; /* the run died before it had begun the table */
+    if (table_read(&diagnoses, path, reason))
+        return -1;
+    extent->strain = largest_of(&diagnoses, "strain");
+    extent->penetration = largest_of(&diagnoses, "penetration");
+    extent->drift = largest_of(&diagnoses, "residual") / largest_of(&diagnoses, "kinetic");
+    table_free(&diagnoses);
+    return 0;
+}
+
+static int read_run(struct plan *plan, const struct field *field, const struct labelled_case *one,
+                    struct outcome_of_run *result) {
+    const struct scene *scene = field->scene;
+    struct run_files run;
+    int code = 0;
+    if (run_read(&run, one->run.folder, plan->reason))
+        return -1;
+    const char *reason = json_string_value(json_object_get(run.json, "reason"));
+    result->outcome = run.outcome;
+    result->cost = run_cost(&run);
+    result->deviation.rms = result->deviation.parted = NAN;
+    snprintf(result->reason, REASON_SIZE, "%s", reason ? reason : "");
+    if (run.outcome == FINISHED && field->has_reference)
+        code =
+            measure_deviation(scene, &run.states, &field->reference.states,
+                              scene->run.atol / scene->run.rtol, &result->deviation, plan->reason);
+    run_free(&run);
+    return code ? code : read_extent(one->run.folder, &result->extent, plan->reason);
+}
+
+static int by_error(const void *a, const void *b) {
+    const double x = ((const struct outcome_of_run *)a)->deviation.rms,
+                 y = ((const struct outcome_of_run *)b)->deviation.rms;
+    return (x > y) - (x < y);
+}
+
+static int ascending(const void *a, const void *b) {
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* The point of a set of runs, all finished: the one with the median error stands for it. The CPU
+ * time of jittered runs is spread over them; that of a single one is its own. */
+static void summarise(struct point *p, struct outcome_of_run *runs, int count) {
+    double cpu[JITTERS];
+    qsort(runs, (size_t)count, sizeof *runs, by_error);
+    p->cost = runs[count / 2].cost;
+    p->deviation = runs[count / 2].deviation;
+    p->extent = runs[count / 2].extent;
+    p->error_least = runs[0].deviation.rms;
+    p->error_greatest = runs[count - 1].deviation.rms;
+    if (count == 1)
+        return;
+    for (int i = 0; i < count; i++)
+        cpu[i] = runs[i].cost.cpu.median;
+    qsort(cpu, (size_t)count, sizeof *cpu, ascending);
+    p->cost.cpu = (struct spread){cpu[count / 2], cpu[0], cpu[count - 1]};
+}
+
+/* Nothing is dropped: a point of which some run failed is a failure, and says of how many. */
+static void record_failure(struct point *p, const struct outcome_of_run *runs, int count) {
+    int first = 0;
+    while (runs[first].outcome == FINISHED)
+        first++;
+    p->cost = runs[first].cost;
+    p->extent = runs[first].extent;
+    p->status = outcome_name(runs[first].outcome);
+    if (count == 1)
+        snprintf(p->note, sizeof p->note, "%s", runs[first].reason);
+    else
+        snprintf(p->note, sizeof p->note, "%d of %d jittered runs: %.200s", p->failed, count,
+                 runs[first].reason);
+}
+
+/* Wisps that split at other ticks than the reference's are on the chart as a failure: their error
+ * is of fewer frames. */
+static int record_parting(struct point *p, const struct outcome_of_run *run) {
+    p->cost = run->cost;
+    p->status = "parted";
+    snprintf(p->note, sizeof p->note,
+             "wisps split at other ticks than the reference's; compared before %.6g s",
+             run->deviation.parted);
+    return 1;
+}
+
+static int read_point(struct plan *plan, struct field *field, const struct entry *entry, int k) {
+    struct outcome_of_run runs[JITTERS];
+    struct point *p = new_point(field, entry, k, outcome_name(FINISHED), "");
+    p->runs = entry->jitters;
+    p->failed = 0;
+    for (int j = 0; j < entry->jitters; j++) {
+        if (read_run(plan, field, race_case(plan, field, entry, k, j), &runs[j]))
+            return -1;
+        p->failed += runs[j].outcome != FINISHED;
+    }
+    int parted = 0;
+    for (int j = 0; j < entry->jitters && !p->failed && !parted; j++)
+        if (!isnan(runs[j].deviation.parted))
+            parted = record_parting(p, &runs[j]);
+    if (p->failed)
+        record_failure(p, runs, entry->jitters);
+    else if (parted)
+        p->failed = entry->jitters;
+    else
+        summarise(p, runs, entry->jitters);
+    p->limited = p->deviation.rms < 10 * field->bound;
+    return 0;
+}
+
+/* A contestant that is refused, or whose ladder was cut, gets a line that says so. */
+static int read_entry(struct plan *plan, struct field *field, const struct entry *entry) {
+    if (entry->refused[0]) {
+        new_point(field, entry, 0, outcome_name(REFUSED), entry->refused);
+        return 0;
+    }
+    for (int k = 0; k < entry->rungs; k++)
+        if (race_takes(plan, k) && read_point(plan, field, entry, k))
+            return -1;
+    if (entry->rungs == 0 && !entry->cut[0])
+        new_point(field, entry, 0, "left out", "its pilot run failed before its first step ended");
+    else if (entry->cut[0])
+        new_point(field, entry, entry->rungs < RUNGS_MAX ? entry->rungs : RUNGS_MAX - 1, "left out",
+                  entry->cut);
+    return 0;
+}
+
+/* A reference that failed is said in one line; its runs keep their rows, without errors. */
+static int read_reference(struct plan *plan, struct field *field) {
+    char group[128];
+    race_group(group, field);
+    if (run_read(&field->reference, find_case(plan, group, "tight")->run.folder, plan->reason))
+        return -1;
+    field->has_reference = field->reference.outcome == FINISHED;
+    field->bound = run_number(&field->reference, "second_opinion.bound");
+    if (!field->has_reference)
+        printf("  %s: no reference (%s at t = %g s), hence no errors; try --fresh with a longer "
+               "--time-limit\n",
+               group, outcome_name(field->reference.outcome),
+               run_number(&field->reference, "simulated_time"));
+    return 0;
+}
+
+/* --- fronts --- */
+
+/* Marks the points that no other one beats in cost and in error. A limited one may beat another but
+ * has no place itself: how good it is cannot be told from the reference. */
+static void mark_front(struct field *field, int measure) {
+    for (int i = 0; i < field->point_count; i++) {
+        struct point *p = &field->points[i];
+        p->front[measure] = race_finished(p) && !p->limited;
+        for (int j = 0; j < field->point_count && p->front[measure]; j++) {
+            const struct point *other = &field->points[j];
+            const int as_good = race_finished(other) && j != i &&
+                                race_cost(other, measure) <= race_cost(p, measure) &&
+                                other->deviation.rms <= p->deviation.rms;
+            const int better = race_cost(other, measure) < race_cost(p, measure) ||
+                               other->deviation.rms < p->deviation.rms;
+            if (as_good && (better || j < i))
+                p->front[measure] = 0;
+        }
+    }
+}
+
+/* How far the treatment itself is from the exact constrained motion, whoever integrates it. */
+static int read_treatment_error(struct plan *plan, struct field *field) {
+    char group[128];
+    struct run_files exact;
+    struct deviation deviation;
+    int code = 0;
+    race_group(group, field);
+    const struct labelled_case *one = find_case(plan, group, "exact");
+    field->treatment_error = NAN;
+    if (!one || !field->has_reference)
+        return 0;
+    if (run_read(&exact, one->run.folder, plan->reason))
+        return -1;
+    if (exact.outcome == FINISHED) {
+        code = measure_deviation(field->whole, &field->reference.states, &exact.states, 1,
+                                 &deviation, plan->reason);
+        field->treatment_error = deviation.rms;
+    }
+    run_free(&exact);
+    return code;
+}
+
+int race_read(struct plan *plan, struct field *field) {
+    field->point_count = 0;
+    if (read_reference(plan, field) || read_treatment_error(plan, field))
+        return -1;
+    for (int i = 0; i < field->entry_count; i++)
+        if (read_entry(plan, field, &field->entries[i]))
+            return -1;
+    mark_front(field, 0);
+    mark_front(field, 1);
+    return 0;
+}

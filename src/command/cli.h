@@ -1,0 +1,74 @@
+/* The command line as data: commands and options in tables, from which parsing, --help and
+ * completion come. */
+#ifndef WISPLAB_CLI_H
+#define WISPLAB_CLI_H
+
+#include "run/runs.h"
+
+enum { CLI_OPTIONS_MAX = 24, CLI_REPEATS_MAX = 64, CLI_WORDS_MAX = 8 };
+
+/* Ends with a name of NULL. */
+struct cli_option {
+    const char *name;     /* without the dashes */
+    const char *argument; /* its name in help; NULL: a flag */
+    const char *help;
+    int repeats; /* may be given more than once */
+};
+
+/* What was given, checked against a command's table. */
+struct arguments {
+    const struct command *command;
+    const char *words[CLI_WORDS_MAX]; /* what is no option */
+    int word_count;
+    struct {
+        const char *value[CLI_REPEATS_MAX];
+        int count;
+    } option[CLI_OPTIONS_MAX]; /* in the order of the command's table */
+};
+
+struct command {
+    const char *name;
+    const char *usage; /* after the name */
+    const char *summary;
+    const char *details; /* paragraphs and examples of --help */
+    const struct cli_option *options;
+    int words_least, words_most;
+    const char *first_word; /* for completion: what `wisplab list` calls it, or "kinds" of these */
+    int hidden;             /* for the build, and not in help */
+    int (*run)(const struct arguments *arguments); /* returns the exit code */
+};
+
+extern const struct command list_command, run_command, eval_command, experiment_command,
+    plot_command, render_command, export_command, report_command, man_command, completion_command;
+
+/* All commands, NULL-terminated. */
+extern const struct command *const commands[];
+
+/* The last value of an option, or NULL; all of a repeated one; whether a flag was given. */
+const char *argument_text(const struct arguments *arguments, const char *name);
+const char *const *argument_list(const struct arguments *arguments, const char *name, int *count);
+int argument_given(const struct arguments *arguments, const char *name);
+
+/* A positive number; `absent` where not given. Returns 0, or -1 having said why on stderr. */
+int argument_positive(const struct arguments *arguments, const char *name, double absent,
+                      double *value);
+
+/* The options that every command with runs takes, to be put into its table. */
+#define CLI_LIMIT_OPTIONS                                                    \
+    {"time-limit", "SECONDS", "end a run that takes longer (wall time)", 0}, \
+        {"memory-limit", "MIB", "end a run that needs more memory", 0}, {    \
+        "no-progress", NULL, "show no progress line", 0                      \
+    }
+int argument_limits(const struct arguments *arguments, double default_seconds,
+                    double default_mebibytes, struct run_limits *limits);
+
+/* Says one line on standard error and returns the exit code given. */
+int complain(int code, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* What --help says of the program and of its exit codes, in the man page too. */
+extern const char program_summary[], program_exit_codes[];
+
+/* The program: returns its exit code. */
+int cli_main(int argc, char **argv);
+
+#endif

@@ -1,0 +1,49 @@
+/* wisplab export: frames for other tools. */
+#include "cli.h"
+#include "picture/vtk.h"
+
+static const struct cli_option options[] = {
+    {"vtk", "DIR", "folder for a .vtp of each frame and a .pvd that names them all", 0},
+    {0},
+};
+
+static int export(const struct arguments *arguments) {
+    const char *folder = argument_text(arguments, "vtk");
+    char states[PATH_SIZE], reason[REASON_SIZE], name[80];
+    struct frames frames;
+    if (!folder)
+        return complain(1, "export: --vtk DIR is missing; it is the one format there is");
+    if (!frames_path(arguments->words[0], states))
+        return complain(1, "export: %.100s is neither a states.tsv nor the folder of one",
+                        arguments->words[0]);
+    int code = frames_open(&frames, states, NULL, 0, reason);
+    if (!code && make_folder(folder, reason))
+        code = 2;
+    if (!code) {
+        plain_name(frames.scene->name, name, sizeof name);
+        code = vtk_write(&frames, folder, name, reason);
+    }
+    if (code)
+        complain(code, "%s", reason);
+    else
+        printf("%s/%s.pvd: %d frames of %d wisps\n", folder, name, frames.count, frames.wisp_count);
+    frames_close(&frames);
+    return code;
+}
+
+const struct command export_command = {
+    .name = "export",
+    .usage = "STATES --vtk DIR",
+    .summary = "frames for ParaView and other tools",
+    .details =
+        "STATES is a states.tsv with its run.json beside it, or the folder of both. Each frame\n"
+        "becomes a .vtp (VTK's XML of lines, as text) with velocity (m/s), strain and radius (m)\n"
+        "at the nodes; the .pvd is what to open in ParaView.\n"
+        "\n"
+        "  wisplab run sphere --out sphere\n"
+        "  wisplab export sphere/states.tsv --vtk sphere/vtk\n",
+    .options = options,
+    .words_least = 1,
+    .words_most = 1,
+    .run = export,
+};

@@ -1,0 +1,127 @@
+/* wisplab list: what there is, one line each: name, tab, description. */
+#include "cli.h"
+#include "experiments/common/plan.h"
+
+#include <dirent.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void list_options(const struct option_spec *specs) {
+    for (int i = 0; specs && specs[i].name; i++) {
+        printf("\t--option %s=", specs[i].name);
+        if (specs[i].kind == OPTION_CHOICE)
+            printf("%s", specs[i].choices[(int)specs[i].initial]);
+        else
+            printf("%g", specs[i].initial);
+        printf("\t%s", specs[i].help);
+        if (specs[i].kind != OPTION_CHOICE)
+            printf(" (%g to %g)", specs[i].least, specs[i].most);
+        putchar('\n');
+    }
+}
+
+static void list_steppers(int verbose) {
+    for (int i = 0; stepper_methods[i]; i++) {
+        const struct stepper_method *method = stepper_methods[i];
+        printf("%s\t%s\n", method->name, method->summary);
+        if (verbose) {
+            printf("\torder %d; %s\n", method->order, method->reference);
+            list_options(method->options);
+        }
+    }
+}
+
+static void list_linear(int verbose) {
+    for (int i = 0; linear_methods[i]; i++) {
+        printf("%s\t%s\n", linear_methods[i]->name, linear_methods[i]->summary);
+        if (verbose) {
+            printf("\t%s\n", linear_methods[i]->reference);
+            list_options(linear_methods[i]->options);
+        }
+    }
+}
+
+static void list_treatments(int verbose) {
+    (void)verbose;
+    for (int p = 0; problems[p]; p++)
+        for (int i = 0; problems[p]->treatments[i].name; i++)
+            printf("%s\t%s: %s\n", problems[p]->treatments[i].name, problems[p]->name,
+                   problems[p]->treatments[i].summary);
+}
+
+static void list_experiments(int verbose) {
+    (void)verbose;
+    for (int i = 0; experiments[i]; i++)
+        printf("%s\t%s\n", experiments[i]->name, experiments[i]->question);
+}
+
+static int is_scene(const struct dirent *entry) {
+    const size_t length = strlen(entry->d_name);
+    return length > 4 && strcmp(entry->d_name + length - 4, ".cfg") == 0;
+}
+
+/* A scene's description is the first line of its file: a comment that is one whole sentence. */
+static void list_scenes(int verbose) {
+    (void)verbose;
+    char folder[PATH_SIZE], path[PATH_SIZE], line[256];
+    struct dirent **entries;
+    path_format(folder, "%s/experiments", data_folder());
+    const int count = scandir(folder, &entries, is_scene, alphasort);
+    for (int i = 0; i < count; i++) {
+        const char *name = entries[i]->d_name;
+        path_format(path, "%s/%s", folder, name);
+        FILE *file = fopen(path, "r");
+        if (!file || !fgets(line, sizeof line, file))
+            line[0] = '\0';
+        const char *text = line + strspn(line, "# ");
+        printf("%.*s\t%.*s\n", (int)strlen(name) - 4, name, (int)strcspn(text, "\n"), text);
+        if (file)
+            fclose(file);
+        free(entries[i]);
+    }
+    if (count >= 0)
+        free(entries);
+}
+
+static const struct {
+    const char *name;
+    void (*list)(int verbose);
+} kinds[] = {
+    {"scenes", list_scenes}, {"steppers", list_steppers},       {"treatments", list_treatments},
+    {"linear", list_linear}, {"experiments", list_experiments},
+};
+
+static int list(const struct arguments *arguments) {
+    const int verbose = argument_given(arguments, "verbose");
+    const char *wanted = arguments->word_count ? arguments->words[0] : NULL;
+    int found = 0;
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
+        if (wanted && strcmp(kinds[i].name, wanted) != 0)
+            continue;
+        if (!wanted)
+            printf("%s%s\n", i ? "\n" : "", kinds[i].name);
+        kinds[i].list(verbose);
+        found = 1;
+    }
+    return found ? 0
+                 : complain(1,
+                            "list: no '%s'; there are scenes, steppers, treatments, linear, "
+                            "experiments",
+                            wanted);
+}
+
+static const struct cli_option options[] = {
+    {"verbose", NULL, "references and options too (also -v)", 0},
+    {0},
+};
+
+const struct command list_command = {
+    .name = "list",
+    .usage = "[scenes|steppers|treatments|linear|experiments] [-v]",
+    .summary = "what there is, one line each: name, tab, description",
+    .details = "  wisplab list\n  wisplab list steppers -v\n",
+    .options = options,
+    .words_most = 1,
+    .first_word = "kinds",
+    .run = list,
+};

@@ -1,0 +1,203 @@
+/* wisplab report: every experiment, and one page of all. */
+#include "base/progress.h"
+#include "cli.h"
+#include "experiments/common/carry_out.h"
+#include "report/report.h"
+
+#include <math.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+/* Wall time of a whole report on two cores, s: 2 and 30 minutes, less what drawing and a busy
+ * machine may take. */
+static const double quick_seconds = 85, seconds = 1600;
+
+/* How long an experiment takes on two cores, s, and which share of its own budget it gets: those
+ * that have one fill it. A time of 0: not with --quick. In this order: what answers the questions
+ * first, and the dearest of the others last, so that a slow machine drops those. An experiment that
+ * is not listed is in the full report. */
+struct need {
+    double seconds, share;
+};
+static const struct {
+    const char *name;
+    struct need quick, full;
+} needs[] = {
+    {"work-precision", {20, 0.6}, {300, 0.5}},
+    {"stability", {6, 0}, {120, 0}},
+    {"needs", {5, 0}, {220, 0}},
+    {"circle", {4, 0}, {10, 0}},
+    {"treatments", {2, 0}, {10, 0}},
+    {"ladder", {8, 0}, {130, 0}},
+    {"radii", {8, 0}, {30, 0}},
+    {"interactions", {3, 0}, {15, 0}},
+    {"viscosity", {2, 0}, {15, 0}},
+    {"sphere", {3, 0}, {30, 0}},
+    {"subdivision", {2, 0}, {15, 0}},
+    {"wind", {10, 0}, {60, 0}},
+    {"shake", {12, 0}, {60, 0}},
+    {"horizon", {0, 0}, {150, 0.5}},
+    {"solvers", {0, 0}, {150, 0.25}},
+    {"kernel", {0, 0}, {90, 0}},
+};
+enum { NEEDS = sizeof needs / sizeof *needs };
+
+static const struct cli_option options[] = {
+    {"quick", NULL, "a small, stated subset, in less than two minutes on two cores", 0},
+    {"fresh", NULL, "run again what is there already", 0},
+    {"jobs", "N", "runs at a time; timed runs are always alone (default: processors)", 0},
+    {"out", "DIR", "root folder of results (default results)", 0},
+    CLI_LIMIT_OPTIONS,
+    {0},
+};
+
+/* Returns 0, or -1 having said why. */
+static int read_manner(const struct arguments *arguments, struct manner *manner) {
+    double jobs;
+    *manner = (struct manner){.shard = 1,
+                              .shards = 1,
+                              .fresh = argument_given(arguments, "fresh"),
+                              .show_progress = !argument_given(arguments, "no-progress")};
+    if (argument_limits(arguments, 0, 4096, &manner->limits) ||
+        argument_positive(arguments, "jobs", (double)sysconf(_SC_NPROCESSORS_ONLN), &jobs))
+        return -1;
+    if (jobs != floor(jobs) || jobs > 1024)
+        return complain(-1, "--jobs %g: must be a whole number up to 1024", jobs);
+    manner->jobs = (int)jobs;
+    return 0;
+}
+
+static struct need need_of(const char *name, int quick) {
+    for (int i = 0; i < NEEDS; i++)
+        if (strcmp(needs[i].name, name) == 0)
+            return quick ? needs[i].quick : needs[i].full;
+    return (struct need){quick ? 0 : 60, 0};
+}
+
+static void add_part(struct report *report, const struct experiment *experiment) {
+    for (int i = 0; i < report->part_count; i++)
+        if (report->parts[i].experiment == experiment)
+            return;
+    if (report->part_count < REPORT_PARTS_MAX)
+        report->parts[report->part_count++] = (struct report_part){.experiment = experiment};
+}
+
+/* All experiments, those that have a place in the list in its order. */
+static void add_parts(struct report *report) {
+    for (int i = 0; i < NEEDS; i++)
+        if (experiment_find(needs[i].name))
+            add_part(report, experiment_find(needs[i].name));
+    for (int i = 0; experiments[i]; i++)
+        add_part(report, experiments[i]);
+}
+
+/* How many times longer than expected the parts before this one took; 1 if they did not. */
+static double slowness(const struct report *report, const struct report_part *part, double spent) {
+    double expected = 0;
+    for (const struct report_part *p = report->parts; p < part; p++)
+        if (p->included)
+            expected += need_of(p->experiment->name, report->quick).seconds;
+    return expected > 0 ? fmax(1, spent / expected) : 1;
+}
+
+/* Says what the part must do without, or why it is left out. */
+static void plan_part(const struct report *report, struct report_part *part, double spent) {
+    struct need need = need_of(part->experiment->name, report->quick);
+    const double total = report->quick ? quick_seconds : seconds;
+    need.seconds *= slowness(report, part, spent);
+    part->included = need.seconds > 0 && spent + need.seconds <= total;
+    if (need.seconds == 0)
+        snprintf(part->note, REASON_SIZE, "left out of --quick");
+    else if (!part->included)
+        snprintf(part->note, REASON_SIZE,
+                 "left out: it takes about %.0f s here, and of the %g s for the whole report only "
+                 "%.0f s were left",
+                 need.seconds, total, fmax(0, total - spent));
+    else if (report->quick || need.share > 0)
+        snprintf(part->note, REASON_SIZE, "%s%s%s",
+                 report->quick ? "cut to its --quick subset" : "",
+                 report->quick && need.share > 0 ? "; " : "",
+                 need.share > 0 ? "with a share of its own budget of time" : "");
+}
+
+/* The experiment's runs, tables and figures. An experiment whose integrations left nothing to
+ * tabulate is a part of the report that says so. Returns 0 or an exit code. */
+static int do_part(const struct report *report, struct report_part *part,
+                   const struct manner *manner) {
+    struct manner own = *manner;
+    struct timespec now;
+    clock_gettime(CLOCK_REALTIME, &now);
+    part->since = (double)now.tv_sec - 0.1; /* file systems' clocks are a tick behind */
+    struct plan plan = {.experiment = part->experiment,
+                        .quick = report->quick,
+                        .fresh = manner->fresh,
+                        .share = need_of(part->experiment->name, report->quick).share,
+                        .out = report->root};
+    int code = carry_out(&plan, &own);
+    if (own.nothing_left) {
+        snprintf(part->note, REASON_SIZE, "failed: %.350s", plan.reason);
+        part->included = 0;
+        code = 0;
+    }
+    plan_free(&plan);
+    return code;
+}
+
+/* The share of the whole that is done before part i, by what the parts are known to take. */
+static double done_before(const struct report *report, int i) {
+    double before = 0, all = 0;
+    for (int k = 0; k < report->part_count; k++) {
+        const double own = need_of(report->parts[k].experiment->name, report->quick).seconds;
+        before += k < i ? own : 0;
+        all += own;
+    }
+    return before / all;
+}
+
+static int write_page(const struct report *report) {
+    char reason[REASON_SIZE];
+    const int code = report_write(report, reason);
+    if (code)
+        return complain(code > 0 ? 3 : 2, "%s", reason);
+    printf("report: %s/report.html\n", report->root);
+    return 0;
+}
+
+static int make_report(const struct arguments *arguments) {
+    const char *out = argument_text(arguments, "out");
+    struct report report = {.root = out ? out : "results",
+                            .quick = argument_given(arguments, "quick")};
+    struct manner manner;
+    const double start = monotonic_seconds();
+    int code = 0;
+    if (read_manner(arguments, &manner))
+        return 1;
+    add_parts(&report);
+    for (int i = 0; i < report.part_count && !code; i++) {
+        plan_part(&report, &report.parts[i], monotonic_seconds() - start);
+        progress_of_whole("report", start, done_before(&report, i), done_before(&report, i + 1));
+        if (report.parts[i].included)
+            code = do_part(&report, &report.parts[i], &manner);
+        else
+            printf("%s: %s\n", report.parts[i].experiment->name, report.parts[i].note);
+    }
+    return code ? code : write_page(&report);
+}
+
+const struct command report_command = {
+    .name = "report",
+    .usage = "[--quick] [--fresh] [--jobs N] [--out DIR]",
+    .summary = "every experiment, and one page of all: report.html",
+    .details =
+        "The page is DIR/report.html: figures, tables, methods, machine, in one file that needs "
+        "no\n"
+        "other; its links to data are relative to it. It takes less than 30 minutes on two cores,\n"
+        "with --quick less than 2; what was left out is said there. Runs that are there already\n"
+        "are not run again.\n"
+        "\n"
+        "  wisplab report --quick\n"
+        "  wisplab report --out /tmp/everything\n",
+    .options = options,
+    .run = make_report,
+};

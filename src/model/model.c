@@ -1,0 +1,25 @@
+#include "model.h"
+
+#include "scene/scene_load.h"
+
+#include <string.h>
+
+const struct problem *const problems[] = {&wisp_problem, &circle_problem, NULL};
+
+const struct problem *problem_find(const char *name) {
+    for (int i = 0; problems[i]; i++)
+        if (strcmp(problems[i]->name, name) == 0)
+            return problems[i];
+    return NULL;
+}
+
+int problem_terms(const struct scene *scene, const char **names, int most) {
+    return scene->problem->terms ? scene->problem->terms(scene, names, most) : 0;
+}
+
+int treatment_find(const struct problem *problem, const char *name) {
+    for (int i = 0; problem->treatments[i].name; i++)
+        if (strcmp(problem->treatments[i].name, name) == 0)
+            return i;
+    return -1;
+}

@@ -1,0 +1,100 @@
+/* A scene brought to life: the parts that steppers advance, and what the rest of the program may
+ * ask of them. What differs from problem to problem (the circle, wisps) is behind struct problem.
+ */
+#ifndef WISPLAB_MODEL_H
+#define WISPLAB_MODEL_H
+
+#include "base/workers.h"
+#include "diagnosis.h"
+#include "integrators/stepper.h"
+#include "system/system.h"
+
+struct scene;
+
+/* The unit of advance: one system and its state. Parts do not see each other between stops. */
+struct part {
+    struct system system;
+    double *q, *v;           /* system.size doubles each, owned by the model */
+    struct account *account; /* of the energy, owned by who asks for it; NULL: none is kept */
+};
+
+struct model {
+    const struct problem *problem;
+    double t;                          /* of the state, s: kept by who advances it */
+    const struct diagnosis *diagnosis; /* of a frame while it is shown, likewise; or NULL */
+    struct part *parts;
+    int part_count;
+    int parts_to_come;          /* that ticks may add to those at the start, at most */
+    int row_count;              /* of a frame: one per wisp and node */
+    int rows_to_come;           /* likewise */
+    const char *const *columns; /* of a frame's rows, after `t`; NULL-terminated */
+    int column_count;
+    const char *const *rate_columns; /* of the accelerations, likewise */
+    int rate_column_count;
+    double collision_rate;   /* Hz of ticks at which `tick` has work; 0: never */
+    double interaction_rate; /* likewise, of those between wisps */
+    const double *kinks;     /* times at which the forces have one, s, ascending */
+    int kink_count;
+};
+
+/* How a constraint is kept; an index into a problem's list. */
+struct treatment {
+    const char *name, *summary;
+};
+
+struct problem {
+    const char *name;                   /* the scene's `problem` */
+    const struct treatment *treatments; /* ends with a name of NULL */
+
+    /* What runs where nothing is said: an index of `treatments`, and the name of a linear solver.
+     */
+    int (*default_treatment)(const struct stepper_method *method);
+    const char *(*default_linear)(const struct stepper_method *method);
+
+    /* The scene at t = 0 in parts of at most `lanes` wisps; NULL where memory cannot be had. */
+    struct model *(*create)(const struct scene *scene, int treatment, int lanes);
+    void (*free)(struct model *model);
+
+    /* Writes the current state as row_count rows of column_count numbers. */
+    void (*sample)(const struct model *model, double *rows);
+
+    /* The reverse; NULL where states cannot be loaded. */
+    void (*restore)(struct model *model, const double *rows);
+
+    /* Writes accelerations, given by part in the layout of v, as row_count rows of
+     * rate_column_count numbers. */
+    void (*sample_accelerations)(const struct model *model, double *const *a, double *rows);
+
+    /* The force terms that a scene has, by name, at most `most` of them; returns their number.
+     * NULL: no names. */
+    int (*terms)(const struct scene *scene, const char **names, int most);
+
+    /* What happens at a stop besides the smooth motion; sets changed[i] where part i's state is no
+     * longer what its stepper left. New parts come after the others, which stay where they are;
+     * `changed` has room for all to come. The workers, or NULL, share the work; what happens does
+     * not depend on them. Returns FINISHED, or why the run cannot go on. NULL: nothing. */
+    enum outcome (*tick)(struct model *model, struct workers *workers, unsigned events,
+                         int *changed);
+
+    /* FINISHED while a finite state is within what the model can mean, else DIVERGED and why.
+     * NULL: every finite state is. */
+    enum outcome (*check)(const struct model *model, char *reason, int reason_size);
+
+    /* Extremes of a frame's rows. Returns 0 or OUT_OF_MEMORY. NULL: there are no diagnoses; else
+     * the systems have energies and powers. */
+    int (*extremes)(const struct model *model, const double *rows, struct extremes *extremes);
+};
+
+/* All problems, NULL-terminated, and the one of that name or NULL. */
+extern const struct problem *const problems[];
+const struct problem *problem_find(const char *name);
+
+/* problem->terms, where there is one. */
+int problem_terms(const struct scene *scene, const char **names, int most);
+
+/* Index of a treatment's name, or -1. */
+int treatment_find(const struct problem *problem, const char *name);
+
+extern const struct problem circle_problem, wisp_problem;
+
+#endif

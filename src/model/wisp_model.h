@@ -1,0 +1,105 @@
+/* Inside the problem of wisps: what its files share. wisps.c makes parts and frames, and
+ * wisp_ticks.c is what happens to them at a tick, but for subdivision, which is wisp_splits.c. */
+#ifndef WISPLAB_WISP_MODEL_H
+#define WISPLAB_WISP_MODEL_H
+
+#include "model.h"
+#include "scene/scene_load.h"
+
+enum { LANES_MAX = 4 };
+
+/* The kernel for a number of lanes. */
+struct obstacle;
+struct kernel {
+    int lanes;
+    void *(*create)(const struct wisp *const *, const struct surroundings *, enum wisp_treatment,
+                    struct system *);
+    void (*free)(void *);
+    void (*fill)(void *, int, const struct wisp *, double);
+    void (*rest)(void *, double *, double *);
+    void (*prescribe)(void *, double);
+    void (*sample)(void *, int, const double *, const double *, double *, int);
+    void (*sample_accelerations)(void *, int, const double *, double *, int);
+    void (*restore)(void *, int, const double *, int, double *, double *);
+    int (*clamp)(void *, double *, double *);
+    unsigned (*near)(void *, const double *, const double *, const double *, int, int *);
+    unsigned (*pull)(void *, double *, double *, const struct obstacle *, const double *, int,
+                     unsigned, int *);
+    unsigned (*boxes)(void *, const double *, double (*)[6]);
+    void (*open)(void *, const double *, const double *, struct strand *const *);
+    double (*strain)(void *, int, const double *);
+    const struct system_ops *ops;
+};
+
+/* Which wisps of the model a part holds, by lane; padding lanes repeat the first. */
+struct batch {
+    int wisp[LANES_MAX];
+    int count;
+    struct sparse_matrix *pattern; /* owned; of parts of one wisp */
+};
+
+struct wisp_model {
+    struct model model;
+    const struct scene *scene;
+    struct wisp *wisps; /* the scene's, then those that subdivisions made */
+    int wisp_count, wisp_room;
+    const struct kernel *kernel;
+    enum wisp_treatment treatment;
+    struct batch *batches;   /* one for each part */
+    int *first_row;          /* by wisp: its first row of a frame */
+    struct strand **strands; /* by wisp, where something happens to wisps; NULL-terminated */
+    double *strand_rows;     /* by task: of the wisp with most nodes, without columns wisp, node */
+    size_t strand_row_room;  /* numbers for a task */
+    struct bodies *bodies;   /* as they are at a tick */
+    struct interaction *interaction; /* NULL where wisps do not touch */
+    struct strand **in_order;        /* those of all wisps as they touch; NULL likewise */
+    struct neighbours *neighbours;   /* likewise */
+    double (*boxes)[6];              /* by wisp: around it at a tick */
+    unsigned char *near;             /* by wisp: whether it may touch at a tick */
+    struct strand **touching;        /* those of in_order that may */
+    char **columns, **rate_columns;
+    char name[64];
+    double kinks[1 + 2 * KNOTS_MAX];
+};
+
+/* wisps.c */
+
+/* Gives a wisp a lane that is free in a part of wisps with as many nodes, or else in a part that is
+ * not there yet. Returns the part. */
+int wisp_take_lane(struct wisp_model *m, int wisp);
+
+/* Makes a part of the wisps in its lanes, as they start. 0, or -1 where memory cannot be had. */
+int wisp_part_create(struct wisp_model *m, int part);
+
+/* Gives a wisp its rows of a frame, after all others'. */
+void wisp_take_rows(struct wisp_model *m, int wisp);
+
+/* wisp_ticks.c */
+
+/* What ticks need: strands and what they touch with. 0, or -1 where memory cannot be had. */
+int wisp_ticks_create(struct wisp_model *m);
+void wisp_ticks_free(struct wisp_model *m);
+
+/* The problem's `extremes`. */
+int wisps_extremes(const struct model *model, const double *rows, struct extremes *extremes);
+
+/* Puts the model into the state from which its scene starts, where that is not rest. 0, or -1 where
+ * memory cannot be had. */
+int wisps_start(struct wisp_model *m);
+
+/* Takes a wisp's strand back into its lane and the padding that repeats it, by way of `rows`. */
+void wisp_close(const struct wisp_model *m, int part, int lane, double *rows);
+
+/* wisp_splits.c */
+
+/* Whether wisps of the scene may split. */
+int wisps_split(const struct scene *scene);
+
+/* Subdivision at a tick, all strands being open: FINISHED, or OUT_OF_MEMORY. */
+enum outcome wisp_splits_tick(struct wisp_model *m, int *changed);
+
+/* The problem's `tick`. */
+enum outcome wisps_tick(struct model *model, struct workers *workers, unsigned events,
+                        int *changed);
+
+#endif

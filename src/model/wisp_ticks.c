@@ -1,0 +1,379 @@
+/* What happens to wisps at a tick: they touch each other, bodies push them out, and samples are
+ * kept off their nodes. */
+#include "clock.h"
+#include "kernel/kernel.h"
+#include "wisp/interaction.h"
+#include "wisp/neighbours.h"
+#include "wisp_model.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Parts are shared out to threads in tasks, each with a place of its own to lay wisps open. */
+enum { TASKS_MOST = 32 };
+
+static int interacts(const struct scene *scene) {
+    return scene->interaction.interpenetration || scene->interaction.collision;
+}
+
+/* What happens to wisps happens to them one by one. */
+static int create_strands(struct wisp_model *m) {
+    const struct scene *scene = m->scene;
+    int most = 0;
+    if (scene->body_count == 0 && !interacts(scene) && !wisps_split(scene))
+        return 0;
+    m->strands = calloc((size_t)m->wisp_room + 1, sizeof(struct strand *));
+    for (int i = 0; m->strands && i < m->wisp_count; i++) {
+        most = m->wisps[i].nodes > most ? m->wisps[i].nodes : most;
+        m->strands[i] = strand_create(&m->wisps[i], m->treatment);
+        if (!m->strands[i])
+            return -1;
+    }
+    m->model.parts_to_come = m->wisp_room - m->wisp_count;
+    m->model.rows_to_come = m->model.parts_to_come * most;
+    m->strand_row_room = (size_t)(most * m->model.column_count);
+    m->strand_rows = calloc(TASKS_MOST * m->strand_row_room, sizeof(double));
+    return m->strands && m->strand_rows ? 0 : -1;
+}
+
+/* --- wisps with each other --- */
+
+/* Number of a root's cell along a curve that stays among neighbours (Morton's: the bits of x, y and
+ * z in turn): wisps that may touch are near each other in memory. */
+static uint64_t place_on_curve(const double root[3]) {
+    const double cell = 0.05; /* m */
+    uint64_t number = 0;
+    for (int k = 0; k < 3; k++) {
+        const double x = floor(root[k] / cell) + (1 << 20), most = (1 << 21) - 1;
+        const uint64_t along = (uint64_t)(x > most ? most : x > 0 ? x : 0);
+        for (int bit = 0; bit < 21; bit++)
+            number |= (along >> bit & 1) << (3 * bit + k);
+    }
+    return number;
+}
+
+/* The order in which wisps touch is one of what they are, not of where they stand in the file:
+ * nothing that happens between them, down to the order of sums, depends on the file. Children of a
+ * subdivision stand one behind the other in their parent's place, the + child first.
+ *
+ * By place, root, direction, length and nodes; the rest is the same in all wisps of a scene. Wisps
+ * of which all that is equal move alike, and may change places. */
+static int compare_strands(const void *one, const void *other) {
+    const struct wisp *a = (*(struct strand *const *)one)->wisp,
+                      *b = (*(struct strand *const *)other)->wisp;
+    const uint64_t place_a = place_on_curve(a->root), place_b = place_on_curve(b->root);
+    if (place_a != place_b)
+        return place_a < place_b ? -1 : 1;
+    const double of_a[] = {a->root[0],      a->root[1],      a->root[2], a->direction[0],
+                           a->direction[1], a->direction[2], a->length,  a->nodes};
+    const double of_b[] = {b->root[0],      b->root[1],      b->root[2], b->direction[0],
+                           b->direction[1], b->direction[2], b->length,  b->nodes};
+    for (size_t k = 0; k < sizeof of_a / sizeof *of_a; k++)
+        if (of_a[k] != of_b[k])
+            return of_a[k] < of_b[k] ? -1 : 1;
+    return 0;
+}
+
+static int create_touch(struct wisp_model *m) {
+    const size_t wisps = (size_t)m->wisp_count, room = (size_t)m->wisp_room;
+    m->interaction = interaction_create(&m->scene->interaction);
+    m->neighbours = neighbours_create(m->wisp_room);
+    m->in_order = calloc(room, sizeof(struct strand *));
+    m->touching = calloc(room, sizeof(struct strand *));
+    m->boxes = calloc(room, sizeof *m->boxes);
+    m->near = calloc(room, sizeof *m->near);
+    if (!m->interaction || !m->neighbours || !m->in_order || !m->touching || !m->boxes || !m->near)
+        return -1;
+    memcpy(m->in_order, m->strands, wisps * sizeof(struct strand *));
+    qsort(m->in_order, wisps, sizeof(struct strand *), compare_strands);
+    return 0;
+}
+
+/* A tick, as its tasks see it. */
+struct tick {
+    struct wisp_model *m;
+    int *changed; /* by part */
+    int tasks;
+    void (*do_part)(const struct tick *tick, int part, double *rows);
+    struct placement head;
+};
+
+static void do_task(void *ctx, int index) {
+    const struct tick *tick = ctx;
+    const long long parts = tick->m->model.part_count;
+    const int to = (int)(parts * (index + 1) / tick->tasks);
+    double *rows = tick->m->strand_rows
+                       ? tick->m->strand_rows + (size_t)index * tick->m->strand_row_room
+                       : NULL;
+    for (int i = (int)(parts * index / tick->tasks); i < to; i++)
+        tick->do_part(tick, i, rows);
+}
+
+static void do_parts(struct tick *tick, struct workers *workers,
+                     void (*do_part)(const struct tick *, int, double *)) {
+    const int parts = tick->m->model.part_count;
+    tick->do_part = do_part;
+    tick->tasks = parts < TASKS_MOST ? parts : TASKS_MOST;
+    workers_run(workers, do_task, tick, tick->tasks);
+}
+
+/* Lays wisps of a part open, those of the lanes whose bits are set. */
+static void open_strands(const struct tick *tick, int i, unsigned lanes) {
+    const struct wisp_model *m = tick->m;
+    const struct part *part = &m->model.parts[i];
+    struct strand *strands[LANES_MAX] = {NULL};
+    for (int k = 0; k < m->batches[i].count; k++) {
+        if (!(lanes >> k & 1))
+            continue;
+        strands[k] = m->strands[m->batches[i].wisp[k]];
+        strand_turn(strands[k], &tick->head);
+    }
+    m->kernel->open(part->system.ctx, part->q, part->v, strands);
+}
+
+void wisp_close(const struct wisp_model *m, int i, int lane, double *rows) {
+    const struct part *part = &m->model.parts[i];
+    const struct batch *batch = &m->batches[i];
+    const int stride = m->model.column_count - 2;
+    strand_store(m->strands[batch->wisp[lane]], rows, stride);
+    for (int k = 0; k < m->kernel->lanes; k++)
+        if (batch->wisp[k] == batch->wisp[lane])
+            m->kernel->restore(part->system.ctx, k, rows, stride, part->q, part->v);
+}
+
+static void close_strand(const struct tick *tick, int i, int lane, double *rows) {
+    wisp_close(tick->m, i, lane, rows);
+    tick->changed[i] = 1;
+}
+
+/* Puts a part's first nodes where the head has them, and boxes around wisps that may touch. */
+static void look_at_part(const struct tick *tick, int i, double *rows) {
+    const struct wisp_model *m = tick->m;
+    const struct part *part = &m->model.parts[i];
+    double boxes[LANES_MAX][6];
+    (void)rows;
+    m->kernel->prescribe(part->system.ctx, m->model.t);
+    if (!m->near)
+        return;
+    const unsigned folded = m->kernel->boxes(part->system.ctx, part->q, boxes);
+    for (int k = 0; k < m->batches[i].count; k++) {
+        const int wisp = m->batches[i].wisp[k];
+        memcpy(m->boxes[wisp], boxes[k], sizeof boxes[k]);
+        m->near[wisp] = folded >> k & 1;
+    }
+}
+
+/* Lanes of a part that may touch; without interactions, all of them. */
+static unsigned near_lanes(const struct wisp_model *m, int i) {
+    unsigned lanes = 0;
+    for (int k = 0; k < m->batches[i].count; k++)
+        if (!m->near || m->near[m->batches[i].wisp[k]])
+            lanes |= 1u << k;
+    return lanes;
+}
+
+static void open_part(const struct tick *tick, int i, double *rows) {
+    const unsigned lanes = near_lanes(tick->m, i);
+    (void)rows;
+    if (lanes)
+        open_strands(tick, i, lanes);
+}
+
+static void close_part(const struct tick *tick, int i, double *rows) {
+    struct part *part = &tick->m->model.parts[i];
+    const unsigned lanes = near_lanes(tick->m, i);
+    account_before(part, tick->m->model.t);
+    for (int k = 0; k < tick->m->batches[i].count; k++)
+        if (lanes >> k & 1 && tick->m->strands[tick->m->batches[i].wisp[k]]->changed)
+            close_strand(tick, i, k, rows);
+    account_after(part, tick->m->model.t, JUMP_WISP_CONTACT);
+}
+
+/* Which wisps may touch another or themselves. All of them are open where some may split. -1 where
+ * memory cannot be had. */
+static int find_near(struct wisp_model *m) {
+    if (!wisps_split(m->scene))
+        return neighbours_find(m->neighbours, (const double(*)[6])m->boxes, m->wisp_count, m->near);
+    memset(m->near, 1, (size_t)m->wisp_count);
+    return 0;
+}
+
+static enum outcome interact(struct tick *tick, struct workers *workers) {
+    const struct wisp_model *m = tick->m;
+    int count = 0;
+    for (int i = 0; i < m->wisp_count; i++)
+        if (m->near[m->in_order[i]->wisp - m->wisps])
+            m->touching[count++] = m->in_order[i];
+    interaction_share(m->interaction, workers);
+    const int contacts = interaction_tick(m->interaction, m->touching, count);
+    if (contacts < 0)
+        return OUT_OF_MEMORY;
+    /* they are of two wisps, and so of no part: the first one counts them */
+    m->model.parts[0].system.counters.wisp_contacts += contacts;
+    do_parts(tick, workers, close_part);
+    return FINISHED;
+}
+
+/* Wisps that subdivision has made touch their twins only once they are separated from them. */
+static enum outcome meet(struct tick *tick, struct workers *workers) {
+    struct wisp_model *m = tick->m;
+    enum outcome outcome = FINISHED;
+    do_parts(tick, workers, look_at_part);
+    if (m->interaction && find_near(m))
+        return OUT_OF_MEMORY;
+    do_parts(tick, workers, open_part);
+    for (int i = m->scene->wisp_count; i < m->wisp_count; i++) /* of a pair one is always here */
+        subdivision_separate(&m->scene->subdivision, m->strands[i]);
+    if (m->interaction)
+        outcome = interact(tick, workers);
+    if (wisps_split(m->scene) && outcome == FINISHED)
+        outcome = wisp_splits_tick(m, tick->changed);
+    return outcome;
+}
+
+/* --- the clock --- */
+
+/* The bodies as they are at a tick. */
+struct bodies {
+    const struct body *body;
+    int count;
+    int rest; /* they never move: where they were put once they stay */
+    int placed;
+    double interval; /* since the last tick, s */
+    struct body_motion motion[BODIES_MAX];
+    double boxes[6 * BODIES_MAX], hull[6]; /* around each, around all */
+    struct obstacle obstacle[BODIES_MAX];  /* the same for the kernel */
+};
+
+static int create_bodies(struct wisp_model *m) {
+    const struct scene *scene = m->scene;
+    m->bodies = calloc(1, sizeof *m->bodies);
+    if (!m->bodies)
+        return -1;
+    m->bodies->body = scene->bodies;
+    m->bodies->count = scene->body_count;
+    m->bodies->interval = 1 / scene->collision_rate;
+    m->bodies->rest = scene->around.head.knots <= 1;
+    for (int i = 0; i < scene->body_count; i++)
+        for (int k = 0; k < 3; k++)
+            m->bodies->rest &= scene->bodies[i].velocity[k] == 0;
+    return 0;
+}
+
+static void place_bodies(const struct tick *tick, struct bodies *bodies) {
+    if (bodies->rest && bodies->placed)
+        return;
+    for (int i = 0; i < bodies->count; i++) {
+        double *box = bodies->boxes + 6 * i, *hull = bodies->hull;
+        bodies->motion[i] = body_motion(&bodies->body[i], &tick->head, tick->m->model.t);
+        body_box(&bodies->body[i], &bodies->motion[i], box);
+        bodies->obstacle[i] = body_obstacle(&bodies->body[i], &bodies->motion[i]);
+        for (int k = 0; k < 3; k++) {
+            hull[k] = i == 0 || box[k] < hull[k] ? box[k] : hull[k];
+            hull[3 + k] = i == 0 || box[3 + k] > hull[3 + k] ? box[3 + k] : hull[3 + k];
+        }
+    }
+    bodies->placed = 1;
+}
+
+/* Body contact (section 4.2.2 of the thesis) for the wisps of a part that are near a body. Hair on
+ * a body has samples inside it at every tick and a node now and then: the kernel pulls samples out,
+ * four wisps at a time, and only a wisp with a node inside is laid open. Returns whether that
+ * changed any: then the clamp must look. */
+static int push_out(const struct tick *tick, int i, unsigned near, double *rows) {
+    const struct wisp_model *m = tick->m;
+    const struct bodies *bodies = m->bodies;
+    struct part *part = &m->model.parts[i];
+    int pulled, opened = 0;
+    near &= m->kernel->pull(part->system.ctx, part->q, part->v, bodies->obstacle, bodies->boxes,
+                            bodies->count, (1u << m->batches[i].count) - 1, &pulled);
+    if (pulled > 0) /* no more is written than must be: threads share these lines of memory */
+        tick->changed[i] = 1;
+    struct counters *counters = &part->system.counters;
+    struct body_report report = {0, pulled, 0};
+    near &= (1u << m->batches[i].count) - 1;
+    if (near)
+        open_strands(tick, i, near);
+    for (int k = 0; k < m->batches[i].count; k++) {
+        if (!(near >> k & 1))
+            continue;
+        struct strand *strand = m->strands[m->batches[i].wisp[k]];
+        body_contact(strand, bodies->body, bodies->motion, bodies->count, bodies->interval,
+                     &report);
+        if (strand->changed)
+            close_strand(tick, i, k, rows);
+        opened |= strand->changed;
+    }
+    counters->body_contacts += report.nodes + report.samples;
+    counters->nodes_left_inside += report.inside;
+    return opened;
+}
+
+/* Body contact, then the clamp. Most parts are far from every body and have nothing to clamp: one
+ * look says so. */
+static void collide_part(const struct tick *tick, int i, double *rows) {
+    const struct wisp_model *m = tick->m;
+    const struct bodies *bodies = m->bodies;
+    struct part *part = &m->model.parts[i];
+    const int envelope = m->scene->wisps[0].samples > 0;
+    void *ctx = part->system.ctx;
+    unsigned near = 0;
+    int clamp = envelope;
+    m->kernel->prescribe(ctx, m->model.t);
+    if (bodies->count > 0)
+        near = m->kernel->near(ctx, part->q, bodies->hull, bodies->boxes, bodies->count, &clamp);
+    account_before(part, m->model.t);
+    if (near && push_out(tick, i, near, rows))
+        clamp = envelope;
+    account_after(part, m->model.t, JUMP_BODY_CONTACT);
+    if (clamp && m->kernel->clamp(ctx, part->q, part->v))
+        tick->changed[i] = 1;
+    account_after(part, m->model.t, JUMP_CLAMP);
+}
+
+static void collide(struct tick *tick, struct workers *workers) {
+    place_bodies(tick, tick->m->bodies);
+    do_parts(tick, workers, collide_part);
+}
+
+/* At one time wisps touch first and split, then bodies push them out and samples are kept off their
+ * nodes. */
+enum outcome wisps_tick(struct model *model, struct workers *workers, unsigned events,
+                        int *changed) {
+    struct tick tick = {.m = (struct wisp_model *)model, .changed = changed};
+    enum outcome outcome = FINISHED;
+    if (events & (STOP_INTERACTION | STOP_COLLISION))
+        head_placement(&tick.m->scene->around.head, model->t, &tick.head);
+    if (events & STOP_INTERACTION && tick.m->model.interaction_rate > 0)
+        outcome = meet(&tick, workers);
+    if (events & STOP_COLLISION && outcome == FINISHED)
+        collide(&tick, workers);
+    return outcome;
+}
+
+/* --- memory --- */
+
+int wisp_ticks_create(struct wisp_model *m) {
+    if (m->scene->wisps[0].samples > 0 || m->scene->body_count > 0)
+        m->model.collision_rate = m->scene->collision_rate;
+    if (interacts(m->scene) || wisps_split(m->scene))
+        m->model.interaction_rate = m->scene->interaction.rate;
+    return create_bodies(m) || create_strands(m) || (interacts(m->scene) && create_touch(m)) ? -1
+                                                                                             : 0;
+}
+
+void wisp_ticks_free(struct wisp_model *m) {
+    free(m->bodies);
+    interaction_free(m->interaction);
+    neighbours_free(m->neighbours);
+    free(m->in_order);
+    free(m->touching);
+    free(m->boxes);
+    free(m->near);
+    for (int i = 0; m->strands && m->strands[i]; i++)
+        strand_free(m->strands[i]);
+    free(m->strands);
+    free(m->strand_rows);
+}

@@ -1,0 +1,51 @@
+/* The frames of a run of wisps read back, with the scene that made them. */
+#ifndef WISPLAB_FRAMES_H
+#define WISPLAB_FRAMES_H
+
+#include "run/results.h"
+#include "scene/scene_load.h"
+#include "wisp/hair.h"
+
+struct frames {
+    struct scene *scene; /* as run.json has it */
+    char run[80];        /* "rk4 generalised": stepper and treatment, and how it failed */
+    enum wisp_treatment treatment;
+    int count;          /* numbered from 1 */
+    int wisp_count;     /* in the last frame; no frame has more */
+    struct wisp *wisps; /* numbers of each; those that came of a subdivision have their parent's */
+    int *parent;        /* of each such wisp, and in which frame it is seen first; else -1 and 1 */
+    int *born;
+
+    struct table states;
+    int *first_row; /* of the table, by frame - 1; and the last's end */
+    int *offset;    /* from there, by wisp */
+};
+
+/* The states that a word names: a path that ends in .tsv, or the folder of a run. Returns 1, with
+ * their path in `states` (PATH_SIZE), or 0 where it names none. */
+int frames_path(const char *word, char *states);
+
+/* Reads the table `states`, which must have its run.json beside it; `sets` change the scene as in
+ * scene_load. A last frame that is not complete is left out if the run says that it failed. Returns
+ * 0, or with one line in `reason` (REASON_SIZE) the exit code: 1 where the files are wrong, 2 where
+ * memory cannot be had. To be closed either way. */
+int frames_open(struct frames *frames, const char *states, const char *const *sets, int set_count,
+                char *reason);
+void frames_close(struct frames *frames);
+
+double frames_time(const struct frames *frames, int frame);
+int frames_wisps(const struct frames *frames, int frame);
+
+/* Puts a wisp's state at a frame into a strand that was made of its numbers and treatment. */
+void frames_load(const struct frames *frames, int frame, int wisp, struct strand *strand);
+
+/* Who of the wisps of the scene a wisp comes from, and which of its hairs the wisp has in a frame.
+ */
+int frames_ancestor(const struct frames *frames, int wisp);
+struct hair_share frames_share(const struct frames *frames, int frame, int wisp);
+
+/* Raises `most` to the largest p . direction of the points p of all frames, nodes with their
+ * envelopes, for each of four directions; of a run that diverged, as far as a wisp can reach. */
+void frames_extent(const struct frames *frames, const double directions[4][3], double most[4]);
+
+#endif

@@ -1,0 +1,420 @@
+#include "picture.h"
+
+#include "base/vector.h"
+#include "bodies.h"
+#include "shade.h"
+#include "wisp/section.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* --- what all frames have in common --- */
+
+int drawing_create(struct drawing *drawing, const struct frames *frames, unsigned views) {
+    const struct scene *scene = frames->scene;
+    *drawing = (struct drawing){.frames = frames, .views = views};
+    drawing->hairs = calloc((size_t)scene->wisp_count, sizeof(struct hairs *));
+    if (!drawing->hairs)
+        return -1;
+    for (int i = 0; i < scene->wisp_count && views & VIEW_HAIR; i++) {
+        drawing->hairs[i] = hairs_create(&scene->wisps[i], scene->seed, scene->render.hairs);
+        if (!drawing->hairs[i])
+            return -1;
+    }
+    return 0;
+}
+
+void drawing_free(struct drawing *drawing) {
+    for (int i = 0; drawing->hairs && i < drawing->frames->scene->wisp_count; i++)
+        hairs_free(drawing->hairs[i]);
+    free(drawing->hairs);
+    drawing->hairs = NULL;
+}
+
+/* --- lines --- */
+
+/* What a frame is drawn with. */
+struct brush {
+    struct picture *picture;
+    const struct drawing *drawing;
+    const struct render_settings *render;
+    int frame;
+    double light[3];
+    struct figure figure;
+    struct strand *strand, *reference; /* of the wisp at hand */
+    double (*controls)[3], (*points)[3];
+    double *error; /* by node, m */
+    int failed;    /* memory could not be had */
+};
+
+static void add_segment(struct brush *brush, enum layer_kind kind, const struct segment *segment) {
+    struct layer *layer = &brush->picture->layer[kind];
+    if (layer->count == layer->room) {
+        const size_t room = 2 * layer->room + 1024;
+        struct segment *segments = realloc(layer->segments, room * sizeof *segments);
+        if (!segments) {
+            brush->failed = 1;
+            return;
+        }
+        layer->segments = segments;
+        layer->room = room;
+    }
+    layer->segments[layer->count++] = *segment;
+}
+
+/* A point, and where in the picture it is. */
+struct spot {
+    double point[3], place[3];
+    int seen;
+};
+
+static void look(const struct brush *brush, const double point[3], struct spot *spot) {
+    const struct camera *camera = &brush->drawing->camera;
+    memcpy(spot->point, point, sizeof spot->point);
+    spot->seen = camera_project(camera, point, spot->place) &&
+                 !figure_hides(&brush->figure, camera->eye, point);
+}
+
+/* Moves the one of two points that is not seen to where the line between them goes out of sight. */
+static void cut(const struct brush *brush, struct spot *seen, struct spot *hidden) {
+    double near[3], far[3];
+    memcpy(near, seen->point, sizeof near);
+    memcpy(far, hidden->point, sizeof far);
+    *hidden = *seen;
+    for (int i = 0; i < 6; i++) {
+        struct spot middle;
+        double point[3];
+        for (int k = 0; k < 3; k++)
+            point[k] = 0.5 * (near[k] + far[k]);
+        look(brush, point, &middle);
+        memcpy(middle.seen ? near : far, point, sizeof point);
+        if (middle.seen)
+            *hidden = middle;
+    }
+}
+
+/* Whether a line may be seen in the picture; not if it goes as far out as that of a run which
+ * diverged, or is nowhere. */
+static int in_picture(const struct camera *camera, const double a[3], const double b[3]) {
+    static const double far = 1e5; /* pixels */
+    const double size[2] = {camera->width, camera->height};
+    int in = 1;
+    for (int k = 0; k < 2; k++)
+        in &= fabs(a[k]) < far && fabs(b[k]) < far && fmax(a[k], b[k]) > 0 &&
+              fmin(a[k], b[k]) < size[k];
+    return in;
+}
+
+static void stroke(struct brush *brush, enum layer_kind kind, struct spot a, struct spot b,
+                   unsigned colour, double error) {
+    if (!a.seen && !b.seen)
+        return;
+    if (!a.seen)
+        cut(brush, &b, &a);
+    if (!b.seen)
+        cut(brush, &a, &b);
+    if (!in_picture(&brush->drawing->camera, a.place, b.place))
+        return;
+    const struct segment segment = {(float)a.place[0],
+                                    (float)a.place[1],
+                                    (float)(b.place[0] - a.place[0]),
+                                    (float)(b.place[1] - a.place[1]),
+                                    (float)(0.5 * (a.place[2] + b.place[2])),
+                                    (float)error,
+                                    colour,
+                                    0};
+    add_segment(brush, kind, &segment);
+}
+
+static void line(struct brush *brush, enum layer_kind kind, const double a[3], const double b[3],
+                 unsigned colour, double error) {
+    struct spot from, to;
+    look(brush, a, &from);
+    look(brush, b, &to);
+    stroke(brush, kind, from, to, colour, error);
+}
+
+/* --- hair --- */
+
+static unsigned pack(const double colour[3]) {
+    unsigned packed = 0;
+    for (int k = 0; k < 3; k++)
+        packed = packed << 8 | (unsigned)(255 * fmin(1, fmax(0, colour[k])) + 0.5);
+    return packed;
+}
+
+/* Hair is no two alike, and darker within the wisp, where light has to find its way. */
+static double tone_of(int hair, const double place[2]) {
+    const double golden = 0.6180339887498949; /* its multiples are spread evenly over [0, 1) */
+    return (0.85 + 0.3 * fmod(hair * golden, 1)) * (0.75 + 0.5 * hypot(place[0], place[1]));
+}
+
+static unsigned hair_colour(const struct brush *brush, const struct spot *a, const struct spot *b,
+                            double tone) {
+    static const double gloss = 24, around = 0.25, sheen[3] = {0.42, 0.37, 0.30};
+    double tangent[3], eye[3], colour[3];
+    for (int k = 0; k < 3; k++) {
+        tangent[k] = b->point[k] - a->point[k];
+        eye[k] = brush->drawing->camera.eye[k] - a->point[k];
+    }
+    const double length = vector_length(tangent), distance = vector_length(eye);
+    for (int k = 0; k < 3; k++) {
+        tangent[k] = length > 0 ? tangent[k] / length : 0;
+        eye[k] /= distance;
+    }
+    const struct shine shine = shade_hair(tangent, brush->light, eye, gloss);
+    for (int k = 0; k < 3; k++)
+        colour[k] = tone * (brush->render->colour[k] * (around + (1 - around) * shine.diffuse) +
+                            sheen[k] * shine.specular);
+    return pack(colour);
+}
+
+/* The distance from the reference at a place along the wisp, nodes counted from 0. */
+static double error_at(const struct brush *brush, double node) {
+    const int nodes = brush->strand->wisp->nodes, i = (int)fmin(node, nodes - 2);
+    return brush->error[i] + (node - i) * (brush->error[i + 1] - brush->error[i]);
+}
+
+static void draw_hair(struct brush *brush, const struct hairs *hairs, int hair) {
+    const double(*place)[2] =
+        (const double(*)[2])(hairs->place + (size_t)hair * (size_t)hairs->nodes);
+    const int pieces = brush->render->pieces;
+    const double tone = tone_of(hair, place[0]);
+    double end;
+    hair_controls(brush->strand, place, brush->controls);
+    const int count = hair_curve((const double(*)[3])brush->controls, hairs->nodes, pieces,
+                                 hairs->length[hair], brush->points, &end);
+    struct spot before, now;
+    look(brush, brush->points[0], &before);
+    for (int i = 1; i < count; i++, before = now) {
+        look(brush, brush->points[i], &now);
+        stroke(brush, LAYER_HAIR, before, now, hair_colour(brush, &before, &now, tone),
+               error_at(brush, fmin(end, (i - 0.5) / pieces)));
+    }
+}
+
+static void draw_hairs(struct brush *brush, int wisp) {
+    const struct frames *frames = brush->drawing->frames;
+    const struct hairs *hairs = brush->drawing->hairs[frames_ancestor(frames, wisp)];
+    const struct hair_share share = frames_share(frames, brush->frame, wisp);
+    for (int i = 0; i < hairs->count && !brush->failed; i++)
+        if (hair_share_has(share, i))
+            draw_hair(brush, hairs, i);
+}
+
+/* --- skeleton and envelope (figure 4.1) --- */
+
+static const unsigned skeleton_colour = 0xE3A92B, cross_colour = 0x3C3C3C,
+                      outline_colour = 0x6C88A8;
+static const unsigned axis_colour[3] = {0xC03A2B, 0x2E8B57, 0x2C6FBB}; /* u, v, w */
+
+static void draw_skeleton(struct brush *brush) {
+    const struct strand *strand = brush->strand;
+    for (int i = 0; i < strand->wisp->nodes; i++) {
+        const double *p = strand->p[i];
+        if (i > 0)
+            line(brush, LAYER_SKELETON, strand->p[i - 1], p, skeleton_colour,
+                 error_at(brush, i - 0.5));
+        line(brush, LAYER_NODES, p, p, cross_colour, brush->error[i]);
+    }
+}
+
+/* Samples on their half-lines, those along u and v in the colours of these; and w, half as long. */
+static void draw_crosses(struct brush *brush) {
+    const struct strand *strand = brush->strand;
+    const int samples = strand->wisp->samples;
+    for (int i = 0; i < strand->wisp->nodes && samples > 0; i++) {
+        double end[3];
+        for (int j = 0; j < samples && i >= 2; j++) {
+            const unsigned colour = j == 0                   ? axis_colour[0]
+                                    : j == 1 && samples == 4 ? axis_colour[1]
+                                                             : cross_colour;
+            line(brush, LAYER_ENVELOPE, strand->p[i], strand->e[i * samples + j], colour,
+                 brush->error[i]);
+        }
+        memcpy(end, strand->p[i], sizeof end);
+        vector_add(end, 0.5 * strand->wisp->radius, strand->axis_w[i]);
+        line(brush, LAYER_ENVELOPE, strand->p[i], end, axis_colour[2], brush->error[i]);
+    }
+}
+
+/* The envelope's rim in a plane, `turn` of the way round: between samples j and j + 1 r^-2 goes
+ * over as cos^2 to sin^2 of an angle from 0 to a right one. */
+static void rim(const struct strand *strand, int node, double turn, double point[3]) {
+    const int samples = strand->wisp->samples, j = (int)(turn * samples) % samples;
+    const double psi = (turn * samples - (int)(turn * samples)) * (M_PI / 2);
+    const double c = cos(psi) / section_radius(strand, node, j),
+                 s = sin(psi) / section_radius(strand, node, (j + 1) % samples);
+    const double rho = 1 / sqrt(c * c + s * s);
+    memcpy(point, strand->p[node], sizeof strand->p[node]);
+    vector_add(point, rho * cos(2 * M_PI * turn), strand->axis_u[node]);
+    vector_add(point, rho * sin(2 * M_PI * turn), strand->axis_v[node]);
+}
+
+static void draw_envelope(struct brush *brush) {
+    const struct strand *strand = brush->strand;
+    const int samples = strand->wisp->samples, around = 12 * samples;
+    for (int i = 1; i < strand->wisp->nodes && samples > 0; i++) {
+        double a[3], b[3];
+        rim(strand, i, 0, a);
+        for (int k = 1; k <= around; k++, memcpy(a, b, sizeof a)) {
+            rim(strand, i, (double)(k % around) / around, b);
+            line(brush, LAYER_ENVELOPE, a, b, outline_colour, brush->error[i]);
+        }
+        for (int j = 0; j < samples && i > 1; j++) {
+            rim(strand, i - 1, (double)j / samples, a);
+            rim(strand, i, (double)j / samples, b);
+            line(brush, LAYER_ENVELOPE, a, b, outline_colour, error_at(brush, i - 0.5));
+        }
+    }
+}
+
+/* --- the style field (figures 4.10 and 4.11) --- */
+
+static double strongest(const struct style *style) {
+    double most = 0;
+    for (int k = 0; k < style->knots; k++)
+        most = fmax(most, vector_length(style->acceleration[k]));
+    return most;
+}
+
+/* Arrows all over the picture, at the depth of the hair; the field is uniform in space. */
+static void draw_style(struct brush *brush) {
+    enum { ACROSS = 9, UPWARDS = 7 };
+    const struct frames *frames = brush->drawing->frames;
+    const struct camera *camera = &brush->drawing->camera;
+    const struct style *style = &frames->scene->around.style;
+    double field[3], root[3];
+    const double most = strongest(style);
+    style_acceleration(style, frames_time(frames, brush->frame), field);
+    if (!(vector_length(field) > 0) || !camera_project(camera, frames->scene->wisps[0].root, root))
+        return;
+    const double spacing = fmin(camera->width / ACROSS, camera->height / UPWARDS);
+    for (int i = 0; i < ACROSS * UPWARDS; i++) {
+        double ray[3], from[3], a[3], b[3];
+        camera_ray(camera, (i % ACROSS + 0.5) * camera->width / ACROSS,
+                   (i / ACROSS + 0.5) * camera->height / UPWARDS, ray);
+        memcpy(from, camera->eye, sizeof from);
+        vector_add(from, root[2], ray);
+        const double reach = 0.4 * spacing * root[2] / camera->scale / most;
+        double ends[2][3];
+        for (int k = 0; k < 3; k++) {
+            ends[0][k] = from[k] - reach * field[k];
+            ends[1][k] = from[k] + reach * field[k];
+        }
+        if (camera_project(camera, ends[0], a) && camera_project(camera, ends[1], b))
+            add_segment(brush, LAYER_STYLE,
+                        &(struct segment){(float)a[0], (float)a[1], (float)(b[0] - a[0]),
+                                          (float)(b[1] - a[1]), (float)root[2], 0, 0x9FB8D6, 0});
+    }
+}
+
+/* --- a frame --- */
+
+/* Makes room for the wisp at hand. */
+static int take_wisp(struct brush *brush, int wisp) {
+    const struct drawing *drawing = brush->drawing;
+    const struct frames *frames = drawing->frames, *reference = drawing->reference;
+    const struct wisp *numbers = &frames->wisps[wisp];
+    const size_t nodes = (size_t)numbers->nodes, pieces = (size_t)brush->render->pieces;
+    brush->strand = strand_create(numbers, frames->treatment);
+    brush->controls = malloc(nodes * sizeof *brush->controls);
+    brush->points = malloc(((nodes - 1) * pieces + 1) * sizeof *brush->points);
+    brush->error = calloc(nodes, sizeof *brush->error);
+    brush->reference = reference ? strand_create(numbers, reference->treatment) : NULL;
+    if (!brush->strand || !brush->controls || !brush->points || !brush->error ||
+        (reference && !brush->reference))
+        return -1;
+    frames_load(frames, brush->frame, wisp, brush->strand);
+    if (!reference)
+        return 0;
+    frames_load(reference, brush->frame, wisp, brush->reference);
+    for (size_t i = 0; i < nodes; i++) {
+        double d[3];
+        memcpy(d, brush->strand->p[i], sizeof d);
+        vector_add(d, -1, brush->reference->p[i]);
+        brush->error[i] = vector_length(d);
+    }
+    return 0;
+}
+
+static void leave_wisp(struct brush *brush) {
+    strand_free(brush->strand);
+    strand_free(brush->reference);
+    free(brush->controls);
+    free(brush->points);
+    free(brush->error);
+}
+
+static void draw_wisp(struct brush *brush, int wisp) {
+    const unsigned views = brush->drawing->views;
+    if (take_wisp(brush, wisp)) {
+        brush->failed = 1;
+    } else {
+        if (views & VIEW_HAIR)
+            draw_hairs(brush, wisp);
+        if (views & VIEW_ENVELOPE)
+            draw_envelope(brush);
+        if (views & VIEW_SKELETON) {
+            draw_crosses(brush);
+            draw_skeleton(brush);
+        }
+    }
+    leave_wisp(brush);
+}
+
+static void paint_bodies(struct brush *brush) {
+    struct picture *picture = brush->picture;
+    if (brush->figure.count == 0)
+        return;
+    picture->bodies = malloc(4 * (size_t)picture->width * (size_t)picture->height);
+    if (!picture->bodies) {
+        brush->failed = 1;
+    } else if (!figure_paint(&brush->figure, &brush->drawing->camera, brush->light,
+                             picture->bodies)) {
+        free(picture->bodies);
+        picture->bodies = NULL;
+    }
+}
+
+int picture_draw(struct picture *picture, const struct drawing *drawing, int frame) {
+    const struct scene *scene = drawing->frames->scene;
+    struct brush brush = {
+        .picture = picture, .drawing = drawing, .render = &scene->render, .frame = frame};
+    *picture = (struct picture){.width = (int)drawing->camera.width,
+                                .height = (int)drawing->camera.height};
+    camera_light(&drawing->camera, &scene->render, brush.light);
+    figure_place(&brush.figure, scene, frames_time(drawing->frames, frame));
+    paint_bodies(&brush);
+    if (drawing->views & VIEW_STYLE)
+        draw_style(&brush);
+    for (int i = 0; i < frames_wisps(drawing->frames, frame) && !brush.failed; i++)
+        draw_wisp(&brush, i);
+    for (int i = 0; i < LAYER_COUNT && !brush.failed; i++)
+        layer_sort(&picture->layer[i]);
+    return brush.failed ? -1 : 0;
+}
+
+void picture_free(struct picture *picture) {
+    free(picture->bodies);
+    for (int i = 0; i < LAYER_COUNT; i++)
+        free(picture->layer[i].segments);
+    *picture = (struct picture){0};
+}
+
+/* --- order --- */
+
+/* Numbers tell equals apart: qsort need not leave them as they were. */
+static int further_first(const void *a, const void *b) {
+    const struct segment *p = a, *q = b;
+    if (p->depth != q->depth)
+        return p->depth < q->depth ? 1 : -1;
+    return (p->number > q->number) - (p->number < q->number);
+}
+
+void layer_sort(struct layer *layer) {
+    for (size_t i = 0; i < layer->count; i++)
+        layer->segments[i].number = (unsigned)i;
+    if (layer->count > 0)
+        qsort(layer->segments, layer->count, sizeof *layer->segments, further_first);
+}

@@ -1,0 +1,297 @@
+#include "record.h"
+
+#include "build_info.h"
+#include "identity.h"
+#include "reference_check.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+void write_provenance(FILE *stream, const char *what, const struct scene *scene) {
+    fprintf(stream, "# %s\n# wisplab %s, commit %s, program %s, %s\n", what, WISPLAB_VERSION,
+            WISPLAB_COMMIT, program_hash(), WISPLAB_COMPILER);
+    if (scene) {
+        char hash[HASH_SIZE];
+        scene_hash(scene, hash);
+        fprintf(stream, "# scene %s, hash %s\n", scene->name, hash);
+    }
+}
+
+/* --- frames --- */
+
+struct frame_writer {
+    struct atomic_file file;
+    struct atomic_file diagnoses; /* open where the settings ask for them */
+    int diagnosing;
+    int named; /* the column names are written, with the first frame */
+    int error; /* errno of the first failure, or 0 */
+};
+
+static void write_names(FILE *stream, const struct model *model) {
+    for (int i = 0; i < model->column_count; i++)
+        fprintf(stream, "\t%s", model->columns[i]);
+    fputc('\n', stream);
+}
+
+static void write_diagnosis(struct frame_writer *writer, const struct diagnosis *diagnosis) {
+    diagnosis_write_row(writer->diagnoses.stream, diagnosis);
+    if (fflush(writer->diagnoses.stream))
+        writer->error = errno;
+}
+
+static int write_frame(void *ctx, const struct model *model, double t, const double *rows) {
+    struct frame_writer *writer = ctx;
+    FILE *stream = writer->file.stream;
+    const int columns = model->column_count;
+    if (!writer->named)
+        write_names(stream, model);
+    writer->named = 1;
+    for (int i = 0; i < model->row_count; i++) {
+        fprintf(stream, "%.17g", t);
+        for (int j = 0; j < columns; j++)
+            fprintf(stream, "\t%.17g", rows[i * columns + j]);
+        fputc('\n', stream);
+    }
+    if (fflush(stream)) /* now, so that a killed run keeps its frames and a full disk shows */
+        writer->error = errno;
+    if (writer->diagnosing)
+        write_diagnosis(writer, model->diagnosis);
+    return writer->error ? OUTPUT_FAILED : 0;
+}
+
+/* Opens a table of a run and writes where it comes from. */
+static int open_table_of_run(struct atomic_file *file, const char *folder, const char *name,
+                             const char *what, const struct scene *scene,
+                             const struct settings *settings, char *reason) {
+    char path[PATH_SIZE];
+    path_format(path, "%s/%s", folder, name);
+    if (atomic_open(file, path, reason))
+        return -1;
+    json_t *json = settings_to_json(scene, settings);
+    json_object_del(json, "diagnostics"); /* with them or without, states.tsv is the same */
+    char *text = json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(6));
+    write_provenance(file->stream, what, scene);
+    fprintf(file->stream, "# settings %s\n", text);
+    free(text);
+    json_decref(json);
+    return 0;
+}
+
+static int open_frames(struct frame_writer *writer, const struct scene *scene,
+                       const struct settings *settings, const char *folder, char *reason) {
+    *writer = (struct frame_writer){.diagnosing = settings->diagnostics};
+    if (open_table_of_run(&writer->file, folder, "states.tsv", "states at the frames: s, m, m/s",
+                          scene, settings, reason))
+        return -1;
+    fputc('t', writer->file.stream);
+    if (!writer->diagnosing)
+        return 0;
+    if (open_table_of_run(&writer->diagnoses, folder, "diagnostics.tsv", "diagnoses of the frames",
+                          scene, settings, reason)) {
+        atomic_discard(&writer->file);
+        return -1;
+    }
+    diagnosis_write_head(writer->diagnoses.stream);
+    return 0;
+}
+
+static int close_frames(struct frame_writer *writer, const struct run_result *result,
+                        char *reason) {
+    int code = -1;
+    if (result->outcome != OUTPUT_FAILED)
+        code = (writer->diagnosing && atomic_commit(&writer->diagnoses, reason)) ||
+                       atomic_commit(&writer->file, reason)
+                   ? -1
+                   : 0;
+    else
+        snprintf(reason, REASON_SIZE, "%.120s: cannot write: %.100s", writer->file.path,
+                 writer->error ? strerror(writer->error) : result->reason);
+    if (code && writer->diagnosing)
+        atomic_discard(&writer->diagnoses);
+    if (code)
+        atomic_discard(&writer->file);
+    return code;
+}
+
+/* A frame for each of two observers. */
+struct two_observers {
+    struct observer first, second;
+};
+
+static int both(void *ctx, const struct model *model, double t, const double *rows) {
+    struct two_observers *two = ctx;
+    const int code = two->first.frame(two->first.ctx, model, t, rows);
+    return code ? code : two->second.frame(two->second.ctx, model, t, rows);
+}
+
+/* --- CPU time --- */
+
+/* CPU seconds of one run without diagnoses, from as many as fill two milliseconds. */
+static double time_once(const struct scene *scene, const struct settings *settings,
+                        const struct watch *watch) {
+    struct settings plain = *settings;
+    double total = 0;
+    int runs = 0;
+    plain.diagnostics = 0;
+    while (total < 2e-3 && !(watch && watch->stop && *watch->stop)) {
+        struct run_result result;
+        simulate(scene, &plain, NULL, &(struct watch){.stop = watch ? watch->stop : NULL}, &result);
+        total += result.cpu_seconds;
+        runs++;
+        if (runs >= 10000)
+            break;
+    }
+    return runs ? total / runs : NAN;
+}
+
+static json_t *time_run(const struct scene *scene, const struct settings *settings,
+                        const struct watch *watch) {
+    json_t *seconds = json_array();
+    for (int i = 0; i < settings->timings; i++) {
+        const double once = time_once(scene, settings, watch);
+        if (watch && watch->stop && *watch->stop) /* the last one was cut short */
+            break;
+        json_array_append_new(seconds, json_real(once));
+    }
+    return seconds;
+}
+
+/* --- run.json --- */
+
+static json_t *counters_to_json(const struct counters *counters) {
+    json_t *json = json_object();
+#define X(field, definition) json_object_set_new(json, #field, json_integer(counters->field));
+    COUNTERS(X)
+#undef X
+    return json;
+}
+
+static json_t *terms_to_json(const struct scene *scene) {
+    const char *names[16];
+    json_t *json = json_array();
+    const int count = problem_terms(scene, names, 16);
+    for (int i = 0; i < count; i++)
+        json_array_append_new(json, json_string(names[i]));
+    return json;
+}
+
+/* Wall time by stage, and by call to the model where it was profiled. */
+static json_t *seconds_to_json(const struct settings *settings, const struct run_result *result) {
+    json_t *json = json_pack("{s:f, s:f, s:f}", "advance", result->advance_seconds, "ticks",
+                             result->tick_seconds, "frames", result->frame_seconds);
+    if (settings->profile) {
+#define X(call) json_object_set_new(json, #call, json_real(result->profile.call));
+        SYSTEM_CALLS(X)
+#undef X
+    }
+    return json;
+}
+
+static json_t *result_to_json(const struct scene *scene, const struct settings *settings,
+                              const struct run_result *result) {
+    char scene_text[HASH_SIZE], run_text[HASH_SIZE];
+    scene_hash(scene, scene_text);
+    run_hash(scene, settings, run_text);
+    const int failed = result->outcome != FINISHED;
+    return json_pack(
+        "{s:s, s:s, s:o, s:f, s:i, s:o, s:i, s:o, s:o, s:f, s:o, s:b, s:s, s:s, s:O, s:o, s:o, "
+        "s:o}",
+        "status", outcome_name(result->outcome), "reason", result->reason, "failure_time",
+        failed ? json_real(result->time) : json_null(), "simulated_time", result->time, "frames",
+        result->frames, "wisps", result->wisps > 0 ? json_integer(result->wisps) : json_null(),
+        "unknowns", settings->unknowns, "terms", terms_to_json(scene), "counters",
+        counters_to_json(&result->counters), "cpu_seconds", result->cpu_seconds, "seconds",
+        seconds_to_json(settings, result), "times_comparable",
+        !settings->diagnostics && !settings->profile, "run_hash", run_text, "scene_hash",
+        scene_text, "scene", scene->source, "settings", settings_to_json(scene, settings), "build",
+        build_to_json(), "machine", machine_to_json());
+}
+
+static int write_json(const json_t *json, const char *folder, char *reason) {
+    char path[PATH_SIZE];
+    struct atomic_file file;
+    path_format(path, "%s/run.json", folder);
+    if (atomic_open(&file, path, reason))
+        return -1;
+    if (!json || json_dumpf(json, file.stream, JSON_INDENT(2) | JSON_REAL_PRECISION(17))) {
+        atomic_discard(&file);
+        snprintf(reason, REASON_SIZE, "%.150s: cannot write: %s", path, strerror(errno));
+        return -1;
+    }
+    fputc('\n', file.stream);
+    return atomic_commit(&file, reason);
+}
+
+/* A run that took all the memory it may, or nearly, left none to write that down with. */
+static void lift_memory_limit(void) {
+    struct rlimit limit;
+    getrlimit(RLIMIT_AS, &limit);
+    limit.rlim_cur = limit.rlim_max;
+    setrlimit(RLIMIT_AS, &limit);
+}
+
+enum outcome record_run(const struct scene *scene, const struct settings *settings,
+                        const char *folder, const struct watch *watch, char *reason) {
+    struct frame_writer writer;
+    struct kept_frames kept = {0};
+    struct two_observers two = {{write_frame, &writer}, {keep_frame, &kept}};
+    const struct observer write_only = two.first, write_and_keep = {both, &two};
+    /* a perturbed run is a neighbour of one that is checked */
+    const int checked = settings->method->checked_by && settings->perturbation == 0;
+    struct run_result result;
+
+    if (open_frames(&writer, scene, settings, folder, reason))
+        return OUTPUT_FAILED;
+    simulate(scene, settings, checked ? &write_and_keep : &write_only, watch, &result);
+    lift_memory_limit();
+    if (close_frames(&writer, &result, reason)) {
+        kept_frames_free(&kept);
+        return OUTPUT_FAILED;
+    }
+    json_t *json = result_to_json(scene, settings, &result);
+    if (checked && result.outcome == FINISHED)
+        json_object_set_new(json, "second_opinion", second_opinion(scene, settings, &kept, watch));
+    if (settings->timings > 0 && result.outcome == FINISHED)
+        json_object_set_new(json, "cpu_seconds_repeated", time_run(scene, settings, watch));
+    kept_frames_free(&kept);
+    const int failed = write_json(json, folder, reason);
+    json_decref(json);
+    return failed ? OUTPUT_FAILED : result.outcome;
+}
+
+/* Gives a table of a dead process its name, up to the last complete line. */
+static void keep_complete_lines(const char *folder, const char *name, long pid) {
+    char partial[PATH_SIZE], path[PATH_SIZE];
+    path_format(partial, "%s/%s.%ld.part", folder, name, pid);
+    path_format(path, "%s/%s", folder, name);
+    FILE *file = fopen(partial, "r+");
+    if (!file)
+        return;
+    long end = 0, at = 0;
+    for (int c; (c = fgetc(file)) != EOF;) {
+        at++;
+        if (c == '\n')
+            end = at;
+    }
+    const int bad = ftruncate(fileno(file), end);
+    fclose(file);
+    if (bad || rename(partial, path))
+        unlink(partial);
+}
+
+int record_death(const struct scene *scene, const struct settings *settings, const char *folder,
+                 long pid, enum outcome outcome, const char *why, double reached, char *reason) {
+    struct run_result result = {.outcome = outcome, .time = reached};
+    snprintf(result.reason, REASON_SIZE, "%s", why);
+    keep_complete_lines(folder, "states.tsv", pid);
+    if (settings->diagnostics)
+        keep_complete_lines(folder, "diagnostics.tsv", pid);
+    json_t *json = result_to_json(scene, settings, &result);
+    const int code = write_json(json, folder, reason);
+    json_decref(json);
+    return code;
+}

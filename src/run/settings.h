@@ -1,0 +1,55 @@
+/* How a scene is run: what the user asked for, completed with defaults and checked. */
+#ifndef WISPLAB_SETTINGS_H
+#define WISPLAB_SETTINGS_H
+
+#include "model/model.h"
+#include "scene/scene_load.h"
+
+#include <jansson.h>
+
+/* What was asked for; NULL or 0 is not said. */
+struct run_request {
+    const char *stepper, *treatment, *linear;
+    double step, rtol, atol;    /* s; relative; m and m/s */
+    const char *const *options; /* "key=value" */
+    int option_count;
+    int timings;         /* how often the run is repeated for its CPU time */
+    int threads;         /* that share out a scene's parts; 0: one */
+    double perturbation; /* rms displacement of each node's start, m; 0: none */
+    int draw;            /* which one of such displacements: the seed of the random numbers */
+    int profile;         /* whether calls to the model are timed */
+    int diagnostics;     /* whether there is a diagnosis of each frame */
+};
+
+struct settings {
+    const struct stepper_method *method;
+    struct stepper_settings stepper;
+    int treatment;         /* index into the problem's list */
+    double step;           /* s, of fixed-step methods */
+    double frame_interval; /* s, where the scene has no frame rate; 0: every accepted step */
+    double perturbation;   /* rms displacement of each node's start, m */
+    int draw;              /* which one: seeds the random numbers */
+    int timings;
+    int threads;     /* results do not depend on it */
+    int profile;     /* nor on this */
+    int diagnostics; /* states do not depend on it; times do */
+    int unknowns;    /* of the whole model: coordinates, not counting velocities */
+};
+
+/* Completes a request for a scene. Returns 0, or with one line in `reason` (REASON_SIZE) REFUSED
+ * where a name is unknown, a value out of range, or the combination not supported, or
+ * OUT_OF_MEMORY. */
+int settings_resolve(const struct scene *scene, const struct run_request *request,
+                     struct settings *settings, char *reason);
+
+/* The settings of the second opinion on a run, or 0 where the method has none. */
+int settings_second_opinion(const struct scene *scene, const struct settings *settings,
+                            struct settings *second, char *reason);
+
+/* Most wisps that one part may hold under these settings. */
+int settings_lanes(const struct settings *settings);
+
+/* Everything that decides a run's result besides scene and program. New reference. */
+json_t *settings_to_json(const struct scene *scene, const struct settings *settings);
+
+#endif

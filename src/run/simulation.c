@@ -1,0 +1,362 @@
+#include "simulation.h"
+
+#include "base/progress.h"
+#include "base/workers.h"
+#include "model/clock.h"
+
+#include <gsl/gsl_randist.h>
+#include <math.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+/* What a thread says of a part it has advanced. */
+struct progress_of_part {
+    double reached; /* s */
+    int code;       /* of the step that failed, or 0 */
+    int finite;     /* whether the state is */
+    struct profile profile;
+    struct account account; /* where diagnoses are asked for */
+};
+
+struct simulation {
+    const struct scene *scene;
+    const struct settings *settings;
+    const struct observer *observer;
+    const struct watch *watch;
+    struct run_result *result;
+    struct model *model;
+    struct stepper **steppers; /* one for each part */
+    int stepper_count;
+    double *rows; /* a frame */
+    int *changed; /* by part: a tick changed its state */
+    struct progress_of_part *progress;
+    struct workers *workers;
+    struct clock clock;
+    double t;
+
+    /* where diagnoses are asked for */
+    struct diagnosis diagnosis;          /* of the last frame */
+    double first_energy;                 /* J */
+    double other_jumps;                  /* at ticks, of no kind that parts have accounts of, J */
+    double body_contacts, wisp_contacts; /* up to the last frame */
+};
+
+static void end_with(struct simulation *sim, enum outcome outcome, const char *reason) {
+    sim->result->outcome = outcome;
+    snprintf(sim->result->reason, REASON_SIZE, "%s", reason);
+}
+
+static int going(const struct simulation *sim) {
+    return sim->result->outcome == FINISHED;
+}
+
+static void start_clock(struct simulation *sim) {
+    const double rate = sim->scene->frame_rate;
+    sim->clock = clock_start(sim->scene->duration);
+    clock_add(&sim->clock, STOP_FRAME, rate, rate > 0 ? 0 : sim->settings->frame_interval);
+    clock_add(&sim->clock, STOP_COLLISION, sim->model->collision_rate, 0);
+    clock_add(&sim->clock, STOP_INTERACTION, sim->model->interaction_rate, 0);
+    sim->clock.kink = sim->model->kinks;
+    sim->clock.kink_count = sim->model->kink_count;
+}
+
+/* Displaces every node's start at random, by settings->perturbation in the rms: two such runs tell
+ * how long the scene lets trajectories be compared. What a problem prescribes it does not take
+ * back from rows. */
+static void perturb_start(struct simulation *sim) {
+    const struct problem *problem = sim->scene->problem;
+    const int columns = sim->model->column_count;
+    const double each = sim->settings->perturbation / sqrt(3);
+    gsl_rng *random = gsl_rng_alloc(gsl_rng_mt19937);
+    if (!random) {
+        end_with(sim, OUT_OF_MEMORY, "no memory for random numbers");
+        return;
+    }
+    gsl_rng_set(random, (unsigned long)sim->settings->draw);
+    problem->sample(sim->model, sim->rows);
+    for (int i = 0; i < sim->model->row_count; i++)
+        for (int k = 2; k < 5; k++) /* x y z, after wisp and node */
+            sim->rows[i * columns + k] += gsl_ran_gaussian(random, each);
+    problem->restore(sim->model, sim->rows);
+    gsl_rng_free(random);
+}
+
+/* A stepper for each part that has none: the parts at the start, and those a tick has added. */
+static void create_steppers(struct simulation *sim) {
+    for (; sim->stepper_count < sim->model->part_count && going(sim); sim->stepper_count++) {
+        const int i = sim->stepper_count;
+        struct system *system = &sim->model->parts[i].system;
+        if (sim->settings->profile)
+            system->profile = &sim->progress[i].profile;
+        if (sim->settings->diagnostics)
+            sim->model->parts[i].account = &sim->progress[i].account;
+        sim->steppers[i] = stepper_create(sim->settings->method, &sim->settings->stepper, system);
+        if (!sim->steppers[i])
+            end_with(sim, OUT_OF_MEMORY, "no memory for a stepper");
+    }
+}
+
+/* Scene -> model -> parts, each with its stepper; and the clock that will stop them. */
+static void open_simulation(struct simulation *sim) {
+    const struct problem *problem = sim->scene->problem;
+    sim->model =
+        problem->create(sim->scene, sim->settings->treatment, settings_lanes(sim->settings));
+    if (!sim->model) {
+        end_with(sim, OUT_OF_MEMORY, "no memory for the model");
+        return;
+    }
+    start_clock(sim);
+    const size_t parts = (size_t)sim->model->part_count + (size_t)sim->model->parts_to_come;
+    const size_t rows = (size_t)sim->model->row_count + (size_t)sim->model->rows_to_come;
+    sim->steppers = calloc(parts, sizeof(struct stepper *));
+    sim->rows = calloc(rows, (size_t)sim->model->column_count * sizeof(double));
+    sim->changed = calloc(parts, sizeof(int));
+    sim->progress = calloc(parts, sizeof *sim->progress);
+    sim->workers = workers_create(sim->settings->threads);
+    if (!sim->steppers || !sim->rows || !sim->changed || !sim->progress || !sim->workers)
+        end_with(sim, OUT_OF_MEMORY, "no memory for the steppers");
+    create_steppers(sim);
+    if (going(sim) && sim->settings->perturbation > 0)
+        perturb_start(sim);
+}
+
+static void add_counters(struct counters *sum, const struct counters *part) {
+#define X(field, definition) sum->field += part->field;
+    COUNTERS(X)
+#undef X
+}
+
+static void add_profile(struct profile *sum, const struct profile *part) {
+#define X(call) sum->call += part->call;
+    SYSTEM_CALLS(X)
+#undef X
+}
+
+static void close_simulation(struct simulation *sim) {
+    if (sim->model) {
+        for (int i = 0; i < sim->model->part_count; i++) {
+            sim->result->wisps += sim->model->parts[i].system.wisps;
+            add_counters(&sim->result->counters, &sim->model->parts[i].system.counters);
+            if (sim->progress)
+                add_profile(&sim->result->profile, &sim->progress[i].profile);
+            if (sim->steppers && sim->steppers[i])
+                sim->settings->method->free(sim->steppers[i]);
+        }
+        sim->scene->problem->free(sim->model);
+    }
+    free(sim->steppers);
+    free(sim->rows);
+    free(sim->changed);
+    free(sim->progress);
+    workers_free(sim->workers);
+}
+
+/* After each step of part i: tells how far the run is, and asks whether it may go on. The first
+ * part speaks for all: threads that write to one place wait for each other. */
+static int interrupted(struct simulation *sim, int i, double t) {
+    if (i == 0 && sim->watch && sim->watch->reached)
+        atomic_store_explicit(sim->watch->reached, t, memory_order_relaxed);
+    return sim->watch && sim->watch->stop && *sim->watch->stop;
+}
+
+/* Equal steps over the interval, the last of them ending at `to`. */
+static int advance_fixed(struct simulation *sim, int i, double *t, double to) {
+    struct part *part = &sim->model->parts[i];
+    const double from = *t;
+    const long long steps = clock_steps(to - from, sim->settings->step);
+    const double h = (to - from) / (double)steps;
+
+    for (long long k = 0; k < steps && !interrupted(sim, i, *t); k++) {
+        const int code = sim->settings->method->step(sim->steppers[i], *t, h, part->q, part->v);
+        if (code)
+            return code;
+        part->system.counters.steps += part->system.wisps;
+        *t = k + 1 == steps ? to : from + (double)(k + 1) * h;
+        if (part->account)
+            account_step(part, *t);
+    }
+    return 0;
+}
+
+/* Steps of the method's own choice, or just one of them. */
+static int advance_adaptive(struct simulation *sim, int i, double *t, double to, int once) {
+    struct part *part = &sim->model->parts[i];
+    do {
+        const int code = sim->settings->method->advance(sim->steppers[i], t, to, part->q, part->v);
+        if (code)
+            return code;
+        part->system.counters.steps += part->system.wisps;
+        if (part->account)
+            account_step(part, *t);
+    } while (*t < to && !once && !interrupted(sim, i, *t));
+    return 0;
+}
+
+static int all_finite(const double *x, int n) {
+    double sum[8] = {
+        0}; /* 0 * x is NaN where x is not finite; eight chains of additions, not one */
+    for (int i = 0; i < n; i++)
+        sum[i % 8] += 0 * x[i];
+    for (int k = 1; k < 8; k++)
+        sum[0] += sum[k];
+    return sum[0] == 0;
+}
+
+/* An interval to be advanced over, and how far each part has come. */
+struct interval {
+    struct simulation *sim;
+    double to;
+    int once; /* every accepted step is a frame */
+};
+
+static void advance_part(void *ctx, int i) {
+    const struct interval *interval = ctx;
+    struct simulation *sim = interval->sim;
+    struct progress_of_part *part = &sim->progress[i];
+    const struct part *state = &sim->model->parts[i];
+    part->reached = sim->t;
+    if (sim->settings->diagnostics)
+        account_begin(&sim->model->parts[i], sim->t);
+    part->code = sim->settings->method->advance
+                     ? advance_adaptive(sim, i, &part->reached, interval->to, interval->once)
+                     : advance_fixed(sim, i, &part->reached, interval->to);
+    part->finite = all_finite(state->q, state->system.size) &&
+                   all_finite(state->v, state->system.size); /* while they are in the cache */
+}
+
+/* The smooth advance of every part to the stop at `to`, or by one step of the only part where
+ * every accepted step is a frame. Parts do not see each other: threads share them out. */
+static void advance_parts(struct simulation *sim, double to) {
+    const int every_step = sim->scene->frame_rate == 0 && sim->settings->frame_interval == 0;
+    struct interval interval = {sim, to, every_step};
+    double reached = to;
+
+    workers_run(sim->workers, advance_part, &interval, sim->model->part_count);
+    for (int i = 0; i < sim->model->part_count; i++) {
+        const struct progress_of_part *part = &sim->progress[i];
+        if (part->code && going(sim))
+            end_with(sim, (enum outcome)abs(part->code), sim->model->parts[i].system.reason);
+        reached = fmin(reached, part->reached);
+    }
+    if (going(sim) && interrupted(sim, 0, reached))
+        end_with(sim, (enum outcome) * sim->watch->stop, "stopped from outside");
+    sim->t = sim->model->t = reached;
+    sim->result->time = reached;
+}
+
+static void check_finite(struct simulation *sim) {
+    for (int i = 0; i < sim->model->part_count && going(sim); i++)
+        if (!sim->progress[i].finite)
+            end_with(sim, NOT_FINITE, "the state overflowed or became NaN");
+}
+
+/* A finite state can still be wrong. */
+static void check_meaning(struct simulation *sim) {
+    const struct problem *problem = sim->scene->problem;
+    if (problem->check)
+        sim->result->outcome = problem->check(sim->model, sim->result->reason, REASON_SIZE);
+}
+
+/* What an event of a tick changes where no part has an account of it. */
+static double unbooked_energy(const struct simulation *sim) {
+    return model_energy(sim->model) - model_jumps(sim->model);
+}
+
+/* What happens at a stop; steppers with a history begin anew where it changed their part, and new
+ * parts get theirs. */
+static void tick(struct simulation *sim, unsigned events) {
+    const struct problem *problem = sim->scene->problem;
+    if (!problem->tick)
+        return;
+    memset(sim->changed, 0, (size_t)sim->model->part_count * sizeof(int));
+    const double booked = sim->settings->diagnostics ? unbooked_energy(sim) : 0;
+    const enum outcome outcome = problem->tick(sim->model, sim->workers, events, sim->changed);
+    if (sim->settings->diagnostics)
+        sim->other_jumps += unbooked_energy(sim) - booked;
+    if (outcome != FINISHED)
+        end_with(sim, outcome, "no memory for what happens at a tick");
+    for (int i = 0; i < sim->stepper_count; i++)
+        if (sim->changed[i] && sim->settings->method->reset)
+            sim->settings->method->reset(sim->steppers[i]);
+    create_steppers(sim);
+}
+
+/* The frame's diagnosis: the model's, with what only the run knows: its start, the frame before,
+ * the ticks. */
+static void make_diagnosis(struct simulation *sim) {
+    struct diagnosis *d = &sim->diagnosis;
+    const double body_contacts = sim->body_contacts, wisp_contacts = sim->wisp_contacts;
+    if (diagnose(sim->model, sim->rows, d)) {
+        end_with(sim, OUT_OF_MEMORY, "no memory for a diagnosis");
+        return;
+    }
+    if (sim->result->frames == 1)
+        sim->first_energy = d->residual;
+    d->other = sim->other_jumps;
+    d->residual -= sim->first_energy + d->other;
+    sim->body_contacts = d->body_contacts;
+    sim->wisp_contacts = d->wisp_contacts;
+    d->body_contacts -= body_contacts;
+    d->wisp_contacts -= wisp_contacts;
+    sim->model->diagnosis = d;
+}
+
+static void show_frame(struct simulation *sim) {
+    sim->result->frames++;
+    if (!sim->observer)
+        return;
+    sim->scene->problem->sample(sim->model, sim->rows);
+    if (sim->settings->diagnostics)
+        make_diagnosis(sim);
+    if (!going(sim))
+        return;
+    const int code = sim->observer->frame(sim->observer->ctx, sim->model, sim->t, sim->rows);
+    if (code)
+        end_with(sim, (enum outcome)code, "a frame could not be kept");
+}
+
+static double cpu_now(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+void simulate(const struct scene *scene, const struct settings *settings,
+              const struct observer *observer, const struct watch *watch,
+              struct run_result *result) {
+    struct simulation sim = {.scene = scene,
+                             .settings = settings,
+                             .observer = observer,
+                             .watch = watch,
+                             .result = result};
+    const int every_step = scene->frame_rate == 0; /* every step is a frame, stops being steps */
+    struct stop stop = {0};
+
+    *result = (struct run_result){.outcome = FINISHED};
+    open_simulation(&sim);
+    if (going(&sim))
+        show_frame(&sim);
+    const double start = cpu_now();
+    while (going(&sim) && (sim.t < stop.t || clock_next(&sim.clock, &stop))) {
+        const double begin = monotonic_seconds();
+        advance_parts(&sim, stop.t);
+        if (going(&sim))
+            check_finite(&sim);
+        const double advanced = monotonic_seconds();
+        if (going(&sim) && sim.t == stop.t)
+            tick(&sim, stop.events);
+        const double ticked = monotonic_seconds();
+        if (going(&sim) && (every_step || stop.events & STOP_FRAME))
+            show_frame(&sim);
+        if (going(&sim) && (every_step || stop.events & STOP_FRAME))
+            check_meaning(&sim);
+        result->advance_seconds += advanced - begin;
+        result->tick_seconds += ticked - advanced;
+        result->frame_seconds += monotonic_seconds() - ticked;
+    }
+    result->cpu_seconds = cpu_now() - start;
+    close_simulation(&sim);
+}

@@ -1,0 +1,109 @@
+#include "scene_start.h"
+
+#include "model/state.h"
+#include "run/identity.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Of the head's nodes, m and m/s, for coordinates up to 1 m: a file of nine digits has 1e-9. */
+static const double tolerance = 1e-6;
+
+/* A path is taken from the folder of the scene file. */
+static int start_path(const struct config_reader *reader, const char *name, char *path) {
+    const char *slash = strrchr(reader->file, '/');
+    if (name[0] == '/' || !slash)
+        return path_format(path, "%s", name);
+    return path_format(path, "%.*s/%s", (int)(slash - reader->file), reader->file, name);
+}
+
+/* The largest difference in position or velocity of a row, relative to numbers beyond 1. */
+static double apart(const double *row, const double *expected) {
+    double most = 0;
+    for (int k = 2; k < 8; k++)
+        most = fmax(most, fabs(row[k] - expected[k]) / fmax(1, fabs(expected[k])));
+    return most;
+}
+
+/* Nodes 0 and 1 must be where the head has them at t = 0. */
+static void check_head(struct config_reader *reader, const config_setting_t *setting,
+                       const struct model *model, const double *rows, const double *expected) {
+    for (int i = 0; i < model->row_count; i++) {
+        const double *row = rows + i * model->column_count,
+                     *head = expected + i * model->column_count;
+        const double difference = row[1] < 2 ? apart(row, head) : 0;
+        if (difference > tolerance)
+            config_fail(reader, setting,
+                        "start: node %g of wisp %g is %.3g m or m/s away from where the head has "
+                        "it at t = 0; this must be a state of these wisps, the head being the same",
+                        row[1], row[0], difference);
+    }
+}
+
+static void fail(struct config_reader *reader, const config_setting_t *setting,
+                 const char *reason) {
+    reader->out_of_memory |= errno == ENOMEM;
+    config_fail(reader, setting, "start: %s", reason);
+}
+
+/* What is in the table, as a model of the treatment whose columns it has knows it. */
+static void take_table(struct config_reader *reader, const config_setting_t *setting,
+                       const struct table *table, const char *file, struct scene *scene) {
+    char reason[REASON_SIZE] = "out of memory";
+    struct start start = {.treatment =
+                              table_column(table, "e0x") >= 0 ? WISP_PENALTY : WISP_GENERALISED};
+    double t;
+    errno = 0;
+    struct model *model = scene->problem->create(scene, start.treatment, 1);
+    if (!model) {
+        reader->out_of_memory = true;
+        fail(reader, setting, reason);
+        return;
+    }
+    const size_t size = (size_t)(model->row_count * model->column_count);
+    double *expected = malloc(size * sizeof *expected);
+    start.columns = model->column_count;
+    start.count = (int)size;
+    start.rows = malloc(size * sizeof *start.rows);
+    if (!expected || !start.rows || state_of_table(model, table, file, start.rows, &t, reason)) {
+        fail(reader, setting, reason);
+    } else {
+        model->problem->sample(model, expected);
+        check_head(reader, setting, model, start.rows, expected);
+    }
+    free(expected);
+    scene->problem->free(model);
+    scene->start = start; /* freed with the scene, right or wrong */
+}
+
+void scene_read_start(struct config_reader *reader, config_setting_t *top, struct scene *scene) {
+    const config_setting_t *setting = config_setting_get_member(top, "start");
+    const char *name = config_text(reader, top, "start", NULL);
+    char path[PATH_SIZE], reason[REASON_SIZE];
+    struct table table;
+    if (reader->failed || !name)
+        return;
+    if (!*name || start_path(reader, name, path)) {
+        config_fail(reader, setting, "start: must be the path of a file, from the scene's folder");
+        return;
+    }
+    errno = 0;
+    if (table_read(&table, path, reason)) {
+        fail(reader, setting, reason);
+        return;
+    }
+    take_table(reader, setting, &table, path, scene);
+    table_free(&table);
+}
+
+void scene_note_start(struct scene *scene) {
+    char hash[HASH_SIZE];
+    if (!scene->start.rows)
+        return;
+    hash_bytes(scene->start.rows, (size_t)scene->start.count * sizeof *scene->start.rows, hash);
+    json_t *file = json_incref(json_object_get(scene->source, "start"));
+    json_object_set_new(scene->source, "start",
+                        json_pack("{s:o, s:s}", "file", file, "hash", hash));
+}

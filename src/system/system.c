@@ -1,0 +1,70 @@
+#include "system.h"
+
+#include "base/progress.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+
+/* Does something, and adds its time to the profile where there is one. */
+#define TIMED(s, call, what)                                         \
+    do {                                                             \
+        const double begin = (s)->profile ? monotonic_seconds() : 0; \
+        what;                                                        \
+        if ((s)->profile)                                            \
+            (s)->profile->call += monotonic_seconds() - begin;       \
+    } while (0)
+
+int system_acceleration(struct system *s, double t, const double *q, const double *v, double *a) {
+    int code;
+    s->counters.force_evaluations += s->wisps;
+    TIMED(s, acceleration, code = s->ops->acceleration(s->ctx, t, q, v, a));
+    return code;
+}
+
+int system_has_projection(const struct system *s) {
+    return s->ops->project != NULL;
+}
+
+int system_project(struct system *s, double t, double *q, double *v) {
+    int code;
+    s->counters.projections += s->wisps;
+    TIMED(s, project, code = s->ops->project(s->ctx, t, q, v));
+    return code;
+}
+
+int system_linearise(struct system *s, enum jacobian kind, double t, const double *q,
+                     const double *v) {
+    int code;
+    s->counters.linearisations += s->wisps;
+    TIMED(s, linearise, code = s->ops->linearise(s->ctx, kind, t, q, v));
+    return code;
+}
+
+void system_product(struct system *s, double m, double d, double k, const double *x, double *y) {
+    s->counters.jacobian_products += s->wisps;
+    TIMED(s, product, s->ops->product(s->ctx, m, d, k, x, y));
+}
+
+int system_factor(struct system *s, double alpha, double beta) {
+    int code;
+    s->counters.factorisations += s->wisps;
+    TIMED(s, factor, code = s->ops->factor(s->ctx, alpha, beta));
+    return code;
+}
+
+void system_solve(struct system *s, const double *b, double *x) {
+    TIMED(s, solve, s->ops->solve(s->ctx, b, x));
+}
+
+void system_assemble(struct system *s, double alpha, double beta, double *values) {
+    s->counters.assemblies += s->wisps;
+    TIMED(s, assemble, s->ops->assemble(s->ctx, alpha, beta, values));
+}
+
+int system_fail(struct system *s, int code, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(s->reason, sizeof s->reason, format, arguments);
+    va_end(arguments);
+    return code;
+}
