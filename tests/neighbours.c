@@ -3,7 +3,9 @@
 #include "wisp/neighbours.h"
 
 #include "model/clock.h"
+#include "model/problems.h"
 #include "model/wisp_model.h"
+#include "scene/scene_load.h"
 #include "support.h"
 #include "wisp/section.h"
 #include "wisp_support.h"

@@ -1,8 +1,10 @@
 /* From a run's files to pictures of it, and to files for other tools. */
+#include "base/table.h"
 #include "base/vector.h"
 #include "command/cli.h"
 #include "picture/strip.h"
 #include "picture/vtk.h"
+#include "scene/scene_load.h"
 #include "support.h"
 #include "wisp_support.h"
 

@@ -1,6 +1,7 @@
 #include "support.h"
 
 #include "model/circle.h"
+#include "scene/scene_load.h"
 
 #include <criterion/criterion.h>
 #include <fcntl.h>

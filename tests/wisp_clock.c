@@ -1,6 +1,8 @@
 /* What happens to wisps at times rather than between them: the tick that keeps samples off their
  * node, and wind, whose kinks stop the advance. */
 #include "model/clock.h"
+#include "model/problems.h"
+#include "scene/scene_load.h"
 #include "wisp_support.h"
 
 #include <criterion/criterion.h>

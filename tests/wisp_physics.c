@@ -1,6 +1,7 @@
 /* What the forces of a wisp must obey: energies and their gradients, momentum, the frequencies of a
  * hanging chain, and the thesis's own procedure with positions in space. */
 #include "base/vector.h"
+#include "scene/scene_load.h"
 #include "wisp_support.h"
 
 #include <criterion/criterion.h>

@@ -2,6 +2,8 @@
 
 #include "base/vector.h"
 #include "kernel/sparse.h"
+#include "model/problems.h"
+#include "scene/scene_load.h"
 #include "support.h"
 
 #include <criterion/criterion.h>

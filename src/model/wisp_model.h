@@ -4,7 +4,7 @@
 #define WISPLAB_WISP_MODEL_H
 
 #include "model.h"
-#include "scene/scene_load.h"
+#include "scene.h"
 
 enum { LANES_MAX = 4 };
 

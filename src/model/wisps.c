@@ -1,6 +1,7 @@
 /* The problem of wisps: a scene's wisps, gathered into parts for the kernel. */
 #include "kernel/kernel.h"
 #include "kernel/sparse.h"
+#include "problems.h"
 #include "wisp_model.h"
 
 #include <stdio.h>
