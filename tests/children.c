@@ -1,7 +1,9 @@
 /* Runs that hang, crash, leave or eat memory: each is a result with its kind and its time, and the
  * others go on. */
+#include "base/table.h"
 #include "run/results.h"
 #include "run/runs.h"
+#include "scene/scene_load.h"
 #include "support.h"
 
 #include <criterion/criterion.h>

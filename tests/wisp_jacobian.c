@@ -1,5 +1,7 @@
 /* The Jacobians of the kernel: against differences of the twin's accelerations, against each other,
  * and what the solvers make of them. */
+#include "model/problems.h"
+#include "scene/scene_load.h"
 #include "wisp_support.h"
 
 #include <criterion/criterion.h>

@@ -1,5 +1,7 @@
 #include "runs.h"
 
+#include "base/files.h"
+#include "base/hash.h"
 #include "base/progress.h"
 #include "identity.h"
 
