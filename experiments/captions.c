@@ -1,5 +1,6 @@
 #include "captions.h"
 
+#include "base/files.h"
 #include "base/text_table.h"
 
 #include <math.h>

@@ -2,6 +2,8 @@
  * 2.4 and 2.5, and what they do not show: error against time and against cost. */
 #include "model/circle.h"
 
+#include "base/files.h"
+#include "base/table.h"
 #include "captions.h"
 #include "experiments/common/measure.h"
 

@@ -3,6 +3,8 @@
  * to that separation horizon a method's error is its own. After it, only what many runs from
  * perturbed starts have in common says anything: their mean shape, energy and number of contacts.
  * The yardstick is how far two halves of the reference's own ensemble are from each other. */
+#include "base/files.h"
+#include "base/table.h"
 #include "captions.h"
 #include "experiments/common/measure.h"
 #include "model/model.h"

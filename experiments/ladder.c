@@ -5,9 +5,11 @@
  * In each cell, a stiffness and a damping, each method gets the largest setting that reaches the
  * target: from coarse to fine until one does, then between it and the last that did not, by halves.
  * The runs that are next depend on those before; refine() names them, round by round. */
+#include "base/files.h"
 #include "captions.h"
 #include "experiments/common/search.h"
 #include "model/model.h"
+#include "model/problems.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,9 +2,11 @@
  * exactness cost? The samples of an envelope should stay on their half-lines; `penalty` holds them
  * with springs, and is exact in the limit of stiff ones; `projection` and `generalised` leave terms
  * out. Distances here are between tight solutions: no integrator has a part in them. */
+#include "base/files.h"
 #include "captions.h"
 #include "experiments/common/measure.h"
 #include "model/model.h"
+#include "model/problems.h"
 
 #include <math.h>
 #include <stdlib.h>

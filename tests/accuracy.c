@@ -1,5 +1,7 @@
 /* tests/accuracy.tsv: what every stepper achieved when the table was last updated. */
 #include "build_info.h"
+#include "model/problems.h"
+#include "scene/scene_load.h"
 #include "support.h"
 #include "wisp_support.h"
 

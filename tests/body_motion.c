@@ -1,5 +1,6 @@
 /* Bodies that move and turn with the head: against the same contact seen from the head, a closed
  * form, and the principles of Galilei and of equivalence. */
+#include "scene/scene_load.h"
 #include "wisp/body.h"
 #include "wisp_support.h"
 

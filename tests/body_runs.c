@@ -1,6 +1,8 @@
 /* Whole runs of wisps that touch bodies. */
 #include "base/vector.h"
 #include "body_oracle.h"
+#include "model/problems.h"
+#include "scene/scene_load.h"
 #include "wisp_support.h"
 
 #include <criterion/criterion.h>

@@ -1,10 +1,13 @@
 /* Where points are in a picture, what bodies hide, and the order in which all is drawn. */
 #include "picture/camera.h"
 
+#include "base/hash.h"
 #include "base/vector.h"
 #include "picture/bodies.h"
 #include "picture/picture.h"
 #include "run/identity.h"
+#include "scene/scene_load.h"
+#include "scene/scene_render.h"
 #include "wisp_support.h"
 
 #include <criterion/criterion.h>

@@ -1,5 +1,6 @@
 /* The program as a user meets it: what is wrong is said in one line, with the right exit code. */
-#include "command/cli.h"
+#include "base/hash.h"
+#include "command/commands.h"
 #include "support.h"
 
 #include <criterion/criterion.h>

@@ -1,5 +1,6 @@
 /* What a step costs, as a contract; and that counters count what happens. */
 #include "fixture.h"
+#include "scene/scene_load.h"
 #include "support.h"
 
 #include <criterion/criterion.h>

@@ -2,11 +2,14 @@
  * and extremes of states that are known. */
 #include "experiments/common/diagnostics.h"
 
+#include "base/table.h"
 #include "base/vector.h"
 #include "model/clock.h"
+#include "model/problems.h"
 #include "picture/plot.h"
 #include "run/results.h"
 #include "run/runs.h"
+#include "scene/scene_load.h"
 #include "support.h"
 #include "wisp_support.h"
 

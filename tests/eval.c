@@ -1,6 +1,9 @@
 /* `wisplab eval`: the accelerations of a start or of a saved state are those of the model, and a
  * file that holds no state of the scene is refused in one line. */
+#include "base/table.h"
+#include "model/problems.h"
 #include "run/results.h"
+#include "scene/scene_load.h"
 #include "support.h"
 #include "wisp_support.h"
 

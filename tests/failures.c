@@ -1,5 +1,6 @@
 /* Callbacks that fail, and numbers that are not finite. */
 #include "fixture.h"
+#include "scene/scene_load.h"
 #include "support.h"
 
 #include <criterion/criterion.h>

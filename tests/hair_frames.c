@@ -2,6 +2,7 @@
 #include "experiments/chapter5/hair_frames.h"
 
 #include "experiments/chapter5/crossing.h"
+#include "scene/scene_load.h"
 #include "wisp/section.h"
 #include "wisp_support.h"
 

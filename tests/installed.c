@@ -1,5 +1,5 @@
 /* What stands beside the program: man page, completion, and the program where it is installed. */
-#include "command/cli.h"
+#include "command/commands.h"
 #include "support.h"
 
 #include <criterion/criterion.h>

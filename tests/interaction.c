@@ -2,6 +2,7 @@
  * force, what physics asks of it, and what it must not depend on. */
 #include "base/vector.h"
 #include "interaction_oracle.h"
+#include "scene/scene_load.h"
 #include "wisp/section.h"
 #include "wisp_support.h"
 

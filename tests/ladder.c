@@ -1,5 +1,6 @@
 /* The experiment that searches: its brackets, its costs' crossings, and that a search over rounds
  * of runs goes on where it was, whoever did the runs. */
+#include "scene/scene_load.h"
 #include "support.h"
 #include "wisp_support.h"
 

@@ -1,5 +1,6 @@
 /* The linear solvers: that they solve, agree, and refuse what they cannot do. */
 #include "fixture.h"
+#include "scene/scene_load.h"
 #include "support.h"
 
 #include <criterion/criterion.h>

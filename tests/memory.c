@@ -7,6 +7,7 @@
 #include "fixture.h"
 #include "model/clock.h"
 #include "picture/picture.h"
+#include "scene/scene_load.h"
 #include "support.h"
 
 #include <criterion/criterion.h>

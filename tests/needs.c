@@ -2,8 +2,10 @@
  * detail, and an experiment whose verdicts follow from its numbers. */
 #include "experiments/common/curve.h"
 #include "experiments/common/measure.h"
+#include "model/problems.h"
 #include "run/identity.h"
 #include "scene/scene_detail.h"
+#include "scene/scene_load.h"
 #include "support.h"
 #include "wisp_support.h"
 

@@ -2,6 +2,7 @@
  * and the position errors that follow from it. */
 #include "closed_forms.h"
 #include "model/circle.h"
+#include "scene/scene_load.h"
 #include "support.h"
 
 #include <complex.h>

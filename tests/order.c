@@ -2,6 +2,7 @@
 #include "order.h"
 
 #include "model/circle.h"
+#include "scene/scene_load.h"
 
 #include <complex.h>
 #include <criterion/criterion.h>

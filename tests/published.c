@@ -4,6 +4,7 @@
  * and RADAU at tolerances of 1.1e-18, and printed to 16 digits. */
 #include "experiments/common/measure.h"
 #include "order.h"
+#include "scene/scene_load.h"
 
 #include <criterion/criterion.h>
 #include <gsl/gsl_eigen.h>

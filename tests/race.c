@@ -1,4 +1,5 @@
 /* Races: from perturbed starts to the horizon, and a small one from plan to table. */
+#include "base/table.h"
 #include "experiments/common/measure.h"
 #include "support.h"
 #include "wisp_support.h"

@@ -1,4 +1,5 @@
 /* The same bits twice: every stepper on every treatment that it supports, in two processes. */
+#include "scene/scene_load.h"
 #include "support.h"
 
 #include <criterion/criterion.h>

@@ -2,6 +2,7 @@
 #include "report/report.h"
 
 #include "base/text_table.h"
+#include "experiments/registry.h"
 #include "support.h"
 
 #include <criterion/criterion.h>

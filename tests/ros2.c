@@ -1,5 +1,6 @@
 /* What linearise has prepared holds until the next linearise, shown by a method that needs it: ROS2
  * solves twice with one matrix, and asks for an acceleration in between. */
+#include "model/problems.h"
 #include "order.h"
 #include "wisp_support.h"
 

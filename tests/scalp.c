@@ -2,6 +2,7 @@
 #include "wisp/scalp.h"
 
 #include "base/vector.h"
+#include "scene/scene_load.h"
 #include "wisp_support.h"
 
 #include <criterion/criterion.h>

@@ -1,5 +1,6 @@
 /* The scenes in experiments/: each loads and runs with every stepper, and those of the thesis's
  * chapter 5 show what their comments say. */
+#include "scene/scene_load.h"
 #include "support.h"
 #include "wisp/interaction.h"
 #include "wisp_support.h"

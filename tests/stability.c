@@ -5,6 +5,7 @@
 
 #include "closed_forms.h"
 #include "fixture.h"
+#include "scene/scene_load.h"
 #include "support.h"
 #include "wisp_support.h"
 

@@ -1,7 +1,11 @@
 /* Scenes that start from a saved state: to the bit where nothing is converted, to rounding where
  * samples change from distances to particles, and one line where the state is of something else. */
+#include "base/hash.h"
+#include "base/table.h"
+#include "model/problems.h"
 #include "run/identity.h"
 #include "run/results.h"
+#include "scene/scene_load.h"
 #include "support.h"
 #include "wisp_support.h"
 

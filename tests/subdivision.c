@@ -3,6 +3,7 @@
 
 #include "base/vector.h"
 #include "model/clock.h"
+#include "scene/scene_load.h"
 #include "wisp_support.h"
 
 #include <criterion/criterion.h>

@@ -1,7 +1,9 @@
 /* Runs of wisps that split: nothing depends on threads or on the file, and what reads runs knows
  * that their frames grow. */
+#include "base/table.h"
 #include "experiments/common/measure.h"
 #include "run/reference_check.h"
+#include "scene/scene_load.h"
 #include "support.h"
 #include "wisp_support.h"
 

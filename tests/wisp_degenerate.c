@@ -1,5 +1,6 @@
 /* States in which a formula of the model has nothing to divide by: finite numbers or a failure with
  * its reason, never a NaN in silence; and no harm to a sound wisp in the next lane. */
+#include "scene/scene_load.h"
 #include "wisp_support.h"
 
 #include <criterion/criterion.h>

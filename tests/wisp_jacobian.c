@@ -1,5 +1,7 @@
 /* The Jacobians of the kernel: against differences of the twin's accelerations, against each other,
  * and what the solvers make of them. */
+#include "model/problems.h"
+#include "scene/scene_load.h"
 #include "wisp_support.h"
 
 #include <criterion/criterion.h>
@@ -521,7 +523,7 @@ static void ask_other_things(unsigned *seed) {
     cr_assert_eq(system_acceleration(system, 0.4, q, v, a), 0, "%s", system->reason);
     cr_assert_eq(system->ops->energies(system->ctx, 0.5, q, v, &energies), 0, "%s", system->reason);
     cr_assert_eq(system->ops->powers(system->ctx, 0.6, q, v, &powers), 0, "%s", system->reason);
-    (s.part.lanes == 1 ? kernel_clamp_1 : kernel_clamp_4)(system->ctx, q, v);
+    kernel_of(s.part.lanes)->clamp(system->ctx, q, v);
 }
 
 /* To the bit, whatever is asked in between; two-stage methods live on it (tests/ros2.c). */

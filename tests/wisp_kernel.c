@@ -1,5 +1,7 @@
 /* The kernel against the scalar twin of the model, and its bits against its own: a wisp's numbers
  * depend neither on its lane, nor on its neighbours, nor on the order of the scene. */
+#include "model/problems.h"
+#include "scene/scene_load.h"
 #include "wisp_support.h"
 
 #include <criterion/criterion.h>

@@ -1,5 +1,6 @@
 /* Whole runs of wisps against `reference`: observed orders, limits of stability, and what the three
  * treatments cost. */
+#include "scene/scene_load.h"
 #include "wisp_support.h"
 
 #include <criterion/criterion.h>

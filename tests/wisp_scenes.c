@@ -1,5 +1,7 @@
 /* Scene files of wisps: what is wrong is refused in one line with its place and reason, and what is
  * right becomes the stated numbers. */
+#include "model/problems.h"
+#include "scene/scene_load.h"
 #include "support.h"
 #include "wisp_support.h"
 

@@ -2,6 +2,7 @@
  * depend on how many threads there are. */
 #include "base/workers.h"
 
+#include "scene/scene_load.h"
 #include "support.h"
 #include "wisp_support.h"
 

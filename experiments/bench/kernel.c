@@ -1,8 +1,10 @@
 /* How near is the kernel to what the hardware can? Evaluations against a plain twin and against
  * the machine's own rates, linear solvers, the seam, CVODE. Measured here and now, not by runs:
  * absolute times mean little, so all contestants are timed in turn and ratios count. */
+#include "base/files.h"
 #include "experiments/captions.h"
 #include "kernel_measure.h"
+#include "model/problems.h"
 
 #include <errno.h>
 #include <signal.h>

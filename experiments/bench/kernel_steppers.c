@@ -1,5 +1,6 @@
 /* What the seam between steppers and the model costs, and what CVODE costs with our vectors and
  * linear solver against CVODE as it comes. */
+#include "base/files.h"
 #include "integrators/first_order.h"
 #include "integrators/linear/sundials_support.h"
 #include "kernel_measure.h"

@@ -1,4 +1,5 @@
 /* Tables of the experiment `kernel`, and its answer in a few lines, from the samples alone. */
+#include "base/files.h"
 #include "kernel_measure.h"
 
 #include <math.h>

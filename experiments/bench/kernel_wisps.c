@@ -1,5 +1,6 @@
 /* Wisps for the experiment `kernel`: the scene's first wisp many times, bent and in motion. */
 #include "kernel_measure.h"
+#include "model/problems.h"
 
 #include <math.h>
 #include <stdarg.h>

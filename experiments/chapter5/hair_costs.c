@@ -1,4 +1,5 @@
 /* What variants and steppers cost, beside the thesis's times. */
+#include "base/files.h"
 #include "hair_study.h"
 
 #include <math.h>

@@ -1,5 +1,6 @@
 #include "hair_frames.h"
 
+#include "base/files.h"
 #include "base/vector.h"
 
 #include <math.h>

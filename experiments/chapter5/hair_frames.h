@@ -3,8 +3,8 @@
 #ifndef WISPLAB_HAIR_FRAMES_H
 #define WISPLAB_HAIR_FRAMES_H
 
+#include "model/scene.h"
 #include "run/results.h"
-#include "scene/scene_load.h"
 
 struct hair_frame {
     double t;       /* s */

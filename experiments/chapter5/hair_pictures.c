@@ -1,5 +1,6 @@
 /* Film strips as lines on paper: skeletons, the outlines of envelopes and of bodies; and of the
  * hair itself. */
+#include "base/files.h"
 #include "base/vector.h"
 #include "hair_study.h"
 #include "picture/strip.h"

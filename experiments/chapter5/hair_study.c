@@ -1,5 +1,6 @@
 #include "hair_study.h"
 
+#include "base/files.h"
 #include "experiments/common/diagnostics.h"
 #include "model/model.h"
 

@@ -5,6 +5,7 @@
 #ifndef WISPLAB_HAIR_STUDY_H
 #define WISPLAB_HAIR_STUDY_H
 
+#include "base/files.h"
 #include "experiments/common/measure.h"
 #include "hair_frames.h"
 

@@ -1,8 +1,10 @@
 #include "carry_out.h"
 
-#include "command/cli.h"
+#include "base/complain.h"
+#include "base/files.h"
 #include "picture/plot.h"
 #include "run/results.h"
+#include "run/runs.h"
 
 #include <stdlib.h>
 #include <string.h>

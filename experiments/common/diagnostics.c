@@ -1,5 +1,7 @@
 #include "diagnostics.h"
 
+#include "base/files.h"
+
 #include <ctype.h>
 #include <errno.h>
 #include <string.h>

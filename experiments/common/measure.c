@@ -1,5 +1,7 @@
 #include "measure.h"
 
+#include "base/files.h"
+#include "base/table.h"
 #include "curve.h"
 
 #include <complex.h>

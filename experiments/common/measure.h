@@ -3,6 +3,7 @@
 #ifndef WISPLAB_MEASURE_H
 #define WISPLAB_MEASURE_H
 
+#include "base/files.h"
 #include "plan.h"
 #include "run/results.h"
 

@@ -1,50 +1,16 @@
 #include "plan.h"
 
+#include "base/files.h"
 #include "model/model.h"
+#include "model/problems.h"
 #include "scene/scene_detail.h"
+#include "scene/scene_load.h"
 #include "scene/scene_wisps.h"
 
 #include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* A new experiment is one file and one line here. */
-#define EXPERIMENTS(X) \
-    X(circle)          \
-    X(treatments)      \
-    X(work_precision)  \
-    X(solvers)         \
-    X(horizon)         \
-    X(ladder)          \
-    X(stability)       \
-    X(needs)           \
-    X(radii)           \
-    X(interactions)    \
-    X(viscosity)       \
-    X(sphere)          \
-    X(subdivision)     \
-    X(wind)            \
-    X(shake)           \
-    X(kernel)
-
-#define X(name) extern const struct experiment name##_experiment;
-EXPERIMENTS(X)
-#undef X
-
-const struct experiment *const experiments[] = {
-#define X(name) &name##_experiment,
-    EXPERIMENTS(X)
-#undef X
-        NULL,
-};
-
-const struct experiment *experiment_find(const char *name) {
-    for (int i = 0; experiments[i]; i++)
-        if (strcmp(experiments[i]->name, name) == 0)
-            return experiments[i];
-    return NULL;
-}
 
 /* Takes the scene over, NULL or not. */
 static const struct scene *keep_scene(struct plan *plan, struct scene *scene) {

@@ -3,6 +3,7 @@
 #ifndef WISPLAB_EXPERIMENT_H
 #define WISPLAB_EXPERIMENT_H
 
+#include "base/files.h"
 #include "run/runs.h"
 
 /* A run and what the tables call it. */
@@ -71,10 +72,6 @@ struct experiment {
 
 /* How much of `seconds`, an experiment's own budget, this plan may take, s. */
 double plan_budget(const struct plan *plan, double seconds);
-
-/* All experiments, NULL-terminated, and the one of that name or NULL. */
-extern const struct experiment *const experiments[];
-const struct experiment *experiment_find(const char *name);
 
 /* Loads a scene with overrides; it belongs to the plan. NULL with plan->reason on failure. */
 const struct scene *plan_scene(struct plan *plan, const char *name, const char *const *sets,

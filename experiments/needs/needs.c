@@ -8,8 +8,10 @@
  * That the integrator has no part in the changes is seen from runs with half the step. */
 #include "needs.h"
 
+#include "base/files.h"
 #include "experiments/captions.h"
 #include "model/model.h"
+#include "model/problems.h"
 
 #include <errno.h>
 #include <math.h>

@@ -2,6 +2,7 @@
 #ifndef WISPLAB_NEEDS_H
 #define WISPLAB_NEEDS_H
 
+#include "base/files.h"
 #include "experiments/common/measure.h"
 #include "needs_model.h"
 

@@ -2,6 +2,7 @@
 
 #include "experiments/common/measure.h"
 #include "model/model.h"
+#include "model/problems.h"
 #include "scene/scene_detail.h"
 
 #include <errno.h>

@@ -1,4 +1,5 @@
 /* The tables and the answer of experiment needs. */
+#include "base/files.h"
 #include "needs.h"
 
 #include <math.h>

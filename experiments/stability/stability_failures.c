@@ -1,4 +1,5 @@
 /* How methods fail at steps that are too long: the runs that show it, and their table. */
+#include "base/files.h"
 #include "stability_limits.h"
 
 #include <math.h>

@@ -2,7 +2,9 @@
  * with the prediction of linear theory, and on whole scenes. */
 #include "stability_limits.h"
 
+#include "base/files.h"
 #include "model/model.h"
+#include "model/problems.h"
 
 #include <math.h>
 #include <stdlib.h>

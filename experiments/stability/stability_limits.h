@@ -2,6 +2,7 @@
 #ifndef WISPLAB_STABILITY_LIMITS_H
 #define WISPLAB_STABILITY_LIMITS_H
 
+#include "base/files.h"
 #include "stability.h"
 
 enum { STEPPERS_MAX = 32, VALUES_MAX = 6, AXES = 4 };

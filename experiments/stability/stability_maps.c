@@ -1,4 +1,5 @@
 /* Tables of what is measured on small systems, here and now: it takes seconds and no clock. */
+#include "base/files.h"
 #include "stability.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
 /* The tables and the answer of the searches for the longest stable step. */
+#include "base/files.h"
 #include "stability_limits.h"
 
 #include <math.h>

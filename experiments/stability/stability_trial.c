@@ -4,7 +4,9 @@
  * Each method first runs at an anchor, half of the predicted step; from its error there its order
  * says what longer steps may err. Then between the anchor and a step that is a quarter longer than
  * predicted, by halves. */
+#include "base/table.h"
 #include "model/model.h"
+#include "model/problems.h"
 #include "stability_limits.h"
 
 #include <math.h>

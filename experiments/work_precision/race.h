@@ -8,6 +8,7 @@
 #ifndef WISPLAB_RACE_H
 #define WISPLAB_RACE_H
 
+#include "base/files.h"
 #include "experiments/common/measure.h"
 
 enum { CONTESTANTS_MAX = 16, RUNGS_MAX = 48, TOLERANCES = 11, JITTERS = 9 };

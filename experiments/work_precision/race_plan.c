@@ -1,6 +1,8 @@
 /* The plan of a race: references, horizons, pilots; then ladders of steps and tolerances that fit
  * the budget. */
+#include "base/files.h"
 #include "model/model.h"
+#include "model/problems.h"
 #include "race.h"
 
 #include <math.h>

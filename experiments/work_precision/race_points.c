@@ -1,4 +1,6 @@
 /* A race's runs read back: one point for each contestant and setting, and the Pareto fronts. */
+#include "base/files.h"
+#include "base/table.h"
 #include "model/model.h"
 #include "race.h"
 

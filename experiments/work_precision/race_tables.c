@@ -1,4 +1,5 @@
 /* A race's tables, from which its figures are drawn, and what it prints. */
+#include "base/files.h"
 #include "race.h"
 
 #include <math.h>

@@ -1,37 +1,13 @@
 #include "cli.h"
 
-#include "build_info.h"
+#include "base/complain.h"
+#include "base/options.h"
+#include "run/runs.h"
 
 #include <ctype.h>
 #include <math.h>
 #include <stdarg.h>
 #include <string.h>
-
-const struct command *const commands[] = {
-    &list_command, &run_command,    &eval_command,   &experiment_command, &report_command,
-    &plot_command, &render_command, &export_command, &man_command,        &completion_command,
-    NULL,
-};
-
-const char program_summary[] =
-    "wisplab compares time integrators on one deformable hair-wisp model.";
-const char program_exit_codes[] =
-    "Exit codes: 0 done, 1 the input or the command is wrong, 2 the machine failed\n"
-    "(disk full, no memory, gnuplot missing), 3 the integration failed and run.json says\n"
-    "how and when.\n";
-
-int complain(int code, const char *format, ...) {
-    char line[1024];
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(line, sizeof line, format, arguments);
-    va_end(arguments);
-    for (char *c = line; *c; c++)
-        if (iscntrl((unsigned char)*c)) /* of a name that was given: one line stays one line */
-            *c = '?';
-    fprintf(stderr, "wisplab: %s\n", line);
-    return code;
-}
 
 /* --- what was given --- */
 
@@ -171,42 +147,13 @@ static void print_command_help(const struct command *command) {
     printf("\n%s", command->details);
 }
 
-static void print_help(void) {
-    printf("%s\n\nusage: wisplab COMMAND ...\n\n", program_summary);
-    for (int i = 0; commands[i]; i++)
-        if (!commands[i]->hidden)
-            printf("  %-12s %s\n", commands[i]->name, commands[i]->summary);
-    printf("\nTry\n"
-           "  wisplab run circle --stepper rk4 --step 3.2\n"
-           "  wisplab experiment circle\n"
-           "  wisplab run --help\n\n");
-    fputs(program_exit_codes, stdout);
-}
-
-int cli_main(int argc, char **argv) {
-    const char *name = argc > 1 ? argv[1] : "--help";
-    if (strcmp(name, "--version") == 0) {
-        printf("wisplab %s (commit %s, %s; %s)\n", WISPLAB_VERSION, WISPLAB_COMMIT,
-               WISPLAB_COMPILER, WISPLAB_LIBRARIES);
-        return 0;
-    }
-    if (strcmp(name, "-h") == 0 || strcmp(name, "--help") == 0 || strcmp(name, "help") == 0) {
-        print_help();
-        return 0;
-    }
-    struct arguments arguments = {0};
-    for (int i = 0; commands[i]; i++)
-        if (strcmp(commands[i]->name, name) == 0)
-            arguments.command = commands[i];
-    if (!arguments.command)
-        return complain(1, "no command '%.60s'; see wisplab --help", name);
-    for (int i = 2; i < argc; i++) {
+int cli_run(const struct command *command, int argc, char **argv) {
+    struct arguments arguments = {.command = command};
+    for (int i = 0; i < argc; i++) {
         if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0) {
-            print_command_help(arguments.command);
+            print_command_help(command);
             return 0;
         }
     }
-    if (read_arguments(&arguments, argc - 2, argv + 2))
-        return 1;
-    return arguments.command->run(&arguments);
+    return read_arguments(&arguments, argc, argv) ? 1 : command->run(&arguments);
 }

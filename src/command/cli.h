@@ -3,7 +3,7 @@
 #ifndef WISPLAB_CLI_H
 #define WISPLAB_CLI_H
 
-#include "run/runs.h"
+struct run_limits;
 
 enum { CLI_OPTIONS_MAX = 24, CLI_REPEATS_MAX = 64, CLI_WORDS_MAX = 8 };
 
@@ -38,12 +38,6 @@ struct command {
     int (*run)(const struct arguments *arguments); /* returns the exit code */
 };
 
-extern const struct command list_command, run_command, eval_command, experiment_command,
-    plot_command, render_command, export_command, report_command, man_command, completion_command;
-
-/* All commands, NULL-terminated. */
-extern const struct command *const commands[];
-
 /* The last value of an option, or NULL; all of a repeated one; whether a flag was given. */
 const char *argument_text(const struct arguments *arguments, const char *name);
 const char *const *argument_list(const struct arguments *arguments, const char *name, int *count);
@@ -62,13 +56,8 @@ int argument_positive(const struct arguments *arguments, const char *name, doubl
 int argument_limits(const struct arguments *arguments, double default_seconds,
                     double default_mebibytes, struct run_limits *limits);
 
-/* Says one line on standard error and returns the exit code given. */
-int complain(int code, const char *format, ...) __attribute__((format(printf, 2, 3)));
-
-/* What --help says of the program and of its exit codes, in the man page too. */
-extern const char program_summary[], program_exit_codes[];
-
-/* The program: returns its exit code. */
-int cli_main(int argc, char **argv);
+/* Runs a command with the words after its name: what it returns, or 0 after --help, or 1 having
+ * said what is wrong with the words. */
+int cli_run(const struct command *command, int argc, char **argv);
 
 #endif

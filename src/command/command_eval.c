@@ -1,6 +1,11 @@
 /* wisplab eval: the accelerations at one state, to be compared with another program's. */
+#include "base/complain.h"
+#include "base/files.h"
+#include "base/table.h"
 #include "cli.h"
 #include "model/state.h"
+#include "run/runs.h"
+#include "scene/scene_load.h"
 
 #include <errno.h>
 #include <math.h>

@@ -1,6 +1,8 @@
 /* wisplab experiment: plan -> runs -> tables -> figures. */
+#include "base/complain.h"
 #include "cli.h"
 #include "experiments/common/carry_out.h"
+#include "experiments/registry.h"
 
 #include <math.h>
 #include <unistd.h>

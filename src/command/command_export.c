@@ -1,4 +1,6 @@
 /* wisplab export: frames for other tools. */
+#include "base/complain.h"
+#include "base/files.h"
 #include "cli.h"
 #include "picture/vtk.h"
 

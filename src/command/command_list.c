@@ -1,6 +1,11 @@
 /* wisplab list: what there is, one line each: name, tab, description. */
+#include "base/complain.h"
+#include "base/files.h"
 #include "cli.h"
 #include "experiments/common/plan.h"
+#include "experiments/registry.h"
+#include "model/problems.h"
+#include "run/runs.h"
 
 #include <dirent.h>
 #include <stdlib.h>

@@ -1,8 +1,10 @@
 /* wisplab man, wisplab completion: the man page and bash's completion, printed at build time from
  * the tables that --help is printed from. */
+#include "base/complain.h"
 #include "build_info.h"
-#include "cli.h"
+#include "commands.h"
 
+#include <stdio.h>
 #include <string.h>
 
 /* --- roff --- */

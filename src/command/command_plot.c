@@ -1,8 +1,12 @@
 /* wisplab plot: figures again, from the tables of earlier experiments. */
+#include "base/complain.h"
+#include "base/files.h"
 #include "base/text_table.h"
 #include "cli.h"
 #include "experiments/common/plan.h"
+#include "experiments/registry.h"
 #include "picture/plot.h"
+#include "run/runs.h"
 
 #include <string.h>
 

@@ -1,9 +1,13 @@
 /* wisplab render: pictures of hair, strips of them, films. */
+#include "base/complain.h"
+#include "base/files.h"
 #include "base/progress.h"
 #include "base/workers.h"
 #include "cli.h"
 #include "picture/film.h"
 #include "picture/strip.h"
+#include "run/runs.h"
+#include "scene/scene_load.h"
 
 #include <ctype.h>
 #include <errno.h>

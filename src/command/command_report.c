@@ -1,7 +1,10 @@
 /* wisplab report: every experiment, and one page of all. */
+#include "base/complain.h"
+#include "base/files.h"
 #include "base/progress.h"
 #include "cli.h"
 #include "experiments/common/carry_out.h"
+#include "experiments/registry.h"
 #include "report/report.h"
 
 #include <math.h>

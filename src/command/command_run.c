@@ -1,6 +1,12 @@
 /* wisplab run: one scene, one stepper, into one folder. */
+#include "base/complain.h"
+#include "base/files.h"
 #include "cli.h"
+#include "model/problems.h"
 #include "model/state.h"
+#include "run/results.h"
+#include "run/runs.h"
+#include "scene/scene_load.h"
 
 #include <errno.h>
 #include <math.h>

@@ -1,6 +1,7 @@
 #include "circle.h"
 
 #include "model.h"
+#include "problems.h"
 
 #include <math.h>
 #include <stdlib.h>

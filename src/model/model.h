@@ -85,16 +85,4 @@ struct problem {
     int (*extremes)(const struct model *model, const double *rows, struct extremes *extremes);
 };
 
-/* All problems, NULL-terminated, and the one of that name or NULL. */
-extern const struct problem *const problems[];
-const struct problem *problem_find(const char *name);
-
-/* problem->terms, where there is one. */
-int problem_terms(const struct scene *scene, const char **names, int most);
-
-/* Index of a treatment's name, or -1. */
-int treatment_find(const struct problem *problem, const char *name);
-
-extern const struct problem circle_problem, wisp_problem;
-
 #endif

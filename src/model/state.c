@@ -1,5 +1,8 @@
 #include "state.h"
 
+#include "base/files.h"
+#include "base/table.h"
+
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 #define WISPLAB_FIGURE_H
 
 #include "camera.h"
-#include "scene/scene_load.h"
+#include "model/scene.h"
 
 /* Ellipsoids where they are at one time. */
 struct figure {

@@ -2,25 +2,7 @@
 #ifndef WISPLAB_CAMERA_H
 #define WISPLAB_CAMERA_H
 
-#include "scene/config.h"
-
-/* The scene's group `render`, all of which has defaults. It is no part of what is integrated. */
-struct render_settings {
-    int has_eye, has_target;  /* else the camera finds a place from which all hair is seen */
-    double eye[3], target[3]; /* m */
-    double angle;             /* of view, from the picture's bottom to its top, rad */
-    double light[3];          /* towards the light, a unit vector; 0: over the camera's shoulder */
-    double colour[3];         /* of hair in full light: red, green, blue, from 0 to 1 */
-    int hairs;                /* drawn in a wisp that has not split */
-    int pieces;               /* straight ones in a hair, for each segment of its wisp */
-};
-
-/* What holds where a scene has no group `render`. */
-struct render_settings render_defaults(void);
-
-/* Reads and checks the group. */
-void render_read(struct config_reader *reader, config_setting_t *top,
-                 struct render_settings *render);
+#include "model/scene.h"
 
 struct camera {
     double eye[3];                      /* m */

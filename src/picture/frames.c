@@ -1,7 +1,10 @@
 #include "frames.h"
 
+#include "base/files.h"
+#include "base/table.h"
 #include "base/vector.h"
 #include "model/model.h"
+#include "scene/scene_load.h"
 
 #include <errno.h>
 #include <limits.h>

@@ -2,8 +2,8 @@
 #ifndef WISPLAB_FRAMES_H
 #define WISPLAB_FRAMES_H
 
+#include "model/scene.h"
 #include "run/results.h"
-#include "scene/scene_load.h"
 #include "wisp/hair.h"
 
 struct frames {

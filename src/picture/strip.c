@@ -1,5 +1,6 @@
 #include "strip.h"
 
+#include "base/files.h"
 #include "base/vector.h"
 #include "plot.h"
 

@@ -1,5 +1,6 @@
 #include "vtk.h"
 
+#include "base/files.h"
 #include "base/vector.h"
 
 #include <stdlib.h>

@@ -1,5 +1,6 @@
 #include "answers.h"
 
+#include "base/files.h"
 #include "html.h"
 
 #include <math.h>

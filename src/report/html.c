@@ -1,5 +1,7 @@
 #include "html.h"
 
+#include "base/files.h"
+
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>

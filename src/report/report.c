@@ -1,8 +1,10 @@
 #include "report.h"
 
 #include "answers.h"
+#include "base/files.h"
 #include "build_info.h"
 #include "html.h"
+#include "model/problems.h"
 #include "run/identity.h"
 
 #include <stdlib.h>

@@ -2,6 +2,7 @@
 #ifndef WISPLAB_REPORT_H
 #define WISPLAB_REPORT_H
 
+#include "base/files.h"
 #include "experiments/common/plan.h"
 
 enum { REPORT_PARTS_MAX = 64 };

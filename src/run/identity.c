@@ -1,51 +1,12 @@
 #include "identity.h"
 
+#include "base/hash.h"
 #include "build_info.h"
 
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/utsname.h>
 #include <unistd.h>
-
-/* Fowler-Noll-Vo 1a with 64 bits (RFC 9923). */
-static const uint64_t fnv_start = 0xcbf29ce484222325u;
-
-static uint64_t fnv_bytes(uint64_t hash, const void *bytes, size_t count) {
-    const unsigned char *p = bytes;
-    for (size_t i = 0; i < count; i++)
-        hash = (hash ^ p[i]) * 0x100000001b3u;
-    return hash;
-}
-
-static void print_hash(uint64_t hash, char text[HASH_SIZE]) {
-    snprintf(text, HASH_SIZE, "%016llx", (unsigned long long)hash);
-}
-
-void hash_bytes(const void *bytes, size_t count, char hash[HASH_SIZE]) {
-    print_hash(fnv_bytes(fnv_start, bytes, count), hash);
-}
-
-void hash_json(const json_t *json, char hash[HASH_SIZE]) {
-    char *text = json_dumps(json, JSON_COMPACT | JSON_SORT_KEYS | JSON_REAL_PRECISION(17));
-    print_hash(text ? fnv_bytes(fnv_start, text, strlen(text)) : 0, hash);
-    free(text);
-}
-
-const char *program_hash(void) {
-    static char text[HASH_SIZE];
-    if (text[0])
-        return text;
-    uint64_t hash = fnv_start;
-    FILE *program = fopen("/proc/self/exe", "rb");
-    char block[65536];
-    for (size_t n; program && (n = fread(block, 1, sizeof block, program)) > 0;)
-        hash = fnv_bytes(hash, block, n);
-    if (program)
-        fclose(program);
-    print_hash(hash, text);
-    return text;
-}
 
 json_t *build_to_json(void) {
     return json_pack("{s:s, s:s, s:s, s:s, s:s, s:s}", "version", WISPLAB_VERSION, "commit",

@@ -1,7 +1,10 @@
 #include "record.h"
 
+#include "base/files.h"
+#include "base/hash.h"
 #include "build_info.h"
 #include "identity.h"
+#include "model/problems.h"
 #include "reference_check.h"
 
 #include <errno.h>

@@ -1,5 +1,7 @@
 #include "reference_check.h"
 
+#include "base/files.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -4,25 +4,9 @@
 
 #include "base/files.h"
 #include "base/outcome.h"
+#include "base/table.h"
 
 #include <jansson.h>
-
-enum { TABLE_COLUMNS_MAX = 128 };
-
-/* A table of numbers: `#` lines skipped, one line of column names, rows of equal length. */
-struct table {
-    int column_count, row_count;
-    char *name[TABLE_COLUMNS_MAX];
-    double *value; /* row by row */
-};
-
-/* Returns 0, or -1 with one line in `reason`: file, line, what is wrong. */
-int table_read(struct table *table, const char *path, char *reason);
-void table_free(struct table *table);
-
-/* Index of a column, or -1; and a number of a row. */
-int table_column(const struct table *table, const char *name);
-double table_value(const struct table *table, int row, int column);
 
 /* A run's folder read back. */
 struct run_files {

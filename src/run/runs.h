@@ -4,6 +4,7 @@
 #ifndef WISPLAB_RUNS_H
 #define WISPLAB_RUNS_H
 
+#include "base/files.h"
 #include "record.h"
 
 struct run_limits {

@@ -1,5 +1,8 @@
 #include "settings.h"
 
+#include "base/files.h"
+#include "model/problems.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

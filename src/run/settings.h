@@ -3,7 +3,7 @@
 #define WISPLAB_SETTINGS_H
 
 #include "model/model.h"
-#include "scene/scene_load.h"
+#include "model/scene.h"
 
 #include <jansson.h>
 

@@ -1,5 +1,6 @@
 #include "simulation.h"
 
+#include "base/files.h"
 #include "base/progress.h"
 #include "base/workers.h"
 #include "model/clock.h"

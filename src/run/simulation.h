@@ -2,6 +2,7 @@
 #ifndef WISPLAB_SIMULATION_H
 #define WISPLAB_SIMULATION_H
 
+#include "base/files.h"
 #include "settings.h"
 
 #include <signal.h>

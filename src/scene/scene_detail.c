@@ -1,5 +1,6 @@
 #include "scene_detail.h"
 
+#include "base/files.h"
 #include "scene_wisps.h"
 
 #include <errno.h>

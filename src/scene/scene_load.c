@@ -2,6 +2,7 @@
 
 #include "config.h"
 #include "model/model.h"
+#include "model/problems.h"
 #include "scene_start.h"
 #include "scene_wisps.h"
 

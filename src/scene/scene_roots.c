@@ -1,5 +1,6 @@
 #include "scene_roots.h"
 
+#include "base/files.h"
 #include "wisp/scalp.h"
 
 #include <math.h>

@@ -1,7 +1,9 @@
 #include "scene_start.h"
 
+#include "base/files.h"
+#include "base/hash.h"
+#include "base/table.h"
 #include "model/state.h"
-#include "run/identity.h"
 
 #include <errno.h>
 #include <math.h>

@@ -1,6 +1,7 @@
 #include "scene_wisps.h"
 
 #include "scene_contacts.h"
+#include "scene_render.h"
 #include "scene_roots.h"
 #include "scene_start.h"
 

@@ -1,6 +1,6 @@
-#include "model.h"
+#include "problems.h"
 
-#include "scene/scene_load.h"
+#include "scene.h"
 
 #include <string.h>
 

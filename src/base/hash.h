@@ -1,0 +1,19 @@
+/* Hashes that name things: 64 bits by Fowler, Noll and Vo, as text. */
+#ifndef WISPLAB_HASH_H
+#define WISPLAB_HASH_H
+
+#include <jansson.h>
+#include <stddef.h>
+
+enum { HASH_SIZE = 17 }; /* 16 hexadecimal digits and a zero */
+
+/* FNV-1a of bytes in memory. */
+void hash_bytes(const void *bytes, size_t count, char hash[HASH_SIZE]);
+
+/* FNV-1a of a JSON value in canonical form: keys sorted, reals with 17 digits. */
+void hash_json(const json_t *json, char hash[HASH_SIZE]);
+
+/* FNV-1a of the program file that is running: another compiler or flag is another program. */
+const char *program_hash(void);
+
+#endif

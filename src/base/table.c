@@ -1,0 +1,110 @@
+#include "table.h"
+
+#include "files.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static int table_fail(const char *path, int line, const char *what, char *reason) {
+    if (line > 0)
+        snprintf(reason, REASON_SIZE, "%.150s:%d: %s", path, line, what);
+    else
+        snprintf(reason, REASON_SIZE, "%.150s: %s", path, what);
+    return -1;
+}
+
+/* The cell as it stands, in one line. */
+static int table_fail_cell(const char *path, int line, int column, const char *word, char *reason) {
+    char what[100];
+    const size_t length = strlen(word);
+    if (length > 0 && word[length - 1] == '\r')
+        snprintf(what, sizeof what, "ends in a carriage return; lines must end in a newline alone");
+    else
+        snprintf(what, sizeof what, "column %d: '%.40s' is not a number", column + 1, word);
+    return table_fail(path, line, what, reason);
+}
+
+static int read_names(struct table *table, char *line, const char *path, int number, char *reason) {
+    for (char *at = line, *word; (word = strsep(&at, "\t")) != NULL;) {
+        if (table->column_count == TABLE_COLUMNS_MAX)
+            return table_fail(path, number, "too many columns", reason);
+        table->name[table->column_count] = strdup(word);
+        if (!table->name[table->column_count++])
+            return table_fail(path, number, "out of memory", reason);
+    }
+    return 0;
+}
+
+static int read_row(struct table *table, char *line, size_t *capacity, const char *path, int number,
+                    char *reason) {
+    const size_t used = (size_t)table->row_count * (size_t)table->column_count;
+    if (used + (size_t)table->column_count > *capacity) {
+        *capacity = 2 * *capacity + 64 * (size_t)table->column_count;
+        double *value = realloc(table->value, *capacity * sizeof *value);
+        if (!value)
+            return table_fail(path, number, "out of memory", reason);
+        table->value = value;
+    }
+    int column = 0;
+    char *at = line;
+    for (char *word; (word = strsep(&at, "\t")) != NULL; column++) {
+        char *end;
+        if (column == table->column_count)
+            return table_fail(path, number, "more numbers than columns", reason);
+        table->value[used + (size_t)column] = strtod(word, &end);
+        if (end == word || *end)
+            return table_fail_cell(path, number, column, word, reason);
+    }
+    if (column < table->column_count)
+        return table_fail(path, number, "fewer numbers than columns", reason);
+    table->row_count++;
+    return 0;
+}
+
+int table_read(struct table *table, const char *path, char *reason) {
+    *table = (struct table){0};
+    FILE *file = fopen(path, "r");
+    if (!file)
+        return table_fail(path, 0, "cannot be read", reason);
+    char *line = NULL;
+    size_t size = 0, capacity = 0;
+    int code = 0, number = 0;
+    for (ssize_t length; !code && (length = getline(&line, &size, file)) > 0;) {
+        number++;
+        if (line[0] == '#')
+            continue;
+        if (line[length - 1] != '\n')
+            code = table_fail(path, number, "the last line is not complete", reason);
+        line[length - 1] = '\0';
+        if (!code)
+            code = table->column_count ? read_row(table, line, &capacity, path, number, reason)
+                                       : read_names(table, line, path, number, reason);
+    }
+    if (!code && !feof(file))
+        code = table_fail(path, 0, "cannot be read", reason);
+    if (!code && !table->column_count)
+        code = table_fail(path, number, "no column names", reason);
+    free(line);
+    fclose(file);
+    if (code)
+        table_free(table);
+    return code;
+}
+
+void table_free(struct table *table) {
+    for (int i = 0; i < table->column_count; i++)
+        free(table->name[i]);
+    free(table->value);
+    *table = (struct table){0};
+}
+
+int table_column(const struct table *table, const char *name) {
+    for (int i = 0; i < table->column_count; i++)
+        if (strcmp(table->name[i], name) == 0)
+            return i;
+    return -1;
+}
+
+double table_value(const struct table *table, int row, int column) {
+    return table->value[row * table->column_count + column];
+}
