@@ -85,6 +85,10 @@ int count_lines(const char *text);
 void folder_make(char *path);
 void folder_remove(const char *path);
 
+/* Leaves the test, which needs something that is not on this machine: says what was not tried,
+ * where ctest reads it (discover.cmake). */
+_Noreturn void skip_test(const char *what);
+
 /* Writes a text file into a folder; its path is put into `path`, which may be NULL. */
 void file_write(const char *folder, const char *name, const char *text, char *path);
 
