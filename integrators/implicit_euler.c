@@ -19,7 +19,8 @@ static const struct option_spec options[] = {
 };
 
 /* Implicit Euler as a Runge-Kutta method; the linearised step has the same stability function. */
-static const struct butcher_table table = {.stages = 1, .a = {{1}}, .b = {1}, .c = {1}};
+static const struct butcher_table table = {
+    .stages = 1, .a = (const double[]){1}, .b = (const double[]){1}, .c = (const double[]){1}};
 
 struct implicit_euler {
     struct stepper base;
