@@ -19,6 +19,8 @@ const struct stepper_method euler = {
     .order = 1,
     .capabilities = STEPPER_PROJECTS,
     .table = &table,
+    .on_wisps = {.treatment = "projection"}, /* the thesis's */
+    .usual_rate = 9000,
     .create = create,
     .step = explicit_rk_step,
     .free = explicit_rk_free,

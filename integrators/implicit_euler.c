@@ -18,6 +18,10 @@ static const struct option_spec options[] = {
     {0},
 };
 
+static double value(const struct stepper_settings *settings, int option) {
+    return option_value(&settings->options, &options[option]);
+}
+
 /* Implicit Euler as a Runge-Kutta method; the linearised step has the same stability function. */
 static const struct butcher_table table = {
     .stages = 1, .a = (const double[]){1}, .b = (const double[]){1}, .c = (const double[]){1}};
@@ -37,7 +41,7 @@ struct implicit_euler {
 
 static int implicit_euler_refuse(const struct stepper_settings *settings, struct system *system) {
     enum jacobian kind;
-    return linear_choose(settings->linear, system, (int)settings->option[JACOBIAN], &kind);
+    return linear_choose(settings->linear, system, (int)value(settings, JACOBIAN), &kind);
 }
 
 static struct stepper *implicit_euler_create(const struct stepper_settings *settings,
@@ -50,11 +54,11 @@ static struct stepper *implicit_euler_create(const struct stepper_settings *sett
                                 &self->rhs, &self->change, &self->work};
     for (size_t i = 0; i < 6; i++)
         *vectors[i] = self->memory + i * n;
-    self->iterations = (int)settings->option[NEWTON_ITERATIONS];
-    self->tolerance = settings->option[NEWTON_TOLERANCE];
+    self->iterations = (int)value(settings, NEWTON_ITERATIONS);
+    self->tolerance = value(settings, NEWTON_TOLERANCE);
     self->linear = NULL;
-    if (!linear_choose(settings->linear, system, (int)settings->option[JACOBIAN], &self->kind))
-        self->linear = linear_create(settings->linear, system, settings->linear_option);
+    if (!linear_choose(settings->linear, system, (int)value(settings, JACOBIAN), &self->kind))
+        self->linear = linear_create(settings->linear, system, &settings->options);
     if (!self->linear) {
         free(self);
         return NULL;
@@ -153,9 +157,11 @@ const struct stepper_method implicit_euler = {
     .summary = "implicit Euler, linearised once per step or iterated",
     .reference = "Baraff & Witkin 1998, doi:10.1145/280814.280821; Plante 1999, eq. 2.4",
     .order = 1,
-    .capabilities = STEPPER_IMPLICIT | STEPPER_PROJECTS,
+    .capabilities = STEPPER_IMPLICIT | STEPPER_SOLVES | STEPPER_PROJECTS,
     .options = options,
     .table = &table,
+    .on_wisps = {.treatment = "penalty", .linear = "cg"}, /* as in Baraff & Witkin */
+    .usual_rate = 300,
     .refuse = implicit_euler_refuse,
     .create = implicit_euler_create,
     .step = implicit_euler_step,

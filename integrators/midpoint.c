@@ -19,6 +19,7 @@ const struct stepper_method midpoint = {
     .order = 2,
     .capabilities = STEPPER_PROJECTS,
     .table = &table,
+    .usual_rate = 6000,
     .create = create,
     .step = explicit_rk_step,
     .free = explicit_rk_free,

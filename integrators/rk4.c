@@ -26,6 +26,7 @@ const struct stepper_method rk4 = {
     .order = 4,
     .capabilities = STEPPER_PROJECTS,
     .table = &table,
+    .usual_rate = 4000,
     .create = create,
     .step = explicit_rk_step,
     .free = explicit_rk_free,
