@@ -8,7 +8,8 @@
 static const struct option_spec options[] = {NEWTON_OPTION_SPECS(1), {0}};
 
 /* Implicit Euler as a Runge-Kutta method; the linearised step has the same stability function. */
-static const struct butcher_table table = {.stages = 1, .a = {{1}}, .b = {1}, .c = {1}};
+static const struct butcher_table table = {
+    .stages = 1, .a = (const double[]){1}, .b = (const double[]){1}, .c = (const double[]){1}};
 
 struct implicit_euler {
     struct stepper base;
@@ -25,7 +26,7 @@ static struct stepper *implicit_euler_create(const struct stepper_settings *sett
         return NULL;
     self->q = self->memory;
     self->v = self->memory + n;
-    self->newton = newton_create(settings, system);
+    self->newton = newton_create(settings, options, system);
     if (!self->newton) {
         free(self);
         return NULL;
@@ -65,9 +66,11 @@ const struct stepper_method implicit_euler = {
     .summary = "implicit Euler, linearised once per step or iterated",
     .reference = "Baraff & Witkin 1998, doi:10.1145/280814.280821; Plante 1999, eq. 2.4",
     .order = 1,
-    .capabilities = STEPPER_IMPLICIT | STEPPER_PROJECTS,
+    .capabilities = STEPPER_IMPLICIT | STEPPER_SOLVES | STEPPER_PROJECTS,
     .options = options,
     .table = &table,
+    .on_wisps = {.treatment = "penalty", .linear = "cg"}, /* as in Baraff & Witkin */
+    .usual_rate = 300,
     .refuse = newton_refuse,
     .create = implicit_euler_create,
     .step = implicit_euler_step,

@@ -16,26 +16,35 @@ struct newton {
     double memory[];
 };
 
-int newton_refuse(const struct stepper_settings *settings, struct system *system) {
-    enum jacobian kind;
-    return linear_choose(settings->linear, system, (int)settings->option[NEWTON_JACOBIAN], &kind);
+/* The solver must fit the Jacobian, of which the default is the same for all methods. */
+static int choose(const struct stepper_settings *settings, struct system *system,
+                  enum jacobian *kind) {
+    static const struct option_spec specs[] = {NEWTON_OPTION_SPECS(1)};
+    const double jacobian = option_value(&settings->options, &specs[NEWTON_JACOBIAN]);
+    return linear_choose(settings->linear, system, (int)jacobian, kind);
 }
 
-struct newton *newton_create(const struct stepper_settings *settings, struct system *system) {
+int newton_refuse(const struct stepper_settings *settings, struct system *system) {
+    enum jacobian kind;
+    return choose(settings, system, &kind);
+}
+
+struct newton *newton_create(const struct stepper_settings *settings,
+                             const struct option_spec *options, struct system *system) {
     const size_t n = (size_t)system->size;
-    const double *option = settings->option;
+    const struct options *given = &settings->options;
     struct newton *self = malloc(sizeof *self + 4 * n * sizeof(double));
     if (!self)
         return NULL;
     *self = (struct newton){.system = system,
-                            .iterations = (int)option[NEWTON_ITERATIONS],
-                            .tolerance = option[NEWTON_TOLERANCE],
+                            .iterations = (int)option_value(given, &options[NEWTON_ITERATIONS]),
+                            .tolerance = option_value(given, &options[NEWTON_TOLERANCE]),
                             .a = self->memory,
                             .rhs = self->memory + n,
                             .change = self->memory + 2 * n,
                             .work = self->memory + 3 * n};
-    if (!linear_choose(settings->linear, system, (int)option[NEWTON_JACOBIAN], &self->kind))
-        self->linear = linear_create(settings->linear, system, settings->linear_option);
+    if (!choose(settings, system, &self->kind))
+        self->linear = linear_create(settings->linear, system, given);
     if (!self->linear) {
         free(self);
         return NULL;

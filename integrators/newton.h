@@ -56,8 +56,9 @@ struct newton;
 int newton_refuse(const struct stepper_settings *settings, struct system *system);
 
 /* The loop for `system`, to be freed with newton_free (which takes NULL); NULL where memory cannot
- * be had. */
-struct newton *newton_create(const struct stepper_settings *settings, struct system *system);
+ * be had. `options` is the method's list, which begins with those of the loop. */
+struct newton *newton_create(const struct stepper_settings *settings,
+                             const struct option_spec *options, struct system *system);
 void newton_free(struct newton *newton);
 
 /* Turns the first iterate (q, v) into the solution. The first iterate need not fulfil

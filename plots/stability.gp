@@ -11,7 +11,7 @@ size_of(m) = 0.75 + 0.6 * (words(names) - m) / words(names)
 # block of the table is a stepper.
 X = 2; Y = 3; GROWTH = 4; THEORY = 5
 STABLE = '#D4D4D4'
-adaptive = '"cvode" "reference"' # with no step to force; others without a theory have no line
+# ADAPTIVE ones have no step to force; others without a theory have no line.
 
 # `$line`: where the theory of stepper i is 1, if it has one.
 has_line = 0
@@ -44,7 +44,7 @@ do for [i = 1:words(names)] {
     eval trace('regions', i)
     eval panel(60 + (S + 40) * ((i - 1) % columns), 90 + (S + 75) * ((i - 1) / columns), S, S)
     set title '{/:Bold '.word(names, i).'}' \
-        .(place(adaptive, word(names, i)) ? ', its own steps, rtol 0.01' : '') offset 0, -0.6
+        .(place(ADAPTIVE, word(names, i)) ? ', its own steps, rtol 0.01' : '') offset 0, -0.6
     set xrange [-4:3]; set yrange [-3.5:3.5]; set xtics 1; set ytics 1
     set xlabel 'Re z' offset 0, 0.6
     set ylabel (i - 1) % columns == 0 ? 'Im z' : '' offset 1, 0

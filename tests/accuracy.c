@@ -137,7 +137,7 @@ static void measure(const struct variant *variant, void *ctx) {
     struct rows *rows = ctx;
     if (rows->touching && variant->option)
         return; /* their options are told apart by the smooth scenes */
-    const int implicit = (variant->method->capabilities & STEPPER_IMPLICIT) != 0;
+    const int implicit = (variant->method->capabilities & STEPPER_SOLVES) != 0;
     if (!implicit || rows->scene->problem != &wisp_problem) {
         measure_with(rows, variant, NULL);
         return;

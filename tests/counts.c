@@ -129,10 +129,8 @@ static void check_calls(const struct variant *variant, void *ctx) {
     fixture_add_projection(&fixture);
     fixture.system.lanes = 4;
     fixture.system.wisps = 3;
-    if (settings.linear) {
+    if (settings.linear)
         settings.linear = linear_find(*linear_name);
-        options_defaults(settings.linear->options, settings.linear_option);
-    }
     if (stepper_refuse(variant->method, &settings, &fixture.system))
         return;
     struct stepper *stepper = stepper_create(variant->method, &settings, &fixture.system);

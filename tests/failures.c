@@ -166,7 +166,7 @@ static void check_use(const struct variant *variant, void *ctx) {
     cr_assert(calls[CALL_ACCELERATION], "%s asks for no acceleration", variant->name);
     const int projects = trial.fixture.system.ops->project != NULL;
     cr_assert(!projects || calls[CALL_PROJECT], "%s projects nothing", variant->name);
-    const int newton = (variant->method->capabilities & STEPPER_IMPLICIT) &&
+    const int newton = (variant->method->capabilities & STEPPER_SOLVES) &&
                        !(variant->option && strcmp(variant->option, "nonlinear=fixed-point") == 0);
     cr_assert(!newton || (calls[CALL_LINEARISE] && calls[CALL_FACTOR]), "%s solves nothing",
               variant->name);

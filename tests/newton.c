@@ -8,16 +8,19 @@
 #include <criterion/criterion.h>
 #include <float.h>
 #include <math.h>
+#include <stdio.h>
 
 enum { N = 7 };
 
 /* The loop for a system, with at most so many iterations and else as usual. */
 static struct newton *loop_for(struct system *system, int iterations) {
     static const struct option_spec options[] = {NEWTON_OPTION_SPECS(1), {0}};
-    struct stepper_settings settings = {.linear = linear_find("direct")};
-    options_defaults(options, settings.option);
-    settings.option[NEWTON_ITERATIONS] = iterations;
-    struct newton *newton = newton_create(&settings, system);
+    char text[40];
+    const char *const given[] = {text};
+    snprintf(text, sizeof text, "newton.iterations=%d", iterations);
+    const struct stepper_settings settings = {.linear = linear_find("direct"),
+                                              .options = {given, 1}};
+    struct newton *newton = newton_create(&settings, options, system);
     cr_assert(newton, "no memory");
     return newton;
 }

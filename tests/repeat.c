@@ -50,7 +50,7 @@ static void check_twice(struct repetition *repetition, const struct variant *var
 }
 
 static void check_variant(const struct variant *variant, void *ctx) {
-    const int implicit = (variant->method->capabilities & STEPPER_IMPLICIT) != 0;
+    const int implicit = (variant->method->capabilities & STEPPER_SOLVES) != 0;
     check_twice(ctx, variant, NULL);
     for (int i = 0; linear_methods[i] && implicit && !variant->option; i++)
         check_twice(ctx, variant, linear_methods[i]->name);

@@ -44,7 +44,7 @@ static struct stepper *ros2_create(const struct stepper_settings *settings, stru
         *vectors[i] = self->memory + i * n;
     self->linear = NULL;
     if (!linear_choose(settings->linear, system, JACOBIAN_AUTO, &self->kind))
-        self->linear = linear_create(settings->linear, system, settings->linear_option);
+        self->linear = linear_create(settings->linear, system, &settings->options);
     if (!self->linear) {
         free(self);
         return NULL;
@@ -109,7 +109,7 @@ static const struct stepper_method ros2 = {
     .summary = "linearly implicit, two stages, one matrix",
     .reference = "Verwer, Spee, Blom & Hundsdorfer 1999, doi:10.1137/S1064827597326651",
     .order = 2,
-    .capabilities = STEPPER_IMPLICIT,
+    .capabilities = STEPPER_IMPLICIT | STEPPER_SOLVES,
     .refuse = ros2_refuse,
     .create = ros2_create,
     .step = ros2_step,

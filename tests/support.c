@@ -44,22 +44,11 @@ void each_variant(void (*use)(const struct variant *variant, void *ctx), void *c
 }
 
 struct stepper_settings variant_settings(const struct variant *variant, double rtol, double atol) {
-    struct stepper_settings settings = {.rtol = rtol, .atol = atol};
-    const struct option_spec *specs = variant->method->options;
-    options_defaults(specs, settings.option);
-    if (variant->method->capabilities & STEPPER_IMPLICIT) {
-        settings.linear = linear_find("direct");
-        options_defaults(settings.linear->options, settings.linear_option);
-    }
-    if (variant->option) {
-        char reason[REASON_SIZE];
-        const char *equals = strchr(variant->option, '=');
-        const int i = options_find(specs, variant->option, (size_t)(equals - variant->option));
-        cr_assert(i >= 0 && options_parse(&specs[i], equals + 1, &settings.option[i], reason,
-                                          sizeof reason) == 0,
-                  "%s cannot be made", variant->name);
-    }
-    return settings;
+    const int solves = (variant->method->capabilities & STEPPER_SOLVES) != 0;
+    return (struct stepper_settings){.linear = solves ? linear_find("direct") : NULL,
+                                     .rtol = rtol,
+                                     .atol = atol,
+                                     .options = {&variant->option, variant->option != NULL}};
 }
 
 int integrate(struct stepper *stepper, double from, double to, int steps, double *q, double *v) {

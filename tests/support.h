@@ -18,7 +18,8 @@ struct variant {
 };
 void each_variant(void (*use)(const struct variant *variant, void *ctx), void *ctx);
 
-/* Settings for a variant on some system, with defaults, the direct solver and these tolerances. */
+/* Settings for a variant on some system, with defaults, the direct solver and these tolerances;
+ * they point into the variant. */
 struct stepper_settings variant_settings(const struct variant *variant, double rtol, double atol);
 
 /* From `from` to `to` in `steps` equal steps, or, of adaptive methods, in as many as it takes.

@@ -404,12 +404,10 @@ static void check_solver(const struct linear_method *method, double alpha, doubl
                          const double *b, const double *expected, const double *scale,
                          const char *what) {
     static double x[LAB_SIZE];
-    double option[OPTIONS_MAX];
-    options_defaults(method->options, option);
-    const int tolerance = options_find(method->options, "cg.tolerance", strlen("cg.tolerance"));
-    if (tolerance >= 0)
-        option[tolerance] = 1e-14;
-    struct linear_solver *solver = linear_create(method, &s.part.system, option);
+    static const char *const tight[] = {"cg.tolerance=1e-14"};
+    const struct options options = {tight, 1};
+    const int iterates = options_find(method->options, "cg.tolerance", strlen("cg.tolerance")) >= 0;
+    struct linear_solver *solver = linear_create(method, &s.part.system, &options);
     cr_assert(solver, "no memory for %s", method->name);
     cr_assert_eq(linear_factor(solver, alpha, beta), 0, "%s, %s: %s", what, method->name,
                  s.part.system.reason);
@@ -419,7 +417,7 @@ static void check_solver(const struct linear_method *method, double alpha, doubl
     for (int i = 0; i < s.part.size; i++)
         most = fmax(most, scale[i]);
     for (int i = 0; i < s.part.size; i++) {
-        const double of = tolerance >= 0 ? most : scale[i]; /* of |b| as a whole */
+        const double of = iterates ? most : scale[i]; /* of |b| as a whole */
         cr_assert(fabs(x[i] - expected[i]) <= solver_tolerance * of,
                   "%s, %s: x[%d] is %.17g, densely %.17g, scale %.1e", what, method->name, i, x[i],
                   expected[i], of);

@@ -217,7 +217,6 @@ static void multiply_spd(struct part *part, double *result) {
 static void steps(struct part *part, const char *name, double *result) {
     struct stepper_settings settings = {.linear = linear_find("direct")};
     const struct stepper_method *method = stepper_find(name);
-    options_defaults(method->options, settings.option);
     struct stepper *stepper = stepper_create(method, &settings, &part->system);
     cr_assert(stepper, "no stepper");
     for (int k = 0; k < 30; k++)

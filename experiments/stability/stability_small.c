@@ -112,8 +112,7 @@ void small_oscillator(struct small_system *s, double zeta) {
 struct stepper *small_stepper(const struct stepper_method *method, double tolerance,
                               struct small_system *small) {
     struct stepper_settings settings = {.rtol = tolerance, .atol = 1e-3 * tolerance};
-    options_defaults(method->options, settings.option);
-    if (method->capabilities & STEPPER_IMPLICIT)
+    if (method->capabilities & STEPPER_SOLVES)
         settings.linear = linear_find("direct");
     if (stepper_refuse(method, &settings, &small->system))
         return NULL;
@@ -272,7 +271,7 @@ struct ring_down measured_ring_down(const struct stepper_method *method, double 
                    (f.n * f.t_phase - f.t * f.phase) / spread, 2 * M_PI * steps / t);
 }
 
-struct ring_down predicted_ring_down(const struct butcher_table *table, double h) {
-    const double complex r = butcher_stability(table, I * h);
+struct ring_down predicted_ring_down(const struct stepper_method *method, double h) {
+    const double complex r = stepper_amplification(method, I * h, -I * h);
     return ring_of(log(cabs(r)) / h, carg(r) / h, 2 * M_PI / h);
 }
