@@ -67,9 +67,6 @@ static int plan_subject(struct plan *plan, const struct subject *subject) {
     struct run_request tight = {.stepper = "reference"};
     if (!scene)
         return -1;
-    if (scene->duration < subject->scene->duration)
-        printf("  %s: only its first %.3g s, for the budget of %g s\n", subject->name,
-               scene->duration, budget);
     if (add(plan, subject, scene, &tight, 0, 0, "tight") ||
         add(plan, subject, scene, &tight, HORIZON_PERTURBATION, 1, "tight, perturbed"))
         return -1;
@@ -362,7 +359,7 @@ static void state_horizon(struct statements *statements, const struct subject *s
     if (!isnan(horizon)) {
         const double duration = subject->scene->duration;
         if (compared < duration)
-            snprintf(cut, sizeof cut, "; only %.3g of %.3g s were run", compared, duration);
+            snprintf(cut, sizeof cut, "; its budget allows %.3g of %.3g s", compared, duration);
         statements_add(statements, row,
                        "On %s a start that is 1e-10 m away stays within 1 mm %s %.3g s%s.",
                        subject->name, horizon < compared ? "for" : "to the end,", horizon, cut);

@@ -131,8 +131,6 @@ static int plan_scenes(struct plan *plan, struct limits *limits) {
             plan_cut_scene(plan, subject, subject->scene->frame_rate, length, NULL);
         if (!scene)
             return -1;
-        if (length < duration)
-            printf("  %s: only its first %.3g s, for the budget\n", subject->name, scene->duration);
         for (int t = 0; wisp_problem.treatments[t].name; t++) {
             struct cell *cell = &limits->cells[limits->cell_count];
             if (scene->wisps[0].samples == 0 && t != WISP_GENERALISED)
