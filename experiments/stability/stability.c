@@ -7,7 +7,15 @@
 #include "experiments/captions.h"
 
 static int stability_tabulate(struct plan *plan, const char *folder) {
-    return stability_maps(plan, folder) || limits_tabulate(plan, folder) ? -1 : 0;
+    struct statements statements;
+    if (statements_open(&statements, folder, NULL,
+                        plan->quick ? "--quick: coarser maps, brackets of 12 %" : NULL,
+                        plan->reason))
+        return -1;
+    const int code =
+        stability_maps(plan, folder, &statements) || limits_tabulate(plan, folder, &statements) ? -1
+                                                                                                : 0;
+    return statements_close(&statements, code, plan->reason);
 }
 
 const struct experiment stability_experiment = {

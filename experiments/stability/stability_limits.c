@@ -123,6 +123,10 @@ static double affordable(const struct plan *plan, const struct scene *scene) {
     return fmin(duration, seconds / (reference_cost(scene) * treatments));
 }
 
+int limits_is_cut(const struct plan *plan, const struct cell *cell) {
+    return affordable(plan, cell->scene) < duration;
+}
+
 static int plan_scenes(struct plan *plan, struct limits *limits) {
     for (int i = 0; i < plan->subject_count; i++) {
         const struct subject *subject = &plan->subjects[i];
