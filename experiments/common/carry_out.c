@@ -46,6 +46,7 @@ static int do_rounds(struct plan *plan, struct manner *manner, int *missing) {
     const struct experiment *experiment = plan->experiment;
     if (manner->limits.seconds == 0)
         manner->limits.seconds = plan->run_seconds > 0 ? plan->run_seconds : 60;
+    plan->limits = manner->limits;
     for (int first = 0, next; first < plan->case_count; first = next) {
         next = plan->case_count;
         const int code = do_runs(plan, first, manner, missing, plan->reason);

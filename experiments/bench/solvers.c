@@ -1,5 +1,5 @@
 /* The linear solvers of the implicit step on wisps: Jacobians, factors and solutions. */
-#include "kernel_measure.h"
+#include "measure.h"
 
 #include <math.h>
 
