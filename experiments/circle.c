@@ -349,8 +349,11 @@ static int circle_tabulate(struct plan *plan, const char *folder) {
 
 const struct experiment circle_experiment = {
     .name = "circle",
-    .question =
-        "how far does each method carry a particle off its circle? (thesis, figures 2.4 and 2.5)",
+    .question = "how far does each method carry a particle off its circle?",
+    .thesis = "section 2.3.3",
+    .place = 4,
+    .quick = {.seconds = 4},
+    .full = {.seconds = 10},
     .plan = circle_plan,
     .tabulate = circle_tabulate,
     .caption = caption_circle,

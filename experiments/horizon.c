@@ -439,6 +439,8 @@ static int horizon_tabulate(struct plan *plan, const char *folder) {
 const struct experiment horizon_experiment = {
     .name = "horizon",
     .question = "how long can trajectories be compared where wisps touch, and what after that?",
+    .place = 14,
+    .full = {150, 0.5},
     .plan = horizon_plan,
     .tabulate = horizon_tabulate,
     .caption = caption_horizon,

@@ -606,6 +606,9 @@ static int ladder_tabulate(struct plan *plan, const char *folder) {
 const struct experiment ladder_experiment = {
     .name = "ladder",
     .question = "which stepper is cheapest for a millimetre, by stiffness and damping?",
+    .place = 6,
+    .quick = {.seconds = 8},
+    .full = {.seconds = 130},
     .plan = ladder_plan,
     .refine = ladder_refine,
     .tabulate = ladder_tabulate,

@@ -433,6 +433,10 @@ static int treatments_tabulate(struct plan *plan, const char *folder) {
 const struct experiment treatments_experiment = {
     .name = "treatments",
     .question = "how exactly does each treatment keep the envelope on its lines, and at what cost?",
+    .thesis = "section 4.2.1",
+    .place = 5,
+    .quick = {.seconds = 2},
+    .full = {.seconds = 10},
     .plan = treatments_plan,
     .tabulate = treatments_tabulate,
     .caption = caption_treatments,

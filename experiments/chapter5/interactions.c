@@ -144,7 +144,12 @@ static int interactions_tabulate(struct plan *plan, const char *folder) {
 
 const struct experiment interactions_experiment = {
     .name = "interactions",
-    .question = "thesis 5.2: what do wisps do to each other when they meet?",
+    .question = "what do wisps do to each other when they meet?",
+    .thesis = "section 5.2",
+    .place = 8,
+    .quick = {.seconds = 3},
+    .full = {.seconds = 15},
+    .answers = 1u << ANSWERS_CHOICE,
     .plan = interactions_plan,
     .tabulate = interactions_tabulate,
     .caption = caption_hair,

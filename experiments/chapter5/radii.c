@@ -132,7 +132,12 @@ static int radii_tabulate(struct plan *plan, const char *folder) {
 
 const struct experiment radii_experiment = {
     .name = "radii",
-    .question = "thesis 5.1: what does the radius of wisps do to motion and cost?",
+    .question = "what does the radius of wisps do to motion and cost?",
+    .thesis = "section 5.1",
+    .place = 7,
+    .quick = {.seconds = 8},
+    .full = {.seconds = 30},
+    .answers = 1u << ANSWERS_CHOICE,
     .plan = radii_plan,
     .tabulate = radii_tabulate,
     .caption = caption_hair,

@@ -116,6 +116,10 @@ static int shake_tabulate(struct plan *plan, const char *folder) {
 const struct experiment shake_experiment = {
     .name = "shake",
     .question = "does hair lag behind the head, and does it return?",
+    .place = 13,
+    .quick = {.seconds = 12},
+    .full = {.seconds = 60},
+    .answers = 1u << ANSWERS_CHOICE,
     .plan = shake_plan,
     .tabulate = shake_tabulate,
     .caption = caption_hair,

@@ -100,7 +100,12 @@ static int sphere_tabulate(struct plan *plan, const char *folder) {
 
 const struct experiment sphere_experiment = {
     .name = "sphere",
-    .question = "thesis 5.4: does a moving body keep hair outside without stretching it?",
+    .question = "does a moving body keep hair outside without stretching it?",
+    .thesis = "section 5.4",
+    .place = 10,
+    .quick = {.seconds = 3},
+    .full = {.seconds = 30},
+    .answers = 1u << ANSWERS_CHOICE,
     .plan = sphere_plan,
     .tabulate = sphere_tabulate,
     .caption = caption_hair,

@@ -131,7 +131,12 @@ static int subdivision_tabulate(struct plan *plan, const char *folder) {
 
 const struct experiment subdivision_experiment = {
     .name = "subdivision",
-    .question = "thesis 5.5: what does adaptive subdivision add, and what does it cost?",
+    .question = "what does adaptive subdivision add, and what does it cost?",
+    .thesis = "section 5.5",
+    .place = 11,
+    .quick = {.seconds = 2},
+    .full = {.seconds = 15},
+    .answers = 1u << ANSWERS_CHOICE,
     .plan = subdivision_plan,
     .tabulate = subdivision_tabulate,
     .caption = caption_hair,

@@ -152,7 +152,12 @@ static int viscosity_tabulate(struct plan *plan, const char *folder) {
 
 const struct experiment viscosity_experiment = {
     .name = "viscosity",
-    .question = "thesis 5.3: how does viscosity hold wisps together?",
+    .question = "how does viscosity hold wisps together?",
+    .thesis = "section 5.3",
+    .place = 9,
+    .quick = {.seconds = 2},
+    .full = {.seconds = 15},
+    .answers = 1u << ANSWERS_CHOICE,
     .plan = viscosity_plan,
     .tabulate = viscosity_tabulate,
     .caption = caption_hair,

@@ -81,7 +81,12 @@ static int wind_tabulate(struct plan *plan, const char *folder) {
 
 const struct experiment wind_experiment = {
     .name = "wind",
-    .question = "thesis 5.6: does a gust lay hair over, and does it fall back?",
+    .question = "does a gust lay hair over, and does it fall back?",
+    .thesis = "section 5.6",
+    .place = 12,
+    .quick = {.seconds = 10},
+    .full = {.seconds = 60},
+    .answers = 1u << ANSWERS_CHOICE,
     .plan = wind_plan,
     .tabulate = wind_tabulate,
     .caption = caption_hair,

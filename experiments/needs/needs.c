@@ -418,6 +418,10 @@ static int needs_refine(struct plan *plan) {
 const struct experiment needs_experiment = {
     .name = "needs",
     .question = "what must be modelled in a scene, and what does leaving out the rest save?",
+    .place = 3,
+    .quick = {.seconds = 5},
+    .full = {.seconds = 220},
+    .answers = 1u << ANSWERS_NEEDS,
     .plan = needs_plan,
     .refine = needs_refine,
     .tabulate = needs_tabulate,

@@ -21,6 +21,10 @@ static int stability_tabulate(struct plan *plan, const char *folder) {
 const struct experiment stability_experiment = {
     .name = "stability",
     .question = "what is the longest stable step of each stepper, and how does it fail beyond?",
+    .place = 2,
+    .quick = {.seconds = 6},
+    .full = {.seconds = 120},
+    .answers = 1u << ANSWERS_FAILURES,
     .plan = limits_plan,
     .refine = limits_refine,
     .tabulate = stability_tabulate,
