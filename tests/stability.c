@@ -210,6 +210,74 @@ Test(stability, modes_of_a_wisp_come_from_its_jacobians) {
     scene_free(scene);
 }
 
+/* --- a method that is none of Runge and Kutta's --- */
+
+static struct stepper *symplectic_create(const struct stepper_settings *settings,
+                                         struct system *system) {
+    (void)settings, (void)system;
+    return calloc(1, sizeof(struct stepper));
+}
+
+static int symplectic_step(struct stepper *stepper, double t, double h, double *q, double *v) {
+    struct system *system = stepper->system;
+    double a[2];
+    const int code = system_acceleration(system, t, q, v, a);
+    for (int i = 0; i < system->size && !code; i++) {
+        v[i] += h * a[i];
+        q[i] += h * v[i];
+    }
+    return code;
+}
+
+static void symplectic_free(struct stepper *stepper) {
+    free(stepper);
+}
+
+/* (q, h v) is multiplied by ( 1 + k h^2, 1 + d h; k h^2, 1 + d h ): its determinant is 1 + d h. */
+static double complex symplectic_amplification(double complex z, double complex partner) {
+    const double complex d = z + partner, k = -z * partner;
+    const double complex half = 1 + (k + d) / 2, root = csqrt(half * half - 1 - d);
+    return cabs(half + root) > cabs(half - root) ? half + root : half - root;
+}
+
+static const struct stepper_method symplectic = {.name = "symplectic",
+                                                 .order = 1,
+                                                 .amplification = symplectic_amplification,
+                                                 .create = symplectic_create,
+                                                 .step = symplectic_step,
+                                                 .free = symplectic_free};
+
+/* Its own amplification foretells what its steps do, swinging and creeping. */
+Test(stability, a_method_has_its_own_amplification) {
+    for (double zeta = 0; zeta <= 2; zeta += 0.13)
+        for (double h = 0.1; h <= 3; h += 0.17) {
+            const double complex root = csqrt(zeta * zeta - 1);
+            const double foretold =
+                cabs(stepper_amplification(&symplectic, h * (-zeta + root), h * (-zeta - root)));
+            struct small_system small;
+            small_oscillator(&small, zeta);
+            const double growth = measured_growth(&symplectic, 1e-2, &small, h);
+            cr_assert_float_eq(growth, foretold, 0.02 * foretold, "h = %g, zeta = %g: %g, not %g",
+                               h, zeta, growth, foretold);
+        }
+}
+
+/* Jury's criterion on that matrix: h^2 w^2 + 2 h tau w^2 < 4. */
+Test(stability, steps_are_foretold_by_a_methods_own_amplification) {
+    static const double taus[] = {0, 0.1, 3};
+    static struct fixture chain;
+    const double zero[LINKS] = {0}, w = chain_frequency(LINKS);
+    for (int k = 0; k < 3; k++) {
+        const double tau = taus[k], limit = -tau + sqrt(tau * tau + 4 / (w * w));
+        make_chain(&chain, tau);
+        struct mode_rate *modes = system_modes(&chain.system, 0, zero, zero);
+        cr_assert_float_eq(stable_step(&symplectic, modes, 2 * LINKS), limit, 1e-3 * limit,
+                           "tau = %g: %g, not %g", tau, stable_step(&symplectic, modes, 2 * LINKS),
+                           limit);
+        free(modes);
+    }
+}
+
 /* --- ring-down --- */
 
 Test(stability, ring_down_is_the_stability_function_on_the_axis) {
