@@ -296,9 +296,11 @@ static int open_work_tables(struct work_tables *tables, struct plan *plan, const
         atomic_discard(&tables->work);
         return -1;
     }
-    if (open_circle_table(&tables->radius, plan, folder, "radius",
-                          "radius after 160 s, m, measured and as |R(-i omega h)|^n foretells it",
-                          "method\tstepper\tstep\tomega_h\tradius\tpredicted\tsteps")) {
+    if (open_circle_table(
+            &tables->radius, plan, folder, "radius",
+            "radius after 160 s, m, measured and as |R(-i omega h)|^n foretells it (no "
+            "prediction: the method has no stability function)",
+            "method\tstepper\tstep\tomega_h\tradius\tpredicted\tsteps")) {
         atomic_discard(&tables->work);
         atomic_discard(&tables->slopes);
         return -1;
@@ -313,10 +315,14 @@ static void write_point(const struct work_tables *tables, const struct configura
             "%s\t%s\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%s\t%.17g\n", c->name,
             c->stepper, p->setting, p->error, cost->evaluations, cost->steps, cost->cpu.median,
             cost->cpu.least, cost->cpu.greatest, outcome_name(cost->outcome), cost->failure_time);
-    if (c->method->table && cost->outcome == FINISHED)
-        fprintf(tables->radius.stream, "%s\t%s\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\n", c->name,
-                c->stepper, p->setting, CIRCLE_RATE * p->setting, p->last_radius,
-                predicted_radius(c, p->setting, cost->steps), cost->steps);
+    if (contestant_is_adaptive(c) || cost->outcome != FINISHED)
+        return;
+    char predicted[32] = "no prediction";
+    if (c->method->table)
+        snprintf(predicted, sizeof predicted, "%.17g",
+                 predicted_radius(c, p->setting, cost->steps));
+    fprintf(tables->radius.stream, "%s\t%s\t%.17g\t%.17g\t%.17g\t%s\t%.17g\n", c->name, c->stepper,
+            p->setting, CIRCLE_RATE * p->setting, p->last_radius, predicted, cost->steps);
 }
 
 /* Rows of one contestant, in the order of its settings; blocks are parted by two blank lines. */

@@ -295,7 +295,7 @@ static void write_ensemble(FILE *stream, const struct subject *subject, const ch
             group_mean(&all, contacts_of, 0));
     if (ensemble == reference)
         return;
-    printf("    %-15s ", stepper);
+    printf("    %-16s ", stepper);
     if (ensemble->failed)
         printf("%d of %d runs failed\n", ensemble->failed, ensemble->count);
     else

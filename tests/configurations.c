@@ -109,6 +109,31 @@ Test(configurations, facts_name_what_there_is) {
     }
 }
 
+/* A key is not another one that begins with it; the last of a key counts. */
+Test(configurations, options_are_those_that_were_given_last) {
+    static const struct option_spec spec = {
+        .name = "cg", .kind = OPTION_REAL, .initial = 3, .least = 0, .most = 10};
+    static const char *const given[] = {"cg.tolerance=1", "cg=5", "cgs=7", "cg=6"};
+    cr_assert_eq(option_value(&(struct options){given, 0}, &spec), 3);
+    cr_assert_eq(option_value(&(struct options){given, 1}, &spec), 3);
+    cr_assert_eq(option_value(&(struct options){given, 3}, &spec), 5);
+    cr_assert_eq(option_value(&(struct options){given, 4}, &spec), 6);
+}
+
+Test(configurations, lanes_and_usual_rates_are_facts_with_defaults) {
+    struct stepper_method method = {.step = NULL};
+    struct settings settings = {.method = &method};
+    cr_assert_eq(settings_lanes(&settings), 4);
+    cr_assert_eq(stepper_usual_rate(&method), 9000);
+    method.capabilities = STEPPER_IMPLICIT | STEPPER_ADAPTIVE;
+    cr_assert_eq(settings_lanes(&settings), 1);
+    cr_assert_eq(stepper_usual_rate(&method), 300);
+    method.lanes = 3;
+    method.usual_rate = 77;
+    cr_assert_eq(settings_lanes(&settings), 3);
+    cr_assert_eq(stepper_usual_rate(&method), 77);
+}
+
 /* --- what is asked for and cannot be --- */
 
 Test(configurations, a_stepper_that_takes_no_part_is_named) {

@@ -210,6 +210,33 @@ Test(stability, modes_of_a_wisp_come_from_its_jacobians) {
     scene_free(scene);
 }
 
+static int keep_history(struct stepper *stepper) {
+    (void)stepper;
+    return 0;
+}
+
+/* A method that has a history is known from many steps only; Runge-Kutta 4 looked at so is itself.
+ */
+Test(stability, a_train_of_steps_grows_and_rings_as_one_step_does) {
+    struct stepper_method other = *stepper_find("rk4");
+    other.reset = keep_history;
+    for (double x = -3; x <= 1; x += 0.35)
+        for (double y = 0; y <= 3; y += 0.35) {
+            struct small_system small;
+            small_dahlquist(&small, x + I * y);
+            const double expected = growth_at("rk4", x + I * y);
+            cr_assert_float_eq(measured_growth(&other, 1e-2, &small, 1), expected,
+                               1e-9 * expected + 1e-12, "at %g + %gi", x, y);
+        }
+    for (double h = 0.1; h < 1.9; h += 0.3) {
+        const struct ring_down one = measured_ring_down(stepper_find("rk4"), 1e-2, h),
+                               train = measured_ring_down(&other, 1e-2, h);
+        cr_assert(fabs(one.damping - train.damping) < 1e-10 &&
+                      fabs(one.frequency_shift - train.frequency_shift) < 1e-10,
+                  "h = %g: %g and %g", h, one.damping, train.damping);
+    }
+}
+
 /* --- a method that is none of Runge and Kutta's --- */
 
 static struct stepper *symplectic_create(const struct stepper_settings *settings,
@@ -257,9 +284,17 @@ Test(stability, a_method_has_its_own_amplification) {
             struct small_system small;
             small_oscillator(&small, zeta);
             const double growth = measured_growth(&symplectic, 1e-2, &small, h);
-            cr_assert_float_eq(growth, foretold, 0.02 * foretold, "h = %g, zeta = %g: %g, not %g",
-                               h, zeta, growth, foretold);
+            cr_assert_float_eq(growth, foretold, 1e-7, "h = %g, zeta = %g: %.9g, not %.9g", h, zeta,
+                               growth, foretold);
         }
+}
+
+/* Of a Runge-Kutta method it is the larger one of R on both rates. */
+Test(stability, amplification_is_of_the_faster_growing_rate) {
+    const struct stepper_method *rk4 = stepper_find("rk4");
+    cr_assert(stepper_amplification(rk4, -0.1, -3) == butcher_stability(rk4->table, -3));
+    cr_assert(stepper_amplification(rk4, -3, -0.1) == butcher_stability(rk4->table, -3));
+    cr_assert(stepper_amplification(rk4, 2 * I, -2 * I) == butcher_stability(rk4->table, 2 * I));
 }
 
 /* Jury's criterion on that matrix: h^2 w^2 + 2 h tau w^2 < 4. */
