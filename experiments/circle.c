@@ -157,9 +157,11 @@ static int open_work_tables(struct work_tables *tables, struct plan *plan, const
         atomic_discard(&tables->work);
         return -1;
     }
-    if (circle_open_table(&tables->radius, plan, folder, "radius",
-                          "radius after 160 s, m, measured and as |R(-i omega h)|^n foretells it",
-                          "method\tstepper\tstep\tomega_h\tradius\tpredicted\tsteps")) {
+    if (circle_open_table(
+            &tables->radius, plan, folder, "radius",
+            "radius after 160 s, m, measured and as |R(-i omega h)|^n predicts it (no "
+            "prediction: the method has no stability function)",
+            "method\tstepper\tstep\tomega_h\tradius\tpredicted\tsteps")) {
         atomic_discard(&tables->work);
         atomic_discard(&tables->slopes);
         return -1;
@@ -198,13 +200,16 @@ static void write_point(const struct work_tables *tables, const struct configura
             "%s\t%s\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%s\t%.17g\n", c->name,
             c->stepper, p->setting, p->error, cost->evaluations, cost->steps, cost->cpu.median,
             cost->cpu.least, cost->cpu.greatest, outcome_name(cost->outcome), cost->failure_time);
-    if (!c->method->table || cost->outcome != FINISHED)
+    if (contestant_is_adaptive(c) || cost->outcome != FINISHED)
         return;
-    const double predicted = predicted_radius(c, p->setting, cost->steps);
-    fprintf(tables->radius.stream, "%s\t%s\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\n", c->name,
-            c->stepper, p->setting, CIRCLE_RATE * p->setting, p->last_radius, predicted,
-            cost->steps);
-    add_radius(summary, c, p, predicted);
+    char predicted[32] = "no prediction";
+    if (c->method->table) {
+        const double radius = predicted_radius(c, p->setting, cost->steps);
+        snprintf(predicted, sizeof predicted, "%.17g", radius);
+        add_radius(summary, c, p, radius);
+    }
+    fprintf(tables->radius.stream, "%s\t%s\t%.17g\t%.17g\t%.17g\t%s\t%.17g\n", c->name, c->stepper,
+            p->setting, CIRCLE_RATE * p->setting, p->last_radius, predicted, cost->steps);
 }
 
 /* Rows of one contestant, in the order of its settings; blocks are parted by two blank lines. */

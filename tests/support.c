@@ -91,6 +91,18 @@ static int keep_last(void *ctx, const struct model *model, double t, const doubl
     return 0;
 }
 
+int is_taken(const struct scene *scene, const struct run_request *request) {
+    struct settings settings;
+    char reason[REASON_SIZE];
+    if (settings_resolve(scene, request, &settings, reason) == 0)
+        return 1;
+    const struct stepper_method *method = stepper_find(request->stepper);
+    cr_assert(method && strncmp(reason, method->name, strlen(method->name)) == 0 &&
+                  (method->refuse || !(method->capabilities & STEPPER_PROJECTS)),
+              "refused: %s", reason);
+    return 0;
+}
+
 void run_circle(const struct scene *scene, const struct run_request *request, struct orbit *orbit) {
     struct settings settings;
     char reason[REASON_SIZE];
@@ -102,7 +114,7 @@ void run_circle(const struct scene *scene, const struct run_request *request, st
 /* --- the program --- */
 
 struct process program_start(const struct launch *launch, const char *const *arguments) {
-    const char *argv[32] = {WISPLAB_PROGRAM};
+    const char *argv[32] = {launch && launch->program ? launch->program : program_path};
     for (int i = 0; arguments[i]; i++)
         argv[i + 1] = arguments[i];
     struct process process = {.out = memfd_create("out", MFD_CLOEXEC),
@@ -122,7 +134,7 @@ struct process program_start(const struct launch *launch, const char *const *arg
             const rlim_t limit = (rlim_t)launch->file_limit;
             setrlimit(RLIMIT_FSIZE, &(struct rlimit){limit, limit});
         }
-        execv(WISPLAB_PROGRAM, (char *const *)argv);
+        execv(argv[0], (char *const *)argv);
         _exit(99);
     }
     cr_assert(process.pid > 0, "no process");

@@ -47,9 +47,9 @@ struct run_request hair_request(const struct scene *scene, const struct stepper_
     if (is & STEPPER_SOLVES)
         request.linear = "direct"; /* the matrix of this treatment is not symmetric */
     request.step = method == stepper_find(thesis_recipe.stepper) ? 1 / thesis_recipe.rate
-                   : is & STEPPER_IMPLICIT                       ? 1 / stepper_usual_rate(method)
-                   : stepper_is_predictable(method)              ? stable_step(scene, method)
-                                                                 : usual_step(scene, method);
+                   : stepper_is_predictable(method) && !(is & STEPPER_IMPLICIT)
+                       ? stable_step(scene, method)
+                       : 1 / stepper_usual_rate(method);
     return request;
 }
 
