@@ -227,6 +227,7 @@ Test(subdivision_runs, slow_every_stepper_goes_on_with_the_children) {
             const int implicit = (stepper_methods[i]->capabilities & STEPPER_SOLVES) != 0;
             for (int solver = 0; solver < (implicit ? 4 : 1); solver++) {
                 const struct run_request request = {.stepper = stepper_methods[i]->name,
+                                                    .step = usual_step(scene, stepper_methods[i]),
                                                     .treatment = treatment_names[treatment],
                                                     .linear = implicit ? solvers[solver] : NULL};
                 struct film film;

@@ -28,6 +28,10 @@ int integrate(struct stepper *stepper, double from, double to, int steps, double
 
 /* --- runs in this process --- */
 
+/* Whether there can be such a run. That a problem is not for a method is no failure of a test: then
+ * the method says so by its name. Stops the test where anything else is wrong. */
+int is_taken(const struct scene *scene, const struct run_request *request);
+
 /* The circle with this duration, every step a frame (frame_rate 0) or not. scene_free it. */
 struct scene *circle_scene(double duration, double frame_rate);
 
@@ -48,8 +52,12 @@ struct finished {
     char out[65536], err[65536];
 };
 
+/* The program of this build, and in the tests of README's walk the one with README's stepper. */
+extern const char *const program_path;
+
 /* How it is started: all zero is as usual. */
 struct launch {
+    const char *program; /* NULL: program_path */
     const char *folder; /* to start in; NULL: this one */
     long file_limit;    /* bytes that a file may have; 0: no limit */
     int to_dev_full;    /* standard output is a full disk */
@@ -101,5 +109,11 @@ void each_file(const char *folder, void (*use)(const char *path, void *ctx), voi
 
 /* How many files below a folder have a name that contains `part`. */
 int count_files(const char *folder, const char *part);
+
+/* --- what experiments found --- */
+
+/* Checks an experiment's folder: its statements have one of the four verdicts, no empty cell, a key
+ * of their own, a sentence that ends; and every figure there has one. */
+void statements_must_be_whole(const char *folder);
 
 #endif

@@ -2,6 +2,7 @@
  * depend neither on its lane, nor on its neighbours, nor on the order of the scene. */
 #include "model/problems.h"
 #include "scene/scene_load.h"
+#include "support.h"
 #include "wisp_support.h"
 
 #include <criterion/criterion.h>

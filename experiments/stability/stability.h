@@ -3,6 +3,7 @@
 #define WISPLAB_STABILITY_H
 
 #include "experiments/common/search.h"
+#include "experiments/common/statements.h"
 
 #include <complex.h>
 
@@ -30,15 +31,17 @@ struct stepper *small_stepper(const struct stepper_method *method, double tolera
                               struct small_system *small);
 
 /* By what a step of h multiplies (q, v) in the long run: of fixed steps the spectral radius of the
- * step as it is done, of adaptive ones the growth over times of h. INFINITY where a step fails or
+ * step as it is done, or where a method has a history the growth over a train of them; of adaptive
+ * ones the growth over times of h. INFINITY where a step fails or
  * is not finite; NaN where the method refuses the system. Per step of h = 1 on u' = z u it is
  * |R(z)| of a Runge-Kutta method. */
 double measured_growth(const struct stepper_method *method, double tolerance,
                        struct small_system *small, double h);
 
-/* An undamped oscillator let go from q = 1: by least squares over a train of steps, what the
- * method's own damping is, of critical (negative: it grows), and by how much its frequency is off,
- * relative; NaN where it fails or turns by more than half a turn in a step. */
+/* An undamped oscillator let go: what the method's own damping is, of critical (negative: it
+ * grows), and by how much its frequency is off, relative; NaN where it fails or turns by nearly
+ * half a turn in a step. By the eigenvalue of the step as it is done, and where a method has a
+ * history or chooses its steps, by least squares over a train of them from q = 1. */
 struct ring_down {
     double damping, frequency_shift;
     double steps_per_period;
@@ -75,14 +78,14 @@ struct mode_rate *scene_modes(const struct scene *scene, enum wisp_treatment tre
 
 /* --- stability_maps.c --- */
 
-/* Writes the tables regions, oscillator and damping, measured here and now. 0, or -1 with
- * plan->reason. */
-int stability_maps(struct plan *plan, const char *folder);
+/* Writes the tables regions, oscillator and damping, measured here and now, and states how near
+ * they are to theory. 0, or -1 with plan->reason. */
+int stability_maps(struct plan *plan, const char *folder, struct statements *statements);
 
 /* --- stability_limits.c, stability_tables.c: the searches, stages of struct experiment --- */
 
 int limits_plan(struct plan *plan);
 int limits_refine(struct plan *plan);
-int limits_tabulate(struct plan *plan, const char *folder);
+int limits_tabulate(struct plan *plan, const char *folder, struct statements *statements);
 
 #endif
