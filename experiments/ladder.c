@@ -8,6 +8,7 @@
 #include "base/files.h"
 #include "captions.h"
 #include "experiments/common/search.h"
+#include "experiments/common/statements.h"
 #include "model/model.h"
 #include "model/problems.h"
 
@@ -471,18 +472,27 @@ static int write_crossings(const struct plan *plan, const char *folder, char *re
 
 /* --- the answer --- */
 
+enum { ALL, EXPLICIT, IMPLICIT };
+static int is_of(const struct search *s, int kind) {
+    const struct stepper_method *method = s->contestant->method;
+    return kind == ALL || ((method->capabilities & STEPPER_IMPLICIT) != 0) == (kind == IMPLICIT);
+}
+
+static int was_asked(const struct ladder *ladder, int kind) {
+    for (int i = 0; i < ladder->count; i++)
+        if (is_of(&ladder->search[i], kind))
+            return 1;
+    return 0;
+}
+
 /* The cheapest search of a cell, of all, of explicit methods or of implicit ones, besides one; or
  * NULL. */
-enum { ALL, EXPLICIT, IMPLICIT };
 static const struct search *cheapest(const struct ladder *ladder, int cell, int kind,
                                      const struct search *besides) {
     const struct search *best = NULL;
     for (int i = 0; i < ladder->count; i++) {
         const struct search *s = &ladder->search[i];
-        const struct stepper_method *method = s->contestant->method;
-        const int wanted =
-            kind == ALL || ((method->capabilities & STEPPER_IMPLICIT) != 0) == (kind == IMPLICIT);
-        if (s->cell == cell && wanted && s != besides && has_cost(s) &&
+        if (s->cell == cell && is_of(s, kind) && s != besides && has_cost(s) &&
             (!best || s->cost.cpu.median < best->cost.cpu.median))
             best = s;
     }
@@ -494,70 +504,106 @@ static double least_cost(const struct ladder *ladder, int cell, int kind) {
     return s ? s->cost.cpu.median : NAN;
 }
 
-/* Where the cheapest explicit and the cheapest implicit method of a damping change places. */
-static void print_order(const struct ladder *ladder, int damping) {
+/* Where the cheapest explicit and the cheapest implicit method of a damping change places: one
+ * crossing, or none because one kind is ahead everywhere. */
+static void state_order(struct statements *statements, const struct ladder *ladder, int damping) {
     int explicit_first = 0, implicit_first = 0;
+    char key[64];
+    struct statement row = {
+        .key = key, .figure = "ladder", .tables = "ladder crossings", .unit = "N"};
     for (int k = 0; k < STIFFNESSES; k++) {
-        const int cell = damping * STIFFNESSES + k;
-        const double costs[2] = {least_cost(ladder, cell, EXPLICIT),
-                                 least_cost(ladder, cell, IMPLICIT)};
-        explicit_first += costs[0] < costs[1];
-        implicit_first += costs[1] < costs[0];
-        if (k + 1 == STIFFNESSES)
-            break;
-        const double ahead[2] = {least_cost(ladder, cell + 1, EXPLICIT),
-                                 least_cost(ladder, cell + 1, IMPLICIT)};
-        const double at =
-            crossing(k, (double[]){costs[0], ahead[0]}, (double[]){costs[1], ahead[1]});
-        if (!isnan(at))
-            printf("    the best explicit and the best implicit method cross at EA = %.2g N\n", at);
+        const int cell = damping * STIFFNESSES + k, next = k + 1 < STIFFNESSES ? cell + 1 : cell;
+        const double explicits[2] = {least_cost(ladder, cell, EXPLICIT),
+                                     least_cost(ladder, next, EXPLICIT)},
+                     implicits[2] = {least_cost(ladder, cell, IMPLICIT),
+                                     least_cost(ladder, next, IMPLICIT)};
+        explicit_first += explicits[0] < implicits[0];
+        implicit_first += implicits[0] < explicits[0];
+        row.value = next > cell ? crossing(k, explicits, implicits) : NAN;
+        snprintf(key, sizeof key, "order, zeta %g, %d", dampings[damping], k);
+        if (!isnan(row.value))
+            statements_add(statements, row,
+                           "At damping %g the best explicit and the best implicit method cost the "
+                           "same at EA = %.2g N.",
+                           dampings[damping], row.value);
     }
-    if (explicit_first + implicit_first > 0 && (explicit_first == 0 || implicit_first == 0))
-        printf("    %s methods are cheaper at every stiffness tried\n",
-               explicit_first ? "explicit" : "implicit");
+    if (explicit_first > 0 && implicit_first > 0)
+        return;
+    snprintf(key, sizeof key, "order, zeta %g", dampings[damping]);
+    row.unit = NULL;
+    row.verdict = explicit_first + implicit_first > 0                          ? HOLDS
+                  : was_asked(ladder, EXPLICIT) && was_asked(ladder, IMPLICIT) ? NOT_REACHED
+                                                                               : NOT_ASKED;
+    if (row.verdict == HOLDS)
+        statements_add(statements, row,
+                       "At damping %g %s methods are cheaper at every stiffness tried.",
+                       dampings[damping], explicit_first ? "explicit" : "implicit");
+    else
+        statements_add(statements, row,
+                       "At damping %g explicit and implicit methods cannot be compared: %s.",
+                       dampings[damping],
+                       row.verdict == NOT_ASKED ? "one kind was left out"
+                                                : "at no stiffness both reach a millimetre");
 }
 
-static void print_cell(const struct plan *plan, int cell) {
+/* The cheapest method of a cell, and the next. */
+static void state_cell(struct statements *statements, const struct plan *plan, int cell) {
     const struct search *best = cheapest(plan->memo, cell, ALL, NULL);
     const struct search *next = best ? cheapest(plan->memo, cell, ALL, best) : NULL;
-    printf("  %-4g  %6g  ", damping_of(cell), stiffness_of(cell));
-    if (!best) {
-        printf("none\n");
-        return;
-    }
-    printf("%-29s %4s %-9.3g %8.2f", best->contestant->name,
-           contestant_is_adaptive(best->contestant) ? "rtol" : "h",
-           place_setting(plan, best, best->place.reached), 1e3 * best->cost.cpu.median);
+    char key[64], runner_up[128] = "";
+    name_cell(key, sizeof key, cell);
+    struct statement row = {.key = key, .figure = "ladder", .tables = "ladder", .unit = "ms"};
+    row.value = best ? 1e3 * best->cost.cpu.median : NAN;
+    row.verdict = best ? HOLDS : NOT_REACHED;
     if (next)
-        printf("   %s %.2f%s", next->contestant->name, 1e3 * next->cost.cpu.median,
-               is_apart(best, next) ? "" : " (times overlap)");
-    printf("\n");
+        snprintf(runner_up, sizeof runner_up, "; next is %s, %.3g ms%s", next->contestant->name,
+                 1e3 * next->cost.cpu.median, is_apart(best, next) ? "" : " (the times overlap)");
+    if (best)
+        statements_add(statements, row,
+                       "At EA = %g N and damping %g a millimetre is cheapest with %s at %s %.3g: "
+                       "%.3g ms%s.",
+                       stiffness_of(cell), damping_of(cell), best->contestant->name,
+                       contestant_is_adaptive(best->contestant) ? "rtol" : "h =",
+                       place_setting(plan, best, best->place.reached), row.value, runner_up);
+    else
+        statements_add(statements, row,
+                       "At EA = %g N and damping %g no method reaches a millimetre.",
+                       stiffness_of(cell), damping_of(cell));
 }
 
-static void print_answer(const struct plan *plan) {
-    printf("  %-4s  %6s  %-29s %4s %-9s %8s   %s\n", "zeta", "EA, N", "cheapest to a millimetre",
-           "", "setting", "CPU ms", "next, CPU ms");
-    for (int cell = 0; cell < CELLS; cell++) {
+static void state_answer(struct statements *statements, const struct plan *plan) {
+    for (int cell = 0; cell < CELLS; cell++)
         if (is_in(plan, cell))
-            print_cell(plan, cell);
-        if (cell % STIFFNESSES == STIFFNESSES - 1)
-            print_order(plan->memo, cell / STIFFNESSES);
-    }
+            state_cell(statements, plan, cell);
+    for (int damping = 0; damping < DAMPINGS; damping++)
+        if (is_in(plan, damping * STIFFNESSES))
+            state_order(statements, plan->memo, damping);
     if (plan->quick)
-        printf("  --quick: one damping, not the stiffness of real hair (16800 N), coarser "
-               "brackets\n");
+        statements_add(
+            statements,
+            (struct statement){.key = "left out", .figure = "ladder", .verdict = NOT_REACHED},
+            "Real hair (16800 N) and the dampings 0.02 and 0.5 are left out of --quick.");
 }
 
 static int ladder_tabulate(struct plan *plan, const char *folder) {
-    if (write_ladder(plan, folder, plan->reason) || write_crossings(plan, folder, plan->reason))
+    struct statements statements;
+    if (statements_open(&statements, folder, plan->subjects[0].scene,
+                        plan->quick ? "--quick: coarser brackets" : NULL, plan->reason))
         return -1;
-    print_answer(plan);
-    return 0;
+    const int code =
+        write_ladder(plan, folder, plan->reason) || write_crossings(plan, folder, plan->reason) ? -1
+                                                                                                : 0;
+    if (!code)
+        state_answer(&statements, plan);
+    return statements_close(&statements, code, plan->reason);
 }
 
 const struct experiment ladder_experiment = {
     .name = "ladder",
     .question = "which stepper is cheapest for a millimetre, by stiffness and damping?",
+    .place = 6,
+    .quick = {.seconds = 8},
+    .full = {.seconds = 130},
     .plan = ladder_plan,
     .refine = ladder_refine,
     .tabulate = ladder_tabulate,

@@ -1,9 +1,8 @@
 /* The experiment of stability: growth of the real steps against closed forms, eigenvalues of a
  * chain that is solved by hand, ring-down against R(ih), searches that come to what was measured
  * before; and that wrong is a failure however finite it is. */
-#include "experiments/stability/stability.h"
-
 #include "closed_forms.h"
+#include "experiments/stability/stability_limits.h"
 #include "fixture.h"
 #include "scene/scene_load.h"
 #include "support.h"
@@ -399,6 +398,12 @@ static char *read_table(const char *name) {
     return text;
 }
 
+static void stated(void) {
+    char path[PATH_SIZE];
+    path_format(path, "%s/stability", folder);
+    statements_must_be_whole(path);
+}
+
 static int read_limits(struct limit_row *row) {
     char *text = read_table("largest-step");
     int count = 0;
@@ -520,7 +525,8 @@ Test(stability, slow_quick_run_has_every_table_and_figure, .init = set_up, .fini
     gnuplot_stub_remove();
     PROGRAM(&f, NULL, "experiment", "stability", "--quick", "--out", folder);
     cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
-    cr_assert(strstr(f.out, "--quick: "), "--quick does not say what it leaves out");
+    cr_assert(strstr(f.out, "left out of --quick"), "it does not say what it leaves out");
+    stated();
     for (int k = 0; k < 4; k++)
         cr_assert_eq(count_files(folder, figures[k]), 1, "no figure %s", figures[k]);
     char *regions = read_table("regions"), *largest = read_table("largest-step");
@@ -543,6 +549,7 @@ Test(stability, without_a_tight_solution_rows_say_why, .init = set_up, .fini = c
     char *text = read_table("largest-step");
     cr_assert(strstr(text, "no tight solution: out of time"), "%s", text);
     free(text);
+    stated();
 }
 
 Test(stability, is_of_wisps, .init = set_up, .fini = clean_up) {
@@ -550,4 +557,56 @@ Test(stability, is_of_wisps, .init = set_up, .fini = clean_up) {
     PROGRAM(&f, NULL, "experiment", "stability", "--scene", "circle", "--out", folder);
     cr_assert(f.code == 1 && count_lines(f.err) == 1 && strstr(f.err, "of wisps"), "%d: '%s'",
               f.code, f.err);
+}
+
+/* --- what is said of a trial --- */
+
+static void trial_says(const struct cell *cell, const struct trial *trial, const char *verdict,
+                       const char *says) {
+    struct statements statements;
+    struct text_table rows;
+    char reason[REASON_SIZE];
+    cr_assert_eq(statements_open(&statements, folder, NULL, NULL, reason), 0, "%s", reason);
+    limits_state_trial(&statements, cell, trial, ANSWERS_FAILURES);
+    cr_assert_eq(statements_close(&statements, 0, reason), 0, "%s", reason);
+    cr_assert_eq(statements_read(&rows, folder, reason), 0, "%s", reason);
+    const char *sentence = text_table_cell(&rows, 0, "statement");
+    cr_assert(strstr(sentence, says), "'%s' does not say '%s'", sentence, says);
+    cr_assert_str_eq(text_table_cell(&rows, 0, "verdict"), verdict, "%s", sentence);
+    cr_assert_str_eq(text_table_cell(&rows, 0, "question"), "failures");
+    text_table_free(&rows);
+}
+
+/* The sentence and its verdict follow what the runs have shown. */
+Test(stability, a_trial_is_told_as_it_went, .init = set_up, .fini = clean_up) {
+    const struct configuration euler = {.name = "euler", .method = stepper_find("euler")},
+                               cvode = {.name = "cvode", .method = stepper_find("cvode")};
+    struct scene *scene = lab_load("swing", NULL, 0);
+    const struct cell cell = {.scene = scene,
+                              .treatment = WISP_GENERALISED,
+                              .subject = "swing",
+                              .name = "swing generalised"};
+    struct trial fixed = {.contestant = &euler,
+                          .place = {.missed = 100, .reached = 101},
+                          .missed = {NAN, DIVERGED, 0.25}};
+    trial_says(&cell, &fixed, "holds", "euler is stable on swing (generalised) up to ");
+    trial_says(&cell, &fixed, "holds", "the next step tried ends 'diverged' at 0.25 s.");
+    fixed.missed = (struct verdict){0.003, FINISHED, NAN};
+    trial_says(&cell, &fixed, "holds", "the next step tried is finite and wrong by 3 mm.");
+    fixed.place.missed = -1;
+    trial_says(&cell, &fixed, "holds", "is stable on swing (generalised) at every step tried");
+    fixed.place = (struct bracket){.missed = 100, .reached = -1};
+    snprintf(fixed.note, sizeof fixed.note, "it takes too long");
+    trial_says(&cell, &fixed, "not reached", "that was tried on swing (generalised) is stable: it");
+    fixed.place.missed = -1;
+    trial_says(&cell, &fixed, "not reached", "No step of euler was tried");
+    struct trial adaptive = {.contestant = &cvode,
+                             .place = {.missed = -1, .reached = -1},
+                             .cost = {.outcome = FINISHED, .steps = 1000 * scene->duration}};
+    trial_says(&cell, &adaptive, "holds",
+               "cvode chooses its steps on swing (generalised), 1 ms in the mean at rtol 0.001, "
+               "and has no longest one.");
+    adaptive.cost.outcome = OUT_OF_TIME;
+    trial_says(&cell, &adaptive, "not reached", "did not reach its end: out of time.");
+    scene_free(scene);
 }

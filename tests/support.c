@@ -1,5 +1,6 @@
 #include "support.h"
 
+#include "experiments/common/statements.h"
 #include "model/circle.h"
 #include "scene/scene_load.h"
 
@@ -265,4 +266,58 @@ int count_files(const char *folder, const char *part) {
     struct matches matches = {.part = part};
     each_file(folder, match, &matches);
     return matches.count;
+}
+
+/* --- what experiments found --- */
+
+static void row_must_be_whole(const struct text_table *rows, int row) {
+    static const char *const verdicts[] = {"holds", "does not hold", "not reached", "not asked"};
+    const char *key = text_table_cell(rows, row, "key"),
+               *verdict = text_table_cell(rows, row, "verdict"),
+               *sentence = text_table_cell(rows, row, "statement"),
+               *by = text_table_cell(rows, row, "by");
+    int known = 0;
+    for (int i = 0; i < 4; i++)
+        known |= strcmp(verdicts[i], verdict) == 0;
+    cr_assert(known, "%s: a verdict '%s'", key, verdict);
+    cr_assert_eq(text_table_find(rows, key, NULL), row, "two rows are called %s", key);
+    for (int i = 0; i < rows->column_count; i++)
+        cr_assert(!text_cell_is_empty(rows->cell[row * rows->column_count + i]),
+                  "%s: nothing in column %s", key, rows->name[i]);
+    cr_assert(strlen(sentence) > 10 && sentence[strlen(sentence) - 1] == '.', "%s: '%s'", key,
+              sentence);
+    cr_assert(!strstr(sentence, "nan") && !strstr(sentence, "inf "), "%s: '%s'", key, sentence);
+    cr_assert(strcmp(by, "ours") == 0 || strcmp(by, "thesis") == 0, "%s: by '%s'", key, by);
+    cr_assert_eq(strcmp(text_table_cell(rows, row, "value"), "-") == 0,
+                 strcmp(text_table_cell(rows, row, "unit"), "-") == 0, "%s: a unit alone", key);
+}
+
+/* "results/circle/radius.svg" -> "radius" must be the figure of a row. */
+static void figure_must_have_row(const char *path, const struct text_table *rows) {
+    const char *name = strrchr(path, '/') + 1;
+    const size_t length = strlen(name) - 4;
+    int found = 0;
+    for (int row = 0; row < rows->row_count; row++) {
+        const char *figure = text_table_cell(rows, row, "figure");
+        found |= strlen(figure) == length && strncmp(figure, name, length) == 0;
+    }
+    cr_assert(found, "no statement is of figure %s", path);
+}
+
+void statements_must_be_whole(const char *folder) {
+    static const char *const kinds[] = {"*.svg", "*.png"};
+    struct text_table rows;
+    char reason[REASON_SIZE];
+    cr_assert_eq(statements_read(&rows, folder, reason), 0, "%s", reason);
+    cr_assert_gt(rows.row_count, 0, "%s: nothing is stated", folder);
+    for (int row = 0; row < rows.row_count; row++)
+        row_must_be_whole(&rows, row);
+    for (int k = 0; k < 2; k++) {
+        glob_t found;
+        cr_assert_eq(files_like(folder, kinds[k], &found), 0);
+        for (size_t i = 0; i < found.gl_pathc; i++)
+            figure_must_have_row(found.gl_pathv[i], &rows);
+        globfree(&found);
+    }
+    text_table_free(&rows);
 }

@@ -110,4 +110,10 @@ void each_file(const char *folder, void (*use)(const char *path, void *ctx), voi
 /* How many files below a folder have a name that contains `part`. */
 int count_files(const char *folder, const char *part);
 
+/* --- what experiments found --- */
+
+/* Checks an experiment's folder: its statements have one of the four verdicts, no empty cell, a key
+ * of their own, a sentence that ends; and every figure there has one. */
+void statements_must_be_whole(const char *folder);
+
 #endif

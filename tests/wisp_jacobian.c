@@ -487,6 +487,65 @@ Test(wisp_jacobian, direct_solves_each_lane) {
     }
 }
 
+/* --- what is prepared holds --- */
+
+/* What products, the assembled matrix and the direct solver make of the last linearisation, the
+ * last of them also with the factors that were there before. */
+struct prepared {
+    double product[LAB_LANES * LAB_SIZE], solution[LAB_LANES * LAB_SIZE];
+    double kept[LAB_LANES * LAB_SIZE], assembled[SIZE_MOST * SIZE_MOST];
+};
+
+static void use_prepared(struct prepared *made) {
+    struct system *system = &s.part.system;
+    memset(made, 0, sizeof *made);
+    system_solve(system, s.V, made->kept);
+    system_product(system, 1, -1e-3, -1e-6, s.V, made->product);
+    if (s.part.lanes == 1)
+        system_assemble(system, 1e-3, 1e-6, made->assembled);
+    cr_assert_eq(system_factor(system, 1e-3, 1e-6), 0, "%s", system->reason);
+    system_solve(system, s.V, made->solution);
+}
+
+/* All that can be asked of a part between a linearisation and its use, at another state. */
+static void ask_other_things(unsigned *seed) {
+    static double q[LAB_LANES * LAB_SIZE], v[LAB_LANES * LAB_SIZE], a[LAB_LANES * LAB_SIZE];
+    struct system *system = &s.part.system;
+    struct energies energies;
+    struct powers powers;
+    for (int k = 0; k < s.part.lanes; k++) {
+        lab_state(&s.wisps[k], s.treatment, STATE_RANDOM, 0, seed, s.q[k], s.v[k]);
+        lab_scatter(&s.part, k, s.q[k], q);
+        lab_scatter(&s.part, k, s.v[k], v);
+    }
+    cr_assert_eq(system_acceleration(system, 0.4, q, v, a), 0, "%s", system->reason);
+    cr_assert_eq(system->ops->energies(system->ctx, 0.5, q, v, &energies), 0, "%s", system->reason);
+    cr_assert_eq(system->ops->powers(system->ctx, 0.6, q, v, &powers), 0, "%s", system->reason);
+    kernel_of(s.part.lanes)->clamp(system->ctx, q, v);
+}
+
+/* To the bit, whatever is asked in between; two-stage methods live on it (tests/ros2.c). */
+Test(wisp_jacobian, what_was_linearised_holds_until_the_next_time) {
+    static struct prepared before, after;
+    unsigned seed = 18;
+    EACH_CASE(treatment, law, shape, kind)
+    for (int lanes = 1; lanes <= 4; lanes += 3) {
+        make_setting(&s, lanes, &shapes[shape], (enum bending)law, (enum wisp_treatment)treatment,
+                     (enum lab_state)kind, &seed);
+        linearise(&s, JACOBIAN_SPD);
+        cr_assert_eq(system_factor(&s.part.system, 1e-3, 1e-6), 0, "%s", s.part.system.reason);
+        use_prepared(&before);
+        ask_other_things(&seed);
+        use_prepared(&after);
+        cr_assert(memcmp(&before, &after, sizeof before) == 0,
+                  "%s, bending %s, %d nodes, %d samples, %d lanes: other bits after an "
+                  "evaluation",
+                  treatment_names[treatment], law_names[law], shapes[shape].nodes,
+                  shapes[shape].samples, lanes);
+        lab_part_free(&s.part);
+    }
+}
+
 /* With a negative beta springs push apart what they hold together: the factorisation says so, also
  * where it is one lane of four, whichever. */
 Test(wisp_jacobian, a_matrix_that_is_not_definite_is_refused) {

@@ -12,6 +12,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+void experiment_title(const struct experiment *experiment, char title[256]) {
+    if (experiment->thesis)
+        snprintf(title, 256, "thesis, %s: %s", experiment->thesis, experiment->question);
+    else
+        snprintf(title, 256, "%s", experiment->question);
+}
+
 /* Takes the scene over, NULL or not. */
 static const struct scene *keep_scene(struct plan *plan, struct scene *scene) {
     struct scene **loaded =

@@ -6,6 +6,7 @@
 #include "base/files.h"
 #include "integrators/configurations.h"
 #include "run/runs.h"
+#include "statements.h"
 
 /* A run and what the tables call it. */
 struct labelled_case {
@@ -54,9 +55,24 @@ struct caption {
     char text[1200];  /* a sentence or two, computed from them */
 };
 
+/* What a report allots to an experiment: the wall time that its runs, tables and figures take on
+ * two cores, s, and which share of its own budget of time it gets, where it has one, which it then
+ * fills; 0: all of it. */
+struct allotment {
+    double seconds, share;
+};
+
 struct experiment {
     const char *name;
     const char *question;
+    const char *thesis; /* where the thesis asks it, as "section 5.1"; NULL: it does not */
+
+    /* Its place in a report, from 1 on: what answers the report's questions first, and the dearest
+     * of the others last, so that a slow machine drops those. 0: after all that have one. */
+    int place;
+    struct allotment quick; /* in a report with --quick; 0 s: it is no part of that */
+    struct allotment full;  /* in a whole one; 0 s: nobody knows, and a minute is assumed */
+    unsigned answers;       /* 1 << enum question, of all questions that its statements answer */
 
     /* Fills the plan with plan_add. Returns 0, or -1 with plan->reason. */
     int (*plan)(struct plan *plan);
@@ -75,6 +91,9 @@ struct experiment {
      * empty, the report counts what the tables hold. Returns 0, or -1 with a reason. */
     int (*caption)(const char *folder, const char *figure, struct caption *caption, char *reason);
 };
+
+/* Its question as a title, with where the thesis asks it. */
+void experiment_title(const struct experiment *experiment, char title[256]);
 
 /* How much of `seconds`, an experiment's own budget, this plan may take, s. */
 double plan_budget(const struct plan *plan, double seconds);

@@ -3,6 +3,7 @@
 #define WISPLAB_STABILITY_H
 
 #include "experiments/common/search.h"
+#include "experiments/common/statements.h"
 
 #include <complex.h>
 
@@ -77,14 +78,14 @@ struct mode_rate *scene_modes(const struct scene *scene, enum wisp_treatment tre
 
 /* --- stability_maps.c --- */
 
-/* Writes the tables regions, oscillator and damping, measured here and now. 0, or -1 with
- * plan->reason. */
-int stability_maps(struct plan *plan, const char *folder);
+/* Writes the tables regions, oscillator and damping, measured here and now, and states how near
+ * they are to theory. 0, or -1 with plan->reason. */
+int stability_maps(struct plan *plan, const char *folder, struct statements *statements);
 
 /* --- stability_limits.c, stability_tables.c: the searches, stages of struct experiment --- */
 
 int limits_plan(struct plan *plan);
 int limits_refine(struct plan *plan);
-int limits_tabulate(struct plan *plan, const char *folder);
+int limits_tabulate(struct plan *plan, const char *folder, struct statements *statements);
 
 #endif

@@ -107,6 +107,10 @@ static double affordable(const struct plan *plan, const struct scene *scene) {
     return fmin(duration, seconds / (reference_cost(scene) * treatments));
 }
 
+int limits_is_cut(const struct plan *plan, const struct cell *cell) {
+    return affordable(plan, cell->scene) < duration;
+}
+
 static int plan_scenes(struct plan *plan, struct limits *limits) {
     for (int i = 0; i < plan->subject_count; i++) {
         const struct subject *subject = &plan->subjects[i];
@@ -115,8 +119,6 @@ static int plan_scenes(struct plan *plan, struct limits *limits) {
             plan_cut_scene(plan, subject, subject->scene->frame_rate, length, NULL);
         if (!scene)
             return -1;
-        if (length < duration)
-            printf("  %s: only its first %.3g s, for the budget\n", subject->name, scene->duration);
         for (int t = 0; wisp_problem.treatments[t].name; t++) {
             struct cell *cell = &limits->cells[limits->cell_count];
             if (scene->wisps[0].samples == 0 && t != WISP_GENERALISED)

@@ -51,6 +51,15 @@ struct limits {
     struct cell cells[];
 };
 
+/* Whether the budget lets a whole scene run for less than the others. */
+int limits_is_cut(const struct plan *plan, const struct cell *cell);
+
+/* --- stability_tables.c --- */
+
+/* States how long a method's steps may be in a cell of a whole scene, and what happens beyond. */
+void limits_state_trial(struct statements *statements, const struct cell *cell,
+                        const struct trial *trial, enum question answers);
+
 /* --- stability_trial.c --- */
 
 /* The rtol of adaptive methods, which choose their steps and are only timed. */

@@ -3,6 +3,7 @@
 #include "stability_limits.h"
 
 #include <math.h>
+#include <string.h>
 
 /* --- the tables --- */
 
@@ -101,26 +102,75 @@ static int write_scenes(struct plan *plan, const char *folder) {
     return atomic_commit(&file, plan->reason);
 }
 
-/* --- the answer --- */
+/* --- statements --- */
 
-static void print_trial(const struct cell *cell, const struct trial *t) {
-    const double step = largest_step(cell, t);
-    printf("  %-28s %-16s %9.3g %9.0f %13s  ", cell->name, t->contestant->name, step, 1 / step,
-           prediction_of(t, 3).text);
-    if (contestant_is_adaptive(t->contestant))
-        printf("chooses its steps: the mean at rtol %g", LIMITS_TOLERANCE);
-    else if (t->place.missed >= 0 && t->missed.outcome == FINISHED)
-        printf("finite and wrong by %.2g mm at the next", 1e3 * t->missed.error);
-    else if (t->place.missed >= 0)
-        printf("%s at %.3g s at the next", kind_of(t), t->missed.failure_time);
+/* How a fixed step fails that is longer than the longest stable one. */
+static void describe_miss(const struct trial *t, char text[96]) {
+    if (t->missed.outcome == FINISHED)
+        snprintf(text, 96, "is finite and wrong by %.2g mm", 1e3 * t->missed.error);
     else
-        printf("%s", t->note);
-    printf("\n");
+        snprintf(text, 96, "ends '%s' at %.3g s", outcome_name(t->missed.outcome),
+                 t->missed.failure_time);
+}
+
+static void state_fixed(struct statements *statements, struct statement row, const struct trial *t,
+                        const char *where) {
+    const char *name = t->contestant->name;
+    char miss[96];
+    describe_miss(t, miss);
+    if (t->place.reached < 0 && t->place.missed < 0)
+        statements_add(statements, row, "No step of %s was tried on %s: %s.", name, where, t->note);
+    else if (t->place.reached < 0)
+        statements_add(statements, row, "No step of %s that was tried on %s is stable: %s.", name,
+                       where, t->note);
+    else if (t->place.missed < 0)
+        statements_add(statements, row, "%s is stable on %s at every step tried, up to %.3g ms.",
+                       name, where, row.value);
+    else
+        statements_add(statements, row,
+                       "%s is stable on %s up to %.3g ms (%.0f Hz); the next step tried %s.", name,
+                       where, row.value, 1e3 / row.value, miss);
+}
+
+/* A method that chooses its steps has no longest one. */
+static void state_adaptive(struct statements *statements, struct statement row,
+                           const struct trial *t, const char *where) {
+    const char *name = t->contestant->name;
+    if (row.verdict == HOLDS)
+        statements_add(statements, row,
+                       "%s chooses its steps on %s, %.3g ms in the mean at rtol %g, and has no "
+                       "longest one.",
+                       name, where, row.value, LIMITS_TOLERANCE);
+    else
+        statements_add(statements, row,
+                       "%s chooses its steps, and its run on %s did not reach its end: %s.", name,
+                       where, t->note[0] ? t->note : outcome_name(t->cost.outcome));
+}
+
+void limits_state_trial(struct statements *statements, const struct cell *cell,
+                        const struct trial *trial, enum question answers) {
+    char key[160], where[128];
+    snprintf(key, sizeof key, "%.90s, %.60s", cell->name, trial->contestant->name);
+    snprintf(where, sizeof where, "%s (%s)", cell->subject, limits_treatment(cell));
+    const double step = 1e3 * largest_step(cell, trial);
+    const struct statement row = {.key = key,
+                                  .figure = "limits",
+                                  .tables = "largest-step failures",
+                                  .answers = answers,
+                                  .verdict = isnan(step) ? NOT_REACHED : HOLDS,
+                                  .value = step,
+                                  .unit = "ms"};
+    if (contestant_is_adaptive(trial->contestant))
+        state_adaptive(statements, row, trial, where);
+    else
+        state_fixed(statements, row, trial, where);
 }
 
 /* How far the measured limits of the axes are from the predicted ones. */
-static void print_agreement(const struct limits *limits) {
+static void state_prediction(struct statements *statements, const struct plan *plan) {
+    const struct limits *limits = plan->memo;
     double least = INFINITY, greatest = 0;
+    struct statement row = {.key = "prediction", .figure = "limits", .tables = "limits"};
     for (int i = 0; i < limits->cell_count; i++)
         for (int k = 0; limits->cells[i].axis && k < limits->cells[i].trial_count; k++) {
             const struct trial *t = &limits->cells[i].trials[k];
@@ -130,26 +180,70 @@ static void print_agreement(const struct limits *limits) {
                 greatest = fmax(greatest, ratio);
             }
         }
-    if (greatest > 0)
-        printf("  along EA, damping, nodes and penalty ratio: %.2f to %.2f of the predicted step\n",
-               least, greatest);
+    if (greatest > 0) {
+        row.value = fmax(greatest, 1 / least);
+        row.unit = "1";
+        row.verdict = holds_if(row.value < 1.25);
+        statements_add(statements, row,
+                       "Along EA, damping, nodes and penalty ratio linear theory foretells the "
+                       "longest steps: they are %.2f to %.2f of the predicted.",
+                       least, greatest);
+        return;
+    }
+    row.verdict = plan->scene_count ? NOT_ASKED : NOT_REACHED;
+    statements_add(statements, row, "The axes EA, damping, nodes and penalty ratio %s.",
+                   plan->scene_count ? "are those of swing, and are left out with --scene"
+                                     : "have no longest step beside a prediction");
 }
 
-int limits_tabulate(struct plan *plan, const char *folder) {
+static void state_cuts(struct statements *statements, const struct plan *plan) {
     const struct limits *limits = plan->memo;
+    const char *before = "";
+    for (int i = 0; i < limits->cell_count; i++) {
+        const struct cell *cell = &limits->cells[i];
+        char key[128];
+        if (cell->axis || strcmp(cell->subject, before) == 0 || !limits_is_cut(plan, cell))
+            continue;
+        before = cell->subject;
+        snprintf(key, sizeof key, "%.90s, cut", cell->subject);
+        statements_add(statements,
+                       (struct statement){.key = key,
+                                          .figure = "limits",
+                                          .verdict = NOT_REACHED,
+                                          .value = cell->scene->duration,
+                                          .unit = "s"},
+                       "The budget allows %s its first %.3g s.", cell->subject,
+                       cell->scene->duration);
+    }
+    if (plan->quick && plan->scene_count == 0)
+        statements_add(
+            statements,
+            (struct statement){.key = "left out", .figure = "limits", .verdict = NOT_REACHED},
+            "All but two values of EA and of nodes, the other axes and swing-envelope "
+            "are left out of --quick.");
+}
+
+/* The first treatment of a scene answers where a method fails on it. */
+static void state_trials(struct statements *statements, const struct limits *limits) {
+    const char *scene = "";
+    for (int i = 0; i < limits->cell_count; i++) {
+        const struct cell *cell = &limits->cells[i];
+        if (cell->axis)
+            continue;
+        const int first = strcmp(cell->subject, scene) != 0;
+        scene = cell->subject;
+        for (int k = 0; k < cell->trial_count; k++)
+            limits_state_trial(statements, cell, &cell->trials[k],
+                               first ? ANSWERS_FAILURES : ANSWERS_NONE);
+    }
+}
+
+int limits_tabulate(struct plan *plan, const char *folder, struct statements *statements) {
     if (write_limits(plan, folder) || write_scenes(plan, folder) ||
         limits_write_failures(plan, folder))
         return -1;
-    printf("  %-28s %-16s %9s %9s %13s  %s\n", "scene, treatment", "stepper", "step, s", "Hz",
-           "predicted", "a step longer");
-    for (int i = 0; i < limits->cell_count; i++)
-        for (int k = 0; !limits->cells[i].axis && k < limits->cells[i].trial_count; k++)
-            print_trial(&limits->cells[i], &limits->cells[i].trials[k]);
-    print_agreement(limits);
-    if (plan->scene_count)
-        printf(
-            "  the axes EA, damping, nodes, penalty ratio are those of swing: not with --scene\n");
-    else if (plan->quick)
-        printf("  --quick: two values of EA and of nodes only, no envelope, brackets of 12 %%\n");
+    state_trials(statements, plan->memo);
+    state_prediction(statements, plan);
+    state_cuts(statements, plan);
     return 0;
 }

@@ -25,6 +25,8 @@ static int plan(struct plan *plan) {
 const struct experiment solvers_experiment = {
     .name = "solvers",
     .question = "what do an implicit method's solver, Jacobian, order and iterations cost and buy?",
+    .place = 15,
+    .full = {150, 0.25},
     .plan = plan,
     .refine = race_refine,
     .tabulate = race_tabulate,

@@ -24,6 +24,10 @@ static int plan(struct plan *plan) {
 const struct experiment work_precision_experiment = {
     .name = "work-precision",
     .question = "what does accuracy cost, by stepper, treatment and scene?",
+    .place = 1,
+    .quick = {20, 0.6},
+    .full = {300, 0.5},
+    .answers = 1u << ANSWERS_CHOICE | 1u << ANSWERS_TARGETS | 1u << ANSWERS_FAILURES,
     .plan = plan,
     .refine = race_refine,
     .tabulate = race_tabulate,

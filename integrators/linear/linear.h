@@ -16,7 +16,7 @@ struct linear_method {
     const char *summary;
     const char *reference;
     unsigned needs; /* enum matrix_property, besides MATRIX_AVAILABLE */
-    int max_lanes;  /* widest part it can work on */
+    int max_lanes;  /* widest part in which it solves each lane as if it were alone */
     const struct option_spec *options;
 
     /* Whether the system has the operations it uses. */
