@@ -12,30 +12,15 @@
 #include <math.h>
 #include <string.h>
 
-/* The curves of the work-precision chart. */
-static const struct contestant contestants[] = {
-    {.name = "euler", .stepper = "euler"},
-    {.name = "midpoint", .stepper = "midpoint"},
-    {.name = "rk4", .stepper = "rk4"},
-    {.name = "implicit-euler", .stepper = "implicit-euler"},
-    {.name = "implicit-euler newton",
-     .stepper = "implicit-euler",
-     .options = {"newton.iterations=30"}},
-    {.name = "cvode bdf", .stepper = "cvode", .options = {"method=bdf"}},
-    {.name = "cvode adams", .stepper = "cvode", .options = {"method=adams"}},
-    {.name = "reference", .stepper = "reference"},
-};
-enum { CONTESTANTS = sizeof contestants / sizeof *contestants };
-
 /* --- the runs --- */
 
 /* The step or the tolerance of a contestant's k-th point. Steps divide the 20 s between frames;
  * the coarsest, 20 s, is 0.7 of a turn. */
-static double setting(const struct contestant *contestant, int k) {
+static double setting(const struct configuration *contestant, int k) {
     return contestant_is_adaptive(contestant) ? pow(10, -2 - k) : ldexp(20, -k);
 }
 
-static int points(const struct plan *plan, const struct contestant *contestant) {
+static int points(const struct plan *plan, const struct configuration *contestant) {
     return plan->quick ? 6 : contestant_is_adaptive(contestant) ? 11 : 14;
 }
 
@@ -44,14 +29,14 @@ static int plan_work(struct plan *plan) {
     const struct scene *scene = plan_scene(plan, "circle", sets, 1);
     if (!scene)
         return -1;
-    for (int c = 0; c < CONTESTANTS; c++) {
-        const struct contestant *contestant = &contestants[c];
-        if (!plan_wants(plan, contestant->stepper))
-            continue;
+    for (int c = 0; c < plan->configuration_count; c++) {
+        const struct configuration *contestant = &plan->configurations[c];
         for (int k = 0; k < points(plan, contestant); k++) {
             struct run_request request = contestant_request(contestant, setting(contestant, k), 1);
+            char reason[REASON_SIZE];
             request.timings = 9;
-            if (plan_add(plan, scene, &request, "work", "%d %d", c, k))
+            if (plan_takes(plan, scene, &request, reason) &&
+                plan_add(plan, scene, &request, "work", "%d %d", c, k))
                 return -1;
         }
     }
@@ -64,7 +49,11 @@ static int circle_plan(struct plan *plan) {
                  "experiment circle has a scene of its own; leave out --scene");
         return -1;
     }
-    return circle_plan_panels(plan) || plan_work(plan) ? -1 : 0;
+    return plan_configurations(
+               plan, CONFIGURATION_PLAIN | CONFIGURATION_ITERATED | CONFIGURATION_FORMULA, 0) ||
+                   circle_plan_panels(plan) || plan_work(plan)
+               ? -1
+               : 0;
 }
 
 /* --- error against cost, and the radius that the stability function foretells --- */
@@ -75,10 +64,11 @@ struct point {
     struct cost cost;
 };
 
-static struct point read_point(const struct labelled_case *labelled, const struct run_files *run) {
+static struct point read_point(const struct plan *plan, const struct labelled_case *labelled,
+                               const struct run_files *run) {
     struct point p = {.error = NAN, .last_radius = NAN, .cost = run_cost(run)};
     sscanf(labelled->label, "%d %d", &p.contestant, &p.k);
-    p.setting = setting(&contestants[p.contestant], p.k);
+    p.setting = setting(&plan->configurations[p.contestant], p.k);
     const struct table *states = &run->states;
     if (run->outcome == FINISHED) {
         p.error = 0;
@@ -108,9 +98,9 @@ struct work_summary {
 };
 
 /* The error of a method of order p with steps of h is proportional to h^p, its cost to 1 / h. */
-static void state_slope(struct work_summary *summary, const struct contestant *contestant,
+static void state_slope(struct work_summary *summary, const struct configuration *contestant,
                         const struct fit *fit) {
-    const int order = stepper_find(contestant->stepper)->order;
+    const int order = contestant->method->order;
     char key[80];
     snprintf(key, sizeof key, "slope, %.60s", contestant->name);
     statements_add(summary->statements,
@@ -124,7 +114,7 @@ static void state_slope(struct work_summary *summary, const struct contestant *c
                    contestant->name, -fit->slope, order);
 }
 
-static void write_slope(FILE *stream, const struct contestant *contestant,
+static void write_slope(FILE *stream, const struct configuration *contestant,
                         const struct slope *slope, struct work_summary *summary) {
     const struct fit fit = slope_fit(slope, contestant);
     const int fixed = !contestant_is_adaptive(contestant);
@@ -140,8 +130,8 @@ static void write_slope(FILE *stream, const struct contestant *contestant,
 }
 
 /* |R(-i omega h)|^n, the radius after n steps over the first, where there is a table. */
-static double predicted_radius(const struct contestant *contestant, double h, double steps) {
-    const struct butcher_table *table = stepper_find(contestant->stepper)->table;
+static double predicted_radius(const struct configuration *contestant, double h, double steps) {
+    const struct butcher_table *table = contestant->method->table;
     const double growth = cabs(butcher_stability(table, -I * CIRCLE_RATE * h));
     return CIRCLE_RADIUS * pow(growth, steps);
 }
@@ -166,9 +156,11 @@ static int open_work_tables(struct work_tables *tables, struct plan *plan, const
         atomic_discard(&tables->work);
         return -1;
     }
-    if (circle_open_table(&tables->radius, plan, folder, "radius",
-                          "radius after 160 s, m, measured and as |R(-i omega h)|^n foretells it",
-                          "method\tstepper\tstep\tomega_h\tradius\tpredicted\tsteps")) {
+    if (circle_open_table(
+            &tables->radius, plan, folder, "radius",
+            "radius after 160 s, m, measured and as |R(-i omega h)|^n predicts it (no "
+            "prediction: the method has no stability function)",
+            "method\tstepper\tstep\tomega_h\tradius\tpredicted\tsteps")) {
         atomic_discard(&tables->work);
         atomic_discard(&tables->slopes);
         return -1;
@@ -176,7 +168,8 @@ static int open_work_tables(struct work_tables *tables, struct plan *plan, const
     return 0;
 }
 
-static void add_radius(struct work_summary *summary, const struct point *p, double predicted) {
+static void add_radius(struct work_summary *summary, const struct configuration *c,
+                       const struct point *p, double predicted) {
     const double apart = fabs(p->last_radius / predicted - 1);
     if (isnan(apart))
         return;
@@ -185,35 +178,37 @@ static void add_radius(struct work_summary *summary, const struct point *p, doub
     if (apart < summary->apart)
         return;
     summary->apart = apart;
-    snprintf(summary->farthest, sizeof summary->farthest, "%.40s at %.3g s",
-             contestants[p->contestant].name, p->setting);
+    snprintf(summary->farthest, sizeof summary->farthest, "%.40s at %.3g s", c->name, p->setting);
 }
 
-static void add_point(struct work_summary *summary, const struct point *p) {
+static void add_point(struct work_summary *summary, const struct configuration *c,
+                      const struct point *p) {
     summary->finished += p->cost.outcome == FINISHED;
     summary->failed += p->cost.outcome != FINISHED;
     if (isnan(p->error) || (summary->best[0] && p->error >= summary->least))
         return;
     summary->least = p->error;
-    snprintf(summary->best, sizeof summary->best, "%s", contestants[p->contestant].name);
+    snprintf(summary->best, sizeof summary->best, "%s", c->name);
 }
 
-static void write_point(const struct work_tables *tables, const struct point *p,
-                        struct work_summary *summary) {
-    const struct contestant *c = &contestants[p->contestant];
+static void write_point(const struct work_tables *tables, const struct configuration *c,
+                        const struct point *p, struct work_summary *summary) {
     const struct cost *cost = &p->cost;
-    add_point(summary, p);
+    add_point(summary, c, p);
     fprintf(tables->work.stream,
             "%s\t%s\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%s\t%.17g\n", c->name,
             c->stepper, p->setting, p->error, cost->evaluations, cost->steps, cost->cpu.median,
             cost->cpu.least, cost->cpu.greatest, outcome_name(cost->outcome), cost->failure_time);
-    if (!stepper_find(c->stepper)->table || cost->outcome != FINISHED)
+    if (contestant_is_adaptive(c) || cost->outcome != FINISHED)
         return;
-    const double predicted = predicted_radius(c, p->setting, cost->steps);
-    fprintf(tables->radius.stream, "%s\t%s\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\n", c->name,
-            c->stepper, p->setting, CIRCLE_RATE * p->setting, p->last_radius, predicted,
-            cost->steps);
-    add_radius(summary, p, predicted);
+    char predicted[32] = "no prediction";
+    if (c->method->table) {
+        const double radius = predicted_radius(c, p->setting, cost->steps);
+        snprintf(predicted, sizeof predicted, "%.17g", radius);
+        add_radius(summary, c, p, radius);
+    }
+    fprintf(tables->radius.stream, "%s\t%s\t%.17g\t%.17g\t%.17g\t%s\t%.17g\n", c->name, c->stepper,
+            p->setting, CIRCLE_RATE * p->setting, p->last_radius, predicted, cost->steps);
 }
 
 /* Rows of one contestant, in the order of its settings; blocks are parted by two blank lines. */
@@ -228,13 +223,12 @@ static int write_contestant(struct plan *plan, int c, const struct work_tables *
             continue;
         if (run_read(&run, plan->cases[i].run.folder, plan->reason))
             return -1;
-        const struct point point = read_point(&plan->cases[i], &run);
-        write_point(tables, &point, summary);
+        const struct point point = read_point(plan, &plan->cases[i], &run);
+        write_point(tables, &plan->configurations[c], &point, summary);
         add_to_slope(&slope, &point);
         run_free(&run);
     }
-    if (plan_wants(plan, contestants[c].stepper))
-        write_slope(tables->slopes.stream, &contestants[c], &slope, summary);
+    write_slope(tables->slopes.stream, &plan->configurations[c], &slope, summary);
     fprintf(tables->work.stream, "\n\n");
     fprintf(tables->radius.stream, "\n\n");
     return 0;
@@ -293,7 +287,7 @@ static int write_work(struct plan *plan, const char *folder, struct statements *
     int code = 0;
     if (open_work_tables(&tables, plan, folder))
         return -1;
-    for (int c = 0; c < CONTESTANTS && !code; c++)
+    for (int c = 0; c < plan->configuration_count && !code; c++)
         code = write_contestant(plan, c, &tables, &summary);
     struct atomic_file *const files[] = {&tables.work, &tables.slopes, &tables.radius};
     for (int i = 0; i < 3; i++) {
@@ -316,14 +310,14 @@ static int write_prediction(struct plan *plan, const char *folder) {
                           "0.9 |R(-i omega h)|^(160 s / h), m, from the stability function",
                           "method\tstepper\tstep\tradius"))
         return -1;
-    for (int c = 0; c < CONTESTANTS; c++) {
-        if (!stepper_find(contestants[c].stepper)->table || contestants[c].options[0] ||
-            !plan_wants(plan, contestants[c].stepper))
+    for (int c = 0; c < plan->configuration_count; c++) {
+        const struct configuration *contestant = &plan->configurations[c];
+        if (!contestant->method->table || contestant->kind != CONFIGURATION_PLAIN)
             continue;
         for (int k = 0; k <= 400; k++) {
             const double h = 2e-3 * pow(1e4, k / 400.);
-            fprintf(file.stream, "%s\t%s\t%.17g\t%.17g\n", contestants[c].name,
-                    contestants[c].stepper, h, predicted_radius(&contestants[c], h, 160 / h));
+            fprintf(file.stream, "%s\t%s\t%.17g\t%.17g\n", contestant->name, contestant->stepper, h,
+                    predicted_radius(contestant, h, 160 / h));
         }
         fprintf(file.stream, "\n\n");
     }

@@ -37,7 +37,8 @@ static void name_member(char label[64], const char *stepper, int member) {
     snprintf(label, 64, "%s %d", stepper, member);
 }
 
-/* Members at usual steps; those of the reference need not be its tightest. */
+/* Members at usual steps; those of the reference need not be its tightest. A stepper that refuses
+ * the scene has no ensemble on it. */
 static int plan_ensemble(struct plan *plan, const struct subject *subject,
                          const struct scene *scene, const struct stepper_method *method) {
     const int is_reference = method->checked_by != NULL;
@@ -45,8 +46,10 @@ static int plan_ensemble(struct plan *plan, const struct subject *subject,
                                   .step = usual_step(scene, method),
                                   .rtol = is_reference ? 1e-9 : 0,
                                   .atol = is_reference ? 1e-11 : 0,
+                                  .treatment = treatment,
                                   .diagnostics = 1};
-    for (int i = 0; i < members(plan); i++) {
+    char reason[REASON_SIZE];
+    for (int i = 0; plan_takes(plan, scene, &request, reason) && i < members(plan); i++) {
         char label[64];
         name_member(label, method->name, i);
         if (add(plan, subject, scene, &request, scatter, 2 + i, label))
@@ -168,6 +171,8 @@ static int ensemble_read(struct plan *plan, const struct subject *subject, const
         char label[64];
         name_member(label, stepper, i);
         const struct labelled_case *one = find_case(plan, subject->name, label);
+        if (!one)
+            continue;
         struct member *member = &ensemble->member[ensemble->count];
         if (read_member(member, one->run.folder, from, plan->reason))
             return -1;
@@ -329,7 +334,7 @@ static int tabulate_ensembles(struct plan *plan, const struct subject *subject, 
             write_ensemble(stream, statements, subject, name, reference, reference);
         } else if (plan_wants(plan, name)) {
             code = ensemble_read(plan, subject, name, from, ensemble);
-            if (!code)
+            if (!code && ensemble->count > 0)
                 write_ensemble(stream, statements, subject, name, ensemble, reference);
             ensemble_free(ensemble);
         }

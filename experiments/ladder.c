@@ -24,32 +24,6 @@ enum {
     CELLS = STIFFNESSES * DAMPINGS,
 };
 
-/* Costs only bound the search: they are good to a factor of two. */
-static const struct contestant contestants[] = {
-    {.name = "euler", .stepper = "euler", .cost = 12e-9},
-    {.name = "midpoint", .stepper = "midpoint", .cost = 24e-9},
-    {.name = "rk4", .stepper = "rk4", .cost = 40e-9},
-    {.name = "implicit-euler direct",
-     .stepper = "implicit-euler",
-     .linear = "direct",
-     .cost = 80e-9},
-    {.name = "implicit-euler direct newton",
-     .stepper = "implicit-euler",
-     .linear = "direct",
-     .options = {"newton.iterations=30"},
-     .cost = 400e-9},
-    {.name = "implicit-euler cg", .stepper = "implicit-euler", .linear = "cg", .cost = 180e-9},
-    {.name = "implicit-euler cg newton",
-     .stepper = "implicit-euler",
-     .linear = "cg",
-     .options = {"newton.iterations=30"},
-     .cost = 800e-9},
-    {.name = "cvode", .stepper = "cvode", .finest = 1e-10},
-    {.name = "cvode order 5", .stepper = "cvode", .options = {"max_order=5"}, .finest = 1e-10},
-    {.name = "reference", .stepper = "reference", .finest = 1e-10},
-};
-enum { CONTESTANTS = sizeof contestants / sizeof *contestants };
-
 /* A stride leads to the next rung of the first descent: an octave of steps, a decade of
  * tolerances. */
 enum { STEPS_STRIDE = 16, TOLERANCES_STRIDE = 8, JITTERED = 9, JITTERED_QUICK = 3 };
@@ -59,7 +33,7 @@ enum phase { TRYING, CONFIRMING, TIMING, DONE };
 
 /* The search of one contestant in one cell. */
 struct search {
-    const struct contestant *contestant;
+    const struct configuration *contestant;
     int cell;
     enum phase phase;
     struct bracket place;
@@ -69,13 +43,14 @@ struct search {
     enum outcome missed_outcome; /* of the run that missed */
     double missed_time;          /* of a failure: when, s */
     struct cost cost;            /* of the timed run */
+    int refused;                 /* it cannot run here; the note says why */
     char note[REASON_SIZE];
 };
 
 /* The plan's memo. */
 struct ladder {
     int count;
-    struct search search[CELLS * CONTESTANTS];
+    struct search search[]; /* at most one for each cell and contestant */
 };
 
 static double damping_of(int cell) {
@@ -97,18 +72,18 @@ static void name_cell(char *name, size_t size, int cell) {
 
 /* --- settings --- */
 
-static int stride_of(const struct contestant *contestant) {
+static int stride_of(const struct configuration *contestant) {
     return contestant_is_adaptive(contestant) ? TOLERANCES_STRIDE : STEPS_STRIDE;
 }
 
 /* How close the two sides of the bracket must come: 4 % of a step, a third of a tolerance; with
  * --quick a fifth and three quarters. */
-static int resolution(const struct plan *plan, const struct contestant *contestant) {
+static int resolution(const struct plan *plan, const struct configuration *contestant) {
     return !plan->quick ? 1 : contestant_is_adaptive(contestant) ? 2 : 4;
 }
 
 /* The step, s, which divides the time between frames, or the tolerance. */
-static double setting_at(const struct scene *scene, const struct contestant *contestant,
+static double setting_at(const struct scene *scene, const struct configuration *contestant,
                          int place) {
     if (contestant_is_adaptive(contestant))
         return pow(10, -1 - (double)place / TOLERANCES_STRIDE);
@@ -129,28 +104,32 @@ static int is_beyond(struct search *s, const struct scene *scene) {
     return beyond;
 }
 
-/* Explicit methods begin at the first octave that is less than four times too long by linear
- * theory: it is surely unstable, and longer ones are no news. */
-static int first_place(const struct scene *scene, const struct contestant *contestant) {
-    const struct butcher_table *table = stepper_find(contestant->stepper)->table;
-    const struct mode mode = stiffest_mode(scene);
+/* Methods begin at the first octave that is less than four times too long by linear theory: it is
+ * surely unstable, and longer ones are no news. */
+static int first_place(const struct scene *scene, const struct configuration *contestant) {
     int place = 0;
     if (!contestant_is_adaptive(contestant))
-        while (!is_stable(table, &mode, setting_at(scene, contestant, place) / 4))
+        while (!seems_stable(contestant->method, scene, setting_at(scene, contestant, place) / 4))
             place += STEPS_STRIDE;
     return place;
 }
 
 /* --- the plan --- */
 
+static struct run_request request_at(const struct scene *scene,
+                                     const struct configuration *contestant, double setting) {
+    struct run_request request =
+        contestant_request(contestant, setting, scene->run.atol / scene->run.rtol);
+    request.treatment = wisp_problem.treatments[WISP_GENERALISED].name;
+    return request;
+}
+
 static int add_run(struct plan *plan, struct search *s, int jitter, int timings) {
     const struct scene *scene = plan->subjects[s->cell].scene;
     const double setting = setting_at(scene, s->contestant, s->place.at) * (1 + 1e-12 * jitter);
-    struct run_request request =
-        contestant_request(s->contestant, setting, scene->run.atol / scene->run.rtol);
+    struct run_request request = request_at(scene, s->contestant, setting);
     char cell[64];
     name_cell(cell, sizeof cell, s->cell);
-    request.treatment = wisp_problem.treatments[WISP_GENERALISED].name;
     request.timings = timings;
     s->count++;
     return plan_add(plan, scene, &request, cell, "%s, %s %.4g, j = %d", s->contestant->name,
@@ -234,9 +213,11 @@ static int plan_cells(struct plan *plan) {
     return 0;
 }
 
+/* A contestant that is refused has a row that says so. */
 static int begin_search(struct plan *plan, struct ladder *ladder, int cell,
-                        const struct contestant *contestant) {
-    const int first = first_place(plan->subjects[cell].scene, contestant);
+                        const struct configuration *contestant) {
+    const struct scene *scene = plan->subjects[cell].scene;
+    const int first = first_place(scene, contestant);
     struct search *s = &ladder->search[ladder->count++];
     *s = (struct search){.contestant = contestant,
                          .cell = cell,
@@ -245,8 +226,12 @@ static int begin_search(struct plan *plan, struct ladder *ladder, int cell,
                          .error = NAN,
                          .missed_time = NAN,
                          .cost = no_cost};
-    if (!is_beyond(s, plan->subjects[cell].scene))
+    const struct run_request request =
+        request_at(scene, contestant, setting_at(scene, contestant, first));
+    s->refused = !plan_takes(plan, scene, &request, s->note);
+    if (!s->refused && !is_beyond(s, scene))
         return try_place(plan, s);
+    plan_refuse(plan, contestant->method, s->note);
     s->phase = DONE;
     return 0;
 }
@@ -254,7 +239,14 @@ static int begin_search(struct plan *plan, struct ladder *ladder, int cell,
 /* The tight solutions are the first runs of the plan, in the order of the cells. */
 static int ladder_plan(struct plan *plan) {
     plan->run_seconds = 20;
-    struct ladder *ladder = plan->memo = calloc(1, sizeof *ladder);
+    if (plan_configurations(plan,
+                            CONFIGURATION_PLAIN | CONFIGURATION_ITERATED | CONFIGURATION_SOLVER |
+                                CONFIGURATION_SOLVER_ITERATED | CONFIGURATION_ORDER,
+                            0))
+        return -1;
+    const size_t searches = (size_t)(CELLS * plan->configuration_count);
+    struct ladder *ladder = plan->memo =
+        calloc(1, sizeof *ladder + searches * sizeof *ladder->search);
     if (!ladder) {
         snprintf(plan->reason, REASON_SIZE, "out of memory");
         return -1;
@@ -268,9 +260,8 @@ static int ladder_plan(struct plan *plan) {
             return -1;
     }
     for (int cell = 0; cell < CELLS; cell++)
-        for (int c = 0; c < CONTESTANTS && is_in(plan, cell); c++)
-            if (plan_wants(plan, contestants[c].stepper) &&
-                begin_search(plan, ladder, cell, &contestants[c]))
+        for (int c = 0; c < plan->configuration_count && is_in(plan, cell); c++)
+            if (begin_search(plan, ladder, cell, &plan->configurations[c]))
                 return -1;
     return 0;
 }
@@ -375,7 +366,10 @@ static void write_search(FILE *stream, const struct plan *plan, const struct sea
     fprintf(stream, "%g\t%g\t%s", stiffness_of(s->cell), damping_of(s->cell), s->contestant->name);
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         fprintf(stream, "\t%.17g", numbers[i]);
-    fprintf(stream, "\t%s\t%s\t%s\t%.17g\t%s\n", s->place.reached >= 0 ? "reached" : "never",
+    fprintf(stream, "\t%s\t%s\t%s\t%.17g\t%s\n",
+            s->refused              ? outcome_name(REFUSED)
+            : s->place.reached >= 0 ? "reached"
+                                    : "never",
             limit_of(s), s->place.missed >= 0 ? outcome_name(s->missed_outcome) : "none",
             s->missed_time, s->note);
 }
@@ -401,9 +395,9 @@ static int write_ladder(const struct plan *plan, const char *folder, char *reaso
                    reason))
         return -1;
     for (int d = 0; d < DAMPINGS; d++)
-        for (int c = 0; c < CONTESTANTS; c++) {
+        for (int c = 0; c < plan->configuration_count; c++) {
             for (int i = 0; i < ladder->count; i++)
-                if (ladder->search[i].contestant == &contestants[c] &&
+                if (ladder->search[i].contestant == &plan->configurations[c] &&
                     ladder->search[i].cell / STIFFNESSES == d)
                     write_search(file.stream, plan, &ladder->search[i]);
             fprintf(file.stream, "\n\n");
@@ -412,7 +406,7 @@ static int write_ladder(const struct plan *plan, const char *folder, char *reaso
 }
 
 static const struct search *search_of(const struct ladder *ladder, int cell,
-                                      const struct contestant *contestant) {
+                                      const struct configuration *contestant) {
     for (int i = 0; i < ladder->count; i++)
         if (ladder->search[i].cell == cell && ladder->search[i].contestant == contestant)
             return &ladder->search[i];
@@ -438,7 +432,7 @@ static int is_apart(const struct search *a, const struct search *b) {
 }
 
 static void write_crossing(FILE *stream, const struct ladder *ladder, int cell,
-                           const struct contestant *one, const struct contestant *other) {
+                           const struct configuration *one, const struct configuration *other) {
     const struct search *a[2], *b[2];
     double cost_a[2], cost_b[2];
     for (int k = 0; k < 2; k++) {
@@ -468,9 +462,10 @@ static int write_crossings(const struct plan *plan, const char *folder, char *re
             "zeta\tcheaper_below\tcheaper_above\tbelow\tabove\tcrossing\tclear", reason))
         return -1;
     for (int cell = 0; cell < CELLS; cell++)
-        for (int a = 0; a < CONTESTANTS && cell % STIFFNESSES < STIFFNESSES - 1; a++)
-            for (int b = a + 1; b < CONTESTANTS; b++)
-                write_crossing(file.stream, plan->memo, cell, &contestants[a], &contestants[b]);
+        for (int a = 0; a < plan->configuration_count && cell % STIFFNESSES < STIFFNESSES - 1; a++)
+            for (int b = a + 1; b < plan->configuration_count; b++)
+                write_crossing(file.stream, plan->memo, cell, &plan->configurations[a],
+                               &plan->configurations[b]);
     return atomic_commit(&file, reason);
 }
 
@@ -478,7 +473,7 @@ static int write_crossings(const struct plan *plan, const char *folder, char *re
 
 enum { ALL, EXPLICIT, IMPLICIT };
 static int is_of(const struct search *s, int kind) {
-    const struct stepper_method *method = stepper_find(s->contestant->stepper);
+    const struct stepper_method *method = s->contestant->method;
     return kind == ALL || ((method->capabilities & STEPPER_IMPLICIT) != 0) == (kind == IMPLICIT);
 }
 

@@ -52,10 +52,9 @@ static double step_of(const struct scene *scene, int rung) {
 }
 
 static int rungs(const struct scene *scene) {
-    const struct mode mode = stiffest_mode(scene);
-    const struct butcher_table *table = stepper_find("rk4")->table;
+    const struct stepper_method *rk4 = stepper_find("rk4");
     int rung = 0;
-    while (rung < RUNGS_MAX && !is_stable(table, &mode, step_of(scene, rung)))
+    while (rung < RUNGS_MAX && !seems_stable(rk4, scene, step_of(scene, rung)))
         rung++;
     return rung + 4 * 5 < RUNGS_MAX ? rung + 4 * 5 : RUNGS_MAX;
 }

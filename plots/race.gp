@@ -155,7 +155,8 @@ do for [s = 1:words(scene_files)] {
     eval legend(0, page_height - 163, page_width, 155, 7)
     plot @BLANK, for [m = 1:words(names)] keyentry with linespoints lt style_of(word(names, m)) \
             title word(titles, m), \
-         keyentry with boxes fs solid 0.25 noborder lc rgb '#0072B2' title 'jittered tolerances', \
+         keyentry with boxes fs solid 0.25 noborder lc rgb (words(ADAPTIVE) ? colour_of(word(ADAPTIVE, 1)) : GREY) \
+            title 'jittered tolerances', \
          keyentry with lines lw 7 lc rgb '#D9D9D9' dt solid title 'Pareto front', \
          keyentry with points pt 7 ps 0.85 lc rgb '#BBBBBB' title 'within ten times the bound', \
          keyentry with lines lt 2 lw 1.2 title has_bound ? 'bound of the reference' : '', \

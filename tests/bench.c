@@ -73,7 +73,7 @@ Test(bench, where_it_is_missing_that_is_said) {
     folder_make(folder);
     snprintf(command, sizeof command,
              "cp '%s' '%s' && '%s/wisplab' experiment kernel --out '%s/out' >/dev/null 2>'%s/said'",
-             WISPLAB_PROGRAM, folder, folder, folder, folder);
+             program_path, folder, folder, folder, folder);
     f.code = WEXITSTATUS(system(command));
     path_format(path, "%s/said", folder);
     char *said = file_read(path);

@@ -50,7 +50,7 @@ static void complete(const char *words, char *offered, size_t size) {
     snprintf(command, sizeof command,
              "bash -c '. %s && COMP_WORDS=(%s %s) && COMP_CWORD=$((${#COMP_WORDS[@]} - 1)) && "
              "_wisplab && echo \" ${COMPREPLY[*]} \"' 2>&1",
-             script, WISPLAB_PROGRAM, words);
+             script, program_path, words);
     FILE *pipe = popen(command, "r");
     cr_assert(pipe);
     const size_t length = fread(offered, 1, size - 1, pipe);

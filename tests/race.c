@@ -140,7 +140,7 @@ enum { FIELDS = 2, EULER = 0, RK4, CVODE, POINTS = 6 };
 struct prepared {
     struct scene *scene;
     struct subject subject;
-    struct contestant contestants[3];
+    struct configuration contestants[3];
     struct entry entries[FIELDS][3];
     struct point points[FIELDS][POINTS];
     struct field fields[FIELDS];
@@ -169,7 +169,8 @@ static void prepare(struct prepared *p) {
     *p = (struct prepared){.scene = lab_load("swing-envelope", NULL, 0)};
     p->subject = (struct subject){.scene = p->scene, .name = "swing"};
     for (int who = 0; who < 3; who++)
-        p->contestants[who] = (struct contestant){.name = names[who], .stepper = names[who]};
+        p->contestants[who] = (struct configuration){
+            .name = names[who], .stepper = names[who], .method = stepper_find(names[who])};
     for (int f = 0; f < FIELDS; f++) {
         for (int who = 0; who < 3; who++)
             p->entries[f][who] = (struct entry){.contestant = &p->contestants[who]};
@@ -180,8 +181,8 @@ static void prepare(struct prepared *p) {
                                       .has_reference = 1,
                                       .points = p->points[f],
                                       .treatment_error = off[f],
+                                      .entries = p->entries[f],
                                       .entry_count = 3};
-        memcpy(p->fields[f].entries, p->entries[f], sizeof p->entries[f]);
     }
     add(p, 0, EULER, 0.01, "diverged", NAN, 1e-4);
     add(p, 0, EULER, 1e-4, "finished", 5e-4, 8e-3);

@@ -45,22 +45,11 @@ void each_variant(void (*use)(const struct variant *variant, void *ctx), void *c
 }
 
 struct stepper_settings variant_settings(const struct variant *variant, double rtol, double atol) {
-    struct stepper_settings settings = {.rtol = rtol, .atol = atol};
-    const struct option_spec *specs = variant->method->options;
-    options_defaults(specs, settings.option);
-    if (variant->method->capabilities & STEPPER_IMPLICIT) {
-        settings.linear = linear_find("direct");
-        options_defaults(settings.linear->options, settings.linear_option);
-    }
-    if (variant->option) {
-        char reason[REASON_SIZE];
-        const char *equals = strchr(variant->option, '=');
-        const int i = options_find(specs, variant->option, (size_t)(equals - variant->option));
-        cr_assert(i >= 0 && options_parse(&specs[i], equals + 1, &settings.option[i], reason,
-                                          sizeof reason) == 0,
-                  "%s cannot be made", variant->name);
-    }
-    return settings;
+    const int solves = (variant->method->capabilities & STEPPER_SOLVES) != 0;
+    return (struct stepper_settings){.linear = solves ? linear_find("direct") : NULL,
+                                     .rtol = rtol,
+                                     .atol = atol,
+                                     .options = {&variant->option, variant->option != NULL}};
 }
 
 int integrate(struct stepper *stepper, double from, double to, int steps, double *q, double *v) {
@@ -102,6 +91,18 @@ static int keep_last(void *ctx, const struct model *model, double t, const doubl
     return 0;
 }
 
+int is_taken(const struct scene *scene, const struct run_request *request) {
+    struct settings settings;
+    char reason[REASON_SIZE];
+    if (settings_resolve(scene, request, &settings, reason) == 0)
+        return 1;
+    const struct stepper_method *method = stepper_find(request->stepper);
+    cr_assert(method && strncmp(reason, method->name, strlen(method->name)) == 0 &&
+                  (method->refuse || !(method->capabilities & STEPPER_PROJECTS)),
+              "refused: %s", reason);
+    return 0;
+}
+
 void run_circle(const struct scene *scene, const struct run_request *request, struct orbit *orbit) {
     struct settings settings;
     char reason[REASON_SIZE];
@@ -113,7 +114,7 @@ void run_circle(const struct scene *scene, const struct run_request *request, st
 /* --- the program --- */
 
 struct process program_start(const struct launch *launch, const char *const *arguments) {
-    const char *argv[32] = {WISPLAB_PROGRAM};
+    const char *argv[32] = {launch && launch->program ? launch->program : program_path};
     for (int i = 0; arguments[i]; i++)
         argv[i + 1] = arguments[i];
     struct process process = {.out = memfd_create("out", MFD_CLOEXEC),
@@ -133,7 +134,7 @@ struct process program_start(const struct launch *launch, const char *const *arg
             const rlim_t limit = (rlim_t)launch->file_limit;
             setrlimit(RLIMIT_FSIZE, &(struct rlimit){limit, limit});
         }
-        execv(WISPLAB_PROGRAM, (char *const *)argv);
+        execv(argv[0], (char *const *)argv);
         _exit(99);
     }
     cr_assert(process.pid > 0, "no process");

@@ -20,28 +20,23 @@ static int variant_count(const struct hair_question *question) {
 
 /* --- the runs --- */
 
-static int is_named(const struct stepper_method *method, const char *name) {
-    return strcmp(method->name, name) == 0;
-}
-
 /* Runs that take seconds are repeated less often; their times spread less, too. */
 static int is_large(const struct scene *scene) {
     return scene->wisp_count * scene->duration > 60;
 }
 
 /* 1/Hz. The highest mode decides. */
-static double stable_step(const struct scene *scene, const struct butcher_table *table) {
-    const struct mode mode = stiffest_mode(scene);
+static double stable_step(const struct scene *scene, const struct stepper_method *method) {
     int hundreds = 1;
-    while (hundreds < 1000000 && !is_stable(table, &mode, 1 / (100. * hundreds)))
+    while (hundreds < 1000000 && !seems_stable(method, scene, 1 / (100. * hundreds)))
         hundreds++;
     return 1 / (100 * ceil(1.25 * hundreds));
 }
 
 struct run_request hair_request(const struct scene *scene, const struct stepper_method *method) {
-    struct run_request request = {.stepper = method->name, .treatment = "projection"};
+    struct run_request request = {.stepper = method->name, .treatment = thesis_recipe.treatment};
     const unsigned is = method->capabilities;
-    if (is_named(method, "reference"))
+    if (method->checked_by)
         return request;
     if (is & STEPPER_ADAPTIVE) {
         request.rtol = 1e-4;
@@ -49,11 +44,12 @@ struct run_request hair_request(const struct scene *scene, const struct stepper_
         return request;
     }
     request.timings = !is_large(scene);
-    if (is & STEPPER_IMPLICIT)
+    if (is & STEPPER_SOLVES)
         request.linear = "direct"; /* the matrix of this treatment is not symmetric */
-    request.step = is_named(method, "euler")                   ? 1 / 9000.
-                   : method->table && !(is & STEPPER_IMPLICIT) ? stable_step(scene, method->table)
-                                                               : 1 / 300.;
+    request.step = method == stepper_find(thesis_recipe.stepper) ? 1 / thesis_recipe.rate
+                   : stepper_is_predictable(method) && !(is & STEPPER_IMPLICIT)
+                       ? stable_step(scene, method)
+                       : 1 / stepper_usual_rate(method);
     return request;
 }
 
@@ -104,15 +100,14 @@ static int plan_stepper(struct plan *plan, const struct hair_question *question,
     const struct hair_variant *variant = &question->variants[question->main];
     const struct scene *scene = find_case(plan, "variants", variant->label)->run.scene;
     const struct run_request request = hair_request(scene, method);
-    if (is_named(method, "reference") && is_large(scene))
+    if (method->checked_by && is_large(scene))
         scene = variant_scene(plan, question, variant, scene->frame_rate, reference_duration);
     if (!scene)
         return -1;
-    struct settings settings;
     char reason[REASON_SIZE];
-    if (settings_resolve(scene, &request, &settings, reason))
-        return 0;
-    return plan_add(plan, scene, &request, "steppers", "%s", method->name);
+    return plan_takes(plan, scene, &request, reason)
+               ? plan_add(plan, scene, &request, "steppers", "%s", method->name)
+               : 0;
 }
 
 static int refuse_scene(struct plan *plan, const struct hair_question *question) {
@@ -127,7 +122,7 @@ static int refuse_scene(struct plan *plan, const struct hair_question *question)
 
 int hair_plan(struct plan *plan, const struct hair_question *question) {
     const struct stepper_method *recipe =
-        stepper_find(plan->stepper_count > 0 ? plan->steppers[0] : "euler");
+        stepper_find(plan->stepper_count > 0 ? plan->steppers[0] : thesis_recipe.stepper);
     plan->run_seconds = 300;
     if (plan->scene_count > 1) {
         snprintf(plan->reason, REASON_SIZE, "experiment %s takes one --scene; %d were given",

@@ -85,11 +85,11 @@ int hair_tabulate(struct plan *plan, const char *folder, const struct hair_quest
 
 /* --- its parts --- */
 
-/* The request for a run by a stepper: the thesis's recipe for explicit Euler (9000 Hz), for other
+/* The request for a run by a stepper: the thesis's recipe for explicit Euler, for other
  * explicit methods a quarter more than the least rate, in hundreds of Hz, that linear theory calls
- * stable, for implicit ones with fixed steps 300 Hz, and for adaptive ones a relative tolerance of
- * 1e-4; `reference` is what it is, and on large scenes goes only so far as its time allows. All
- * with the treatment `projection`, so that they solve the same equations. */
+ * stable, and their usual rate where theory says nothing, as for implicit ones; for adaptive ones a
+ * relative tolerance of 1e-4; the reference is what it is, and on large scenes goes only so far as
+ * its time allows. All with the treatment `projection`, so that they solve the same equations. */
 struct run_request hair_request(const struct scene *scene, const struct stepper_method *method);
 
 /* The tables of what variants and steppers cost, and the statements on it. Returns 0, or -1 with a

@@ -140,7 +140,7 @@ static int tabulate_and_draw(struct plan *plan, struct manner *manner) {
 
 int carry_out(struct plan *plan, struct manner *manner) {
     int missing = 0;
-    if (plan->experiment->plan(plan))
+    if (plan->experiment->plan(plan) || plan_check(plan))
         return complain(1, "%s", plan->reason);
     const int code = do_rounds(plan, manner, &missing);
     if (code)

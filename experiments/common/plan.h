@@ -4,6 +4,7 @@
 #define WISPLAB_EXPERIMENT_H
 
 #include "base/files.h"
+#include "integrators/configurations.h"
 #include "run/runs.h"
 #include "statements.h"
 
@@ -40,6 +41,10 @@ struct plan {
     int loaded_count;
     struct subject *subjects; /* owned; see plan_subjects */
     int subject_count;
+    struct configuration *configurations; /* compared; owned; see plan_configurations */
+    int configuration_count;
+    const struct stepper_method *refused; /* the first method that could not be taken, or NULL */
+    char refusal[REASON_SIZE];            /* and why */
     void *memo;               /* the experiment's own, from round to round; freed with the plan */
     char reason[REASON_SIZE]; /* of a failure */
 };
@@ -111,6 +116,24 @@ const struct scene *plan_cut_scene(struct plan *plan, const struct subject *subj
 
 /* Whether the user's choice of steppers leaves this one in. */
 int plan_wants(const struct plan *plan, const char *stepper);
+
+/* Makes those configurations the plan's that configurations_choose gives and that are of steppers
+ * which the user's choice leaves in. Returns 0, or -1 with plan->reason: also where the user asks
+ * for a stepper that has none among them. */
+int plan_configurations(struct plan *plan, unsigned kinds, unsigned capabilities);
+
+/* Whether there can be such a run; else why not, in `reason` (REASON_SIZE). A problem that is not
+ * for a method is no failure of the experiment, unless the user asked for the method: plan_check.
+ */
+int plan_takes(struct plan *plan, const struct scene *scene, const struct run_request *request,
+               char *reason);
+
+/* Notes why a method is not taken. */
+void plan_refuse(struct plan *plan, const struct stepper_method *method, const char *why);
+
+/* When all is planned: 0, or -1 with plan->reason where a stepper that the user asked for has no
+ * run. */
+int plan_check(struct plan *plan);
 
 /* Adds a run, labelled (printf). Returns 0, or -1 with plan->reason. */
 int plan_add(struct plan *plan, const struct scene *scene, const struct run_request *request,

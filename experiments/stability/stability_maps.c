@@ -92,11 +92,12 @@ static int write_regions(struct plan *plan, const char *folder, struct statement
 
 /* --- the damped oscillator --- */
 
-/* The larger of |R| on both modes of q'' = -q - 2 zeta q'. */
-static double oscillator_theory(const struct butcher_table *table, double h, double zeta) {
+/* On the modes of q'' = -q - 2 zeta q'; NaN where there is no theory. */
+static double oscillator_theory(const struct stepper_method *method, double h, double zeta) {
     const double complex root = csqrt(zeta * zeta - 1);
-    return fmax(cabs(butcher_stability(table, h * (-zeta + root))),
-                cabs(butcher_stability(table, h * (-zeta - root))));
+    return stepper_is_predictable(method)
+               ? cabs(stepper_amplification(method, h * (-zeta + root), h * (-zeta - root)))
+               : NAN;
 }
 
 static void write_oscillator(FILE *stream, const struct stepper_method *method, int quick,
@@ -109,7 +110,7 @@ static void write_oscillator(FILE *stream, const struct stepper_method *method, 
             const double zeta = row * zeta_step, h = column * h_step;
             small_oscillator(&small, zeta);
             const double growth = measured_growth(method, loose, &small, h),
-                         theory = method->table ? oscillator_theory(method->table, h, zeta) : NAN;
+                         theory = oscillator_theory(method, h, zeta);
             fprintf(stream, "%s\t%g\t%g\t%.9g\t%.9g\n", method->name, h, zeta, growth, theory);
             agree(agreement, growth, theory);
         }
@@ -123,9 +124,9 @@ static int write_oscillators(struct plan *plan, const char *folder, struct state
     struct atomic_file file;
     if (open_map(plan, &file, folder, "oscillator",
                  "growth per step of q'' = -omega^2 q - 2 zeta omega q' with fixed steps h, "
-                 "measured by stepping the real code, and by the stability function where there "
-                 "is one; adaptive methods have no omega h; nan: of theory, there is no stability "
-                 "function; of growth, the method failed there",
+                 "measured by stepping the real code, and by linear theory where the method has "
+                 "one; adaptive methods have no omega h; nan: of theory, there is none; of "
+                 "growth, the method failed there",
                  "stepper\tomega_h\tzeta\tgrowth\ttheory"))
         return -1;
     for (int i = 0; stepper_methods[i]; i++)
@@ -143,8 +144,8 @@ static void write_ring(FILE *stream, const struct stepper_method *method, double
                        struct agreement *agreement) {
     const int fixed = is_fixed(method);
     const struct ring_down m = measured_ring_down(method, fixed ? loose : setting, setting);
-    const struct ring_down p = method->table ? predicted_ring_down(method->table, setting)
-                                             : (struct ring_down){NAN, NAN, NAN};
+    const struct ring_down p = stepper_is_predictable(method) ? predicted_ring_down(method, setting)
+                                                              : (struct ring_down){NAN, NAN, NAN};
     if (isnan(m.damping))
         return;
     fprintf(stream, "%s\t%g\t%.9g\t%.9g\t%.9g\t%.9g\t%.9g\n", method->name, setting,
@@ -159,9 +160,9 @@ static int write_damping(struct plan *plan, const char *folder, struct statement
             plan, &file, folder, "damping",
             "an undamped oscillator let go: the damping that is the method's own (of "
             "critical; negative: it grows) and its relative shift of frequency, by ring-down "
-            "of the real code and by |R(i omega h)| and arg R; setting: omega h, or rtol of "
-            "adaptive methods, whose steps per period are the mean; nan: of theory, there is no "
-            "stability function; else the ring-down grew or died too fast to be read",
+            "of the real code and by |R(i omega h)| and arg R, R what linear theory multiplies by; "
+            "setting: omega h, or rtol of adaptive methods, whose steps per period are the mean; "
+            "nan: of theory, there is none; else the ring-down grew or died too fast to be read",
             "stepper\tsetting\tsteps_per_period\tdamping\tfrequency_shift\tdamping_theory\t"
             "frequency_shift_theory"))
         return -1;

@@ -22,17 +22,29 @@ static double largest_step(const struct cell *cell, const struct trial *trial) {
     return limits_step(cell, trial->place.reached);
 }
 
+/* A predicted step, s, in a table or to be read. */
+struct prediction {
+    char text[32];
+};
+
+static struct prediction prediction_of(const struct trial *trial, int digits) {
+    struct prediction said = {"no prediction"};
+    if (!isnan(trial->predicted))
+        snprintf(said.text, sizeof said.text, "%.*g", digits, trial->predicted);
+    return said;
+}
+
 /* Rows of a method along an axis; blocks are parted by two blank lines. */
 static void write_along(FILE *stream, const struct limits *limits, const struct axis *axis,
-                        const struct contestant *contestant) {
+                        const struct configuration *contestant) {
     for (int i = 0; i < limits->cell_count; i++) {
         const struct cell *cell = &limits->cells[i];
         for (int k = 0; cell->axis == axis && k < cell->trial_count; k++) {
             const struct trial *t = &cell->trials[k];
             if (t->contestant == contestant)
-                fprintf(stream, "%s\t%g\t%s\t%.9g\t%.9g\t%.9g\t%s\n", axis->name, cell->value,
+                fprintf(stream, "%s\t%g\t%s\t%.9g\t%.9g\t%s\t%s\n", axis->name, cell->value,
                         contestant->name, largest_step(cell, t), limits_step(cell, t->place.missed),
-                        t->predicted, kind_of(t));
+                        prediction_of(t, 9).text, kind_of(t));
         }
     }
     fprintf(stream, "\n\n");
@@ -44,27 +56,26 @@ static int write_limits(struct plan *plan, const char *folder) {
     if (open_table(
             &file, folder, "limits",
             "longest stable step, s, over 0.5 s of swing (penalty_ratio: of swing-envelope "
-            "with penalty), the next that is not, and the prediction by the stability "
-            "function at the eigenvalues of the wisp linearised at its start; nan: of step, none "
-            "that was tried is stable; of unstable_step, all are; of predicted, there is no "
-            "stability function or no bound",
+            "with penalty), the next that is not, and the prediction of linear theory "
+            "at the eigenvalues of the wisp linearised at its start (inf: any step; no prediction: "
+            "there is no theory of the method); nan: of step, none that was tried is stable; of "
+            "unstable_step, all are",
             plan->loaded[0], "axis\tvalue\tstepper\tstep\tunstable_step\tpredicted\tkind",
             plan->reason))
         return -1;
     for (int a = 0; a < AXES; a++)
-        for (int c = 0; c < limits->contestant_count; c++)
-            write_along(file.stream, limits, &limits_axes[a], &limits->contestants[c]);
+        for (int c = 0; c < plan->configuration_count; c++)
+            write_along(file.stream, limits, &limits_axes[a], &plan->configurations[c]);
     return atomic_commit(&file, plan->reason);
 }
 
 static void write_largest(FILE *stream, const struct cell *cell, const struct trial *t) {
     const double step = largest_step(cell, t);
     const int adaptive = contestant_is_adaptive(t->contestant);
-    fprintf(stream, "%s\t%s\t%s\t%.17g\t%.9g\t%.9g\t%.17g\t%s\t%.9g\t%.9g\t%.9g\t%s\n",
-            cell->subject, limits_treatment(cell), t->contestant->name, step, 1 / step,
-            t->predicted, limits_step(cell, t->place.missed),
-            adaptive ? "chooses its steps" : kind_of(t), t->missed.failure_time, t->error,
-            t->cost.cpu.median / cell->scene->duration,
+    fprintf(stream, "%s\t%s\t%s\t%.17g\t%.9g\t%s\t%.17g\t%s\t%.9g\t%.9g\t%.9g\t%s\n", cell->subject,
+            limits_treatment(cell), t->contestant->name, step, 1 / step, prediction_of(t, 9).text,
+            limits_step(cell, t->place.missed), adaptive ? "chooses its steps" : kind_of(t),
+            t->missed.failure_time, t->error, t->cost.cpu.median / cell->scene->duration,
             adaptive ? "mean step at rtol 1e-3" : t->note);
 }
 
@@ -76,9 +87,10 @@ static int write_scenes(struct plan *plan, const char *folder) {
             "the longest stable step of each stepper, s, on the first half second of scenes: what "
             "it is, its rate in Hz, the predicted one, the next that is not stable with how and "
             "when that fails, the error of the stable one, m, and its CPU time per simulated s; "
-            "steps divide the time between stops of the clock; nan: of step, none that was tried "
-            "is stable; of what fails, none does; of predicted, there is no stability function, no "
-            "bound, or there are too many unknowns for eigenvalues",
+            "steps divide the time between stops of the clock; predicted is inf where there is no "
+            "bound, and no prediction where there is no theory of the method, or too many unknowns "
+            "for eigenvalues; nan: of step, none that was tried is stable; of what fails, none "
+            "does",
             plan->subjects[0].scene,
             "scene\ttreatment\tstepper\tstep\trate\tpredicted\tunstable_step\tkind\ttime\terror\t"
             "cpu_per_second\tnote",

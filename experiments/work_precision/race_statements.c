@@ -6,9 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The thesis's choice (sections 2.3.3 and 4.2.1): explicit Euler with projection at this rate. */
-static const double thesis_rate = 9000; /* Hz */
-
 static const double clearly = 1.1; /* times as dear is clearly dearer */
 
 static const char *name_of(const struct point *p) {
@@ -107,8 +104,8 @@ static const struct point *thesis_run(const struct field *field, int *asked) {
     *asked = 0;
     for (int i = 0; field && i < field->point_count; i++) {
         const struct point *p = &field->points[i];
-        const double times = 1 / (p->setting * thesis_rate);
-        if (strcmp(name_of(p), "euler") != 0 || p->runs == 0)
+        const double times = 1 / (p->setting * thesis_recipe.rate);
+        if (strcmp(name_of(p), thesis_recipe.stepper) != 0 || p->runs == 0)
             continue;
         *asked = 1;
         if (times > 0.95 && times < 1.5 && (!nearest || p->setting > nearest->setting))

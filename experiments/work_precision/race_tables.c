@@ -24,7 +24,8 @@ static const struct {
          "the greatest; of the median one: largest, m; relative = rms over length; end = rms at "
          "the end, m; velocity = rms, m/s; radius = rms of the samples' distance from their node, "
          "m; mescd at the end; CPU time, s: of repeated, or of the jittered runs, alone on the "
-         "machine; equivalents: CPU time over that of a force evaluation of rk4's pilot; setting: "
+         "machine; equivalents: CPU time over that of a force evaluation of the pilot of the "
+         "explicit method of highest order; setting: "
          "step, s, or rtol; limited: within ten times the reference's bound, and so on no front; "
          "front: Pareto, by CPU time and by force evaluations; strain, penetration (m): largest at "
          "any frame; drift: largest energy that no work accounts for, over the largest kinetic "
@@ -77,8 +78,9 @@ static void write_point(FILE *stream, const struct field *field, const struct po
             p->limited, p->front[0], p->front[1], p->error_least, p->error_greatest, p->runs,
             p->failed, cost->cpu.median / field->evaluation, p->extent.strain,
             p->extent.penetration, p->extent.drift,
-            !*p->note && isnan(field->evaluation) ? "no pilot of rk4, and so no equivalents"
-                                                  : p->note);
+            !*p->note && isnan(field->evaluation)
+                ? "no pilot of an explicit method, and so no equivalents"
+                : p->note);
 }
 
 /* Rows of each contestant in the order of its settings; blocks are parted by two blank lines. */
@@ -92,7 +94,7 @@ static void write_points(FILE *stream, const struct field *field) {
 }
 
 static void write_slope(FILE *stream, const struct field *field,
-                        const struct contestant *contestant) {
+                        const struct configuration *contestant) {
     const double least = fmax(1e-13, 100 * field->bound);
     struct slope slope = {.count = 0};
     for (int i = 0; i < field->point_count; i++) {
@@ -134,7 +136,7 @@ static void write_front(FILE *stream, const struct field *field) {
 }
 
 const struct point *race_cheapest(const struct field *field, double target,
-                                  const struct contestant *besides) {
+                                  const struct configuration *besides) {
     const struct point *best = NULL;
     for (int i = 0; i < field->point_count; i++) {
         const struct point *p = &field->points[i];
@@ -213,7 +215,7 @@ static int close_tables(struct atomic_file *files, int code, char *reason) {
 }
 
 /* The fields of a subject follow each other; each keeps its points until all are stated. */
-enum { FIELDS_MAX = 3, POINTS_MAX = CONTESTANTS_MAX * (RUNGS_MAX + 1) };
+enum { FIELDS_MAX = 3 };
 
 /* Tables and statements. */
 struct output {
@@ -221,7 +223,8 @@ struct output {
     FILE *list; /* the figures' */
     struct statements statements;
     struct race_answers answers;
-    struct point *points; /* of FIELDS_MAX fields */
+    struct point *points; /* of FIELDS_MAX fields, `most` each */
+    int most;
 };
 
 static int write_one(struct plan *plan, struct field *field, const struct atomic_file *files,
@@ -249,7 +252,7 @@ static int tabulate_subject(struct plan *plan, const struct subject *subject,
     struct field *fields = notes->fields + first;
     for (; first + count < notes->field_count && fields[count].subject == subject && !code;
          count++) {
-        fields[count].points = output->points + count * POINTS_MAX;
+        fields[count].points = output->points + count * output->most;
         code = write_one(plan, &fields[count], files, output);
         there += fields[count].has_reference;
     }
@@ -309,12 +312,14 @@ static int write_all(struct plan *plan, struct output *output) {
 }
 
 int race_tabulate(struct plan *plan, const char *folder) {
+    const int most = plan->configuration_count * (RUNGS_MAX + 1) + 1;
     struct output output = {
         .folder = folder,
         .answers = {.asked = plan->experiment->answers,
                     .cheapest = calloc((size_t)plan->subject_count * RACE_TARGETS + 1,
                                        sizeof *output.answers.cheapest)},
-        .points = calloc((size_t)FIELDS_MAX * POINTS_MAX, sizeof *output.points)};
+        .points = calloc((size_t)(FIELDS_MAX * most), sizeof *output.points),
+        .most = most};
     int code = -1;
     if (output.answers.cheapest && output.points)
         code = write_all(plan, &output);

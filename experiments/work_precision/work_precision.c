@@ -7,30 +7,11 @@ static const char *const scenes[] = {"swing",        "swing-envelope", "radii",
                                      "interactions", "wind",           NULL};
 static const char *const quick_scenes[] = {"swing", "swing-envelope", NULL};
 
-static const struct contestant contestants[] = {
-    {.name = "euler", .stepper = "euler"},
-    {.name = "midpoint", .stepper = "midpoint"},
-    {.name = "rk4", .stepper = "rk4"},
-    {.name = "implicit-euler", .stepper = "implicit-euler", .linear = "direct"},
-    {.name = "implicit-euler newton",
-     .stepper = "implicit-euler",
-     .linear = "direct",
-     .options = {"newton.iterations=30"}},
-    {.name = "implicit-euler cg", .stepper = "implicit-euler", .linear = "cg"},
-    {.name = "cvode", .stepper = "cvode", .finest = 1e-8, .order = 2},
-    {.name = "cvode order 5",
-     .stepper = "cvode",
-     .options = {"max_order=5"},
-     .finest = 1e-11,
-     .order = 5},
-    {.name = "reference", .stepper = "reference", .finest = 1e-10, .order = 8},
-    {0},
-};
-
 static const struct race race = {
     .scenes = scenes,
     .quick_scenes = quick_scenes,
-    .contestants = contestants,
+    .kinds =
+        CONFIGURATION_PLAIN | CONFIGURATION_ITERATED | CONFIGURATION_SOLVER | CONFIGURATION_ORDER,
     .seconds = 600,
     .quick_seconds = 30,
 };
