@@ -711,7 +711,7 @@ static void check_near(int lanes, enum wisp_treatment treatment, int samples, un
         lab_state(&wisps[k], treatment, STATE_RANDOM, 0, seed, q[k], v);
         const double most = lab_between(seed, 0, 1) < 0.25 ? 10 : 1;
         stretch_samples(&wisps[k], treatment, lab_between(seed, 0.1, most), q[k]);
-        lab_scatter(&part, k, q[k], Q);
+        lab_place(&part, k, q[k], Q);
         lab_scatter(&part, k, v, V);
     }
     for (int b = 0; b < count; b++) {

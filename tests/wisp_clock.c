@@ -51,12 +51,14 @@ static void check_clamp(int lanes, enum wisp_treatment treatment, int samples, u
         for (int i = 0; i < (NODES - 2) * samples && treatment != WISP_PENALTY; i++)
             if (lab_between(seed, 0, 1) < 0.5) /* in penalty half are behind their node already */
                 q[k][i / samples * (3 + samples) + 3 + i % samples] *= lab_between(seed, -1, 2e-3);
-        lab_scatter(&part, k, q[k], Q);
+        lab_place(&part, k, q[k], Q);
+        lab_gather(&part, k, Q, q[k]); /* from the root, and so are the twin's below */
         lab_scatter(&part, k, v[k], V);
     }
     changed = (lanes == 1 ? kernel_clamp_1 : kernel_clamp_4)(part.system.ctx, Q, V);
     for (int k = 0; k < lanes; k++) {
         const double least = 1e-3 * wisps[k].radius;
+        memset(wisps[k].root, 0, sizeof wisps[k].root);
         wisp_twin_init(&twin, &wisps[k], &around, treatment);
         lab_gather(&part, k, Q, q1);
         lab_gather(&part, k, V, v1);

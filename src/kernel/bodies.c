@@ -61,14 +61,15 @@ static struct look look_at_samples(struct kernel_part *part, const double *q, la
 static inline mask beyond(const struct kernel_part *part, const double *q, const double *box,
                           int side, lane margin) {
     const int end = (part->nodes - 2) * part->node_unknowns, next = part->node_unknowns;
-    const lane least = box[side] - margin, most = box[side] + margin;
+    const lane origin[3] = {part->origin.x, part->origin.y, part->origin.z};
+    const lane from = origin[side % 3], least = box[side] - margin, most = box[side] + margin;
     mask all = lane_all(0) == 0;
     if (side < 3)
         for (int at = side; at < end; at += next)
-            all &= load(q, at) < least;
+            all &= from + load(q, at) < least;
     else
         for (int at = side - 3; at < end; at += next)
-            all &= load(q, at) > most;
+            all &= from + load(q, at) > most;
     return all;
 }
 
@@ -155,9 +156,10 @@ static mask nodes_inside(const struct kernel_part *part, const double *q,
                          const struct obstacle *const *near, int count) {
     mask inside = lane_all(0) != 0;
     for (int b = 0; b < count; b++)
-        for (int i = 2; i < part->nodes; i++)
-            inside |=
-                contains(near[b], seen_from(near[b], vec_load(q, (i - 2) * part->node_unknowns)));
+        for (int i = 2; i < part->nodes; i++) {
+            const struct vec p = in_space(part, vec_load(q, (i - 2) * part->node_unknowns));
+            inside |= contains(near[b], seen_from(near[b], p));
+        }
     return inside;
 }
 
@@ -220,12 +222,12 @@ static int lanes_set(mask m, unsigned counted) {
 /* Samples of one node against a body; returns how many were inside, of the lanes that count. */
 static int pull_samples(const struct kernel_part *part, int i, const struct obstacle *body,
                         lane reach, mask among, double *qi, double *vi, unsigned counted) {
-    const struct vec from = seen_from(body, vec_load(qi, 0));
+    const struct vec p = in_space(part, vec_load(qi, 0)), from = seen_from(body, p);
     const lane scaled = 1 + 1e-9 + reach * body->inverse_least;
     int pulled = 0;
     if (mask_none(among & (depth(body, from) < scaled * scaled)))
         return 0;
-    const struct vec surface = surface_velocity(body, vec_load(qi, 0), vec_load(vi, 0));
+    const struct vec surface = surface_velocity(body, p, vec_load(vi, 0));
     for (int j = 0; j < part->samples; j++)
         pulled += lanes_set(pull_sample(part, i, j, from, surface, body, among, qi, vi), counted);
     return pulled;
