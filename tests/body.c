@@ -656,8 +656,9 @@ static void pull(struct pulled *to, const struct lab_part *part, const double *q
         obstacle[i] = body_obstacle(&bodies[i], &motion[i]);
     memcpy(to->q, q, (size_t)(part->lanes * part->size) * sizeof *q);
     memcpy(to->v, v, (size_t)(part->lanes * part->size) * sizeof *v);
-    to->left = (part->lanes == 1 ? kernel_pull_1 : kernel_pull_4)(
-        part->system.ctx, to->q, to->v, obstacle, boxes, count, ~0u, &to->samples);
+    to->left =
+        kernel_of(part->lanes)
+            ->pull(part->system.ctx, to->q, to->v, obstacle, boxes, count, ~0u, &to->samples);
 }
 
 /* Only wisps with a node inside are left, or free particles, as they are; of the others the kernel
@@ -669,8 +670,7 @@ static void check_pulled(struct pulled *pulled, const struct lab_part *part, int
     const int left = pulled->left >> k & 1;
     cr_assert_eq(left, s->treatment == WISP_PENALTY || report->nodes > 0, "lane %d is%s left", k,
                  left ? "" : " not");
-    (part->lanes == 1 ? kernel_sample_1 : kernel_sample_4)(part->system.ctx, k, pulled->q,
-                                                           pulled->v, is, stride);
+    kernel_of(part->lanes)->sample(part->system.ctx, k, pulled->q, pulled->v, is, stride);
     if (left) {
         cr_assert_eq(memcmp(is, rows, (size_t)(s->wisp->nodes * stride) * sizeof *is), 0,
                      "lane %d is left, but changed", k);
@@ -733,15 +733,14 @@ static void check_near(int lanes, enum wisp_treatment treatment, int samples, un
         }
     }
     void *ctx = part.system.ctx;
-    const unsigned near =
-        (lanes == 1 ? kernel_near_1 : kernel_near_4)(ctx, Q, hull, boxes, count, &clamp);
+    const unsigned near = kernel_of(lanes)->near(ctx, Q, hull, boxes, count, &clamp);
     static struct pulled pulled;
     pull(&pulled, &part, Q, V, bodies, motion, boxes, count);
     for (int k = 0; k < lanes; k++) {
         struct strand *s = strand_create(&wisps[k], treatment);
         struct body_report report = {0, 0, 0};
         const int stride = 6 + samples * (treatment == WISP_PENALTY ? 6 : 2);
-        (lanes == 1 ? kernel_sample_1 : kernel_sample_4)(ctx, k, Q, V, rows, stride);
+        kernel_of(lanes)->sample(ctx, k, Q, V, rows, stride);
         strand_turn(s, &head);
         strand_load(s, rows, stride);
         body_contact(s, bodies, motion, count, dt, &report);
@@ -753,7 +752,7 @@ static void check_near(int lanes, enum wisp_treatment treatment, int samples, un
         strand_free(s);
     }
     cr_assert_eq(pulled.samples, 0, "%d samples too many are pulled", pulled.samples);
-    const int changed = (lanes == 1 ? kernel_clamp_1 : kernel_clamp_4)(ctx, Q, V);
+    const int changed = kernel_of(lanes)->clamp(ctx, Q, V);
     cr_assert_eq(changed != 0, clamp != 0, "%s: the clamp's flag", treatment_names[treatment]);
     lab_part_free(&part);
 }

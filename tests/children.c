@@ -7,9 +7,12 @@
 #include "support.h"
 
 #include <criterion/criterion.h>
+#include <dlfcn.h>
+#include <errno.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/syscall.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -18,6 +21,29 @@
 #define __SANITIZE_ADDRESS__
 #endif
 #endif
+
+/* --- a machine without room for another process, and what is signalled there --- */
+
+static int forks_left = -1; /* -1: any number */
+static int spread_signals;  /* to groups, which are noted and not sent */
+
+pid_t fork(void) {
+    pid_t (*real)(void);
+    *(void **)&real = dlsym(RTLD_NEXT, "fork");
+    if (forks_left == 0) {
+        errno = EAGAIN;
+        return -1;
+    }
+    forks_left -= forks_left > 0;
+    return real();
+}
+
+int kill(pid_t pid, int signal) {
+    if (forks_left < 0 || pid > 0)
+        return (int)syscall(SYS_kill, pid, signal);
+    spread_signals++;
+    return 0;
+}
 
 enum { GOOD_STEPS = 10 };
 static const double step_length = 0.5;
@@ -100,6 +126,16 @@ static int eat_and_die(struct stepper *stepper, double t, double h, double *q, d
     eat((struct bad *)stepper);
     volatile double *more = malloc(1 << 24);
     more[0] = 1;
+    return 0;
+}
+
+/* As if the user had ended the whole; and goes on until that comes back. */
+static int call_off(struct stepper *stepper, double t, double h, double *q, double *v) {
+    (void)t, (void)h, (void)v;
+    if (!good(stepper, q)) {
+        kill(getppid(), SIGINT);
+        nanosleep(&(struct timespec){.tv_nsec = 20000000}, NULL);
+    }
     return 0;
 }
 
@@ -220,6 +256,31 @@ Test(children, a_pool_completes_around_its_dead) {
     cr_assert_eq(runs_do_all(runs, count, &limits, 2, 0, reason), 0, "failures are run again");
     scene_free(scene);
     scene_free(other);
+    folder_remove(folder);
+}
+
+/* A process that cannot be had is no process -1: nobody else is signalled when the user ends it. */
+Test(children, a_fork_that_fails_harms_nobody) {
+    static const struct bad_method calls_off = {BAD("calls-off", call_off), "interrupted", "", 0};
+    char folder[PATH_SIZE], reason[REASON_SIZE] = "";
+    struct run_case runs[2];
+    folder_make(folder);
+    runs_catch_signals();
+    struct scene *scene = circle_scene(100, 0);
+    make_case(&runs[0], scene, folder, &calls_off);
+    make_case(&runs[1], scene, folder, &methods[0]);
+    forks_left = 0;
+    cr_assert_eq(runs_do_one(&runs[1], &limits, 0, reason), OUTPUT_FAILED);
+    cr_assert(strstr(reason, "cannot start a process"), "%s", reason);
+    for (int room = 0; room <= 1; room++) {
+        forks_left = room;
+        const int ran = runs_do_all(runs, 2, &limits, 2, 0, reason);
+        cr_assert_eq(ran, -OUTPUT_FAILED, "%d: %s", ran, reason);
+        cr_assert(strstr(reason, "cannot start a process"), "%s", reason);
+        cr_assert_eq(runs_interrupted(), room, "the user has ended it or not");
+        cr_assert_eq(spread_signals, 0, "%d signals to more than one process", spread_signals);
+    }
+    scene_free(scene);
     folder_remove(folder);
 }
 

@@ -123,8 +123,8 @@ static struct surroundings turned_head(unsigned *seed) {
 static void open_lanes(const struct lab_part *part, const double *q, const double *v,
                        struct strand *const *strands) {
     void *ctx = part->system.ctx;
-    (part->lanes == 1 ? kernel_prescribe_1 : kernel_prescribe_4)(ctx, 0.1);
-    (part->lanes == 1 ? kernel_open_1 : kernel_open_4)(ctx, q, v, strands);
+    kernel_of(part->lanes)->prescribe(ctx, 0.1);
+    kernel_of(part->lanes)->open(ctx, q, v, strands);
 }
 
 /* The same by way of the rows of a frame. */
@@ -135,8 +135,7 @@ static struct strand *strand_by_rows(const struct lab_part *part, int lane, cons
     const int stride = 6 + wisp->samples * (treatment == WISP_PENALTY ? 6 : 2);
     struct strand *strand = strand_create(wisp, treatment);
     cr_assert(strand, "no memory");
-    (part->lanes == 1 ? kernel_sample_1 : kernel_sample_4)(part->system.ctx, lane, q, v, rows,
-                                                           stride);
+    kernel_of(part->lanes)->sample(part->system.ctx, lane, q, v, rows, stride);
     strand_turn(strand, head);
     strand_load(strand, rows, stride);
     return strand;
@@ -242,8 +241,7 @@ static void check_part(int lanes, int count, int samples, enum wisp_treatment tr
     }
     head_placement(&around.head, 0.1, &head);
     open_lanes(&part, Q, V, opened);
-    const unsigned folded =
-        (lanes == 1 ? kernel_boxes_1 : kernel_boxes_4)(part.system.ctx, Q, boxes);
+    const unsigned folded = kernel_of(lanes)->boxes(part.system.ctx, Q, boxes);
     for (int k = 0; k < count; k++) {
         struct strand *s = strand_by_rows(&part, k, Q, V, &wisps[k], treatment, &head);
         if (opened[k])

@@ -55,7 +55,7 @@ static void check_clamp(int lanes, enum wisp_treatment treatment, int samples, u
         lab_gather(&part, k, Q, q[k]); /* from the root, and so are the twin's below */
         lab_scatter(&part, k, v[k], V);
     }
-    changed = (lanes == 1 ? kernel_clamp_1 : kernel_clamp_4)(part.system.ctx, Q, V);
+    changed = kernel_of(lanes)->clamp(part.system.ctx, Q, V);
     for (int k = 0; k < lanes; k++) {
         const double least = 1e-3 * wisps[k].radius;
         memset(wisps[k].root, 0, sizeof wisps[k].root);
@@ -99,7 +99,7 @@ static void check_clamp(int lanes, enum wisp_treatment treatment, int samples, u
     cr_assert_eq(changed != 0, inside > 0, "%d inside, changed says %d", inside, changed);
     /* what has been put there stays */
     if (treatment != WISP_PENALTY)
-        cr_assert_eq((lanes == 1 ? kernel_clamp_1 : kernel_clamp_4)(part.system.ctx, Q, V), 0,
+        cr_assert_eq(kernel_of(lanes)->clamp(part.system.ctx, Q, V), 0,
                      "the second clamp finds something");
     lab_part_free(&part);
 }

@@ -1,7 +1,6 @@
 #include "wisp_support.h"
 
 #include "base/vector.h"
-#include "kernel/sparse.h"
 #include "model/problems.h"
 #include "scene/scene_load.h"
 #include "support.h"
@@ -131,6 +130,10 @@ void lab_state(const struct wisp *wisp, enum wisp_treatment treatment, enum lab_
 
 /* --- a part of the kernel --- */
 
+const struct kernel *kernel_of(int lanes) {
+    return lanes == 1 ? &kernel_1 : &kernel_4;
+}
+
 void lab_part_make(struct lab_part *part, int lanes, const struct wisp *wisps, int count,
                    const struct surroundings *around, enum wisp_treatment treatment) {
     const struct wisp *lane[LAB_LANES];
@@ -145,21 +148,20 @@ void lab_part_make(struct lab_part *part, int lanes, const struct wisp *wisps, i
     head_placement(&around->head, 0, &head);
     for (int k = 0; k < LAB_LANES; k++)
         placed_point(&head, 0, lane[k]->root, part->origin[k]);
-    part->system = (struct system){.ops = lanes == 1 ? &kernel_ops_1 : &kernel_ops_4,
+    part->system = (struct system){.ops = kernel_of(lanes)->ops,
                                    .name = "the laboratory's wisps",
                                    .size = size * lanes,
                                    .lanes = lanes,
                                    .wisps = count};
-    part->system.ctx =
-        (lanes == 1 ? kernel_create_1 : kernel_create_4)(lane, around, treatment, &part->system);
+    part->system.ctx = kernel_of(lanes)->create(lane, around, treatment, &part->system);
     cr_assert(part->system.ctx, "no memory for a part");
-    part->pattern = (lanes == 1 ? kernel_pattern_1 : kernel_pattern_4)(part->system.ctx);
+    part->pattern = kernel_of(lanes)->pattern(part->system.ctx);
     cr_assert(part->pattern, "no memory for a pattern");
     part->system.pattern = lanes == 1 ? part->pattern : NULL;
 }
 
 void lab_part_free(struct lab_part *part) {
-    (part->lanes == 1 ? kernel_free_1 : kernel_free_4)(part->system.ctx);
+    kernel_of(part->lanes)->free(part->system.ctx);
     free(part->pattern);
 }
 

@@ -36,6 +36,9 @@ void lab_state(const struct wisp *wisp, enum wisp_treatment treatment, enum lab_
 
 /* --- a part of the kernel --- */
 
+/* The kernel of 1 or 4 lanes. */
+const struct kernel *kernel_of(int lanes);
+
 struct lab_part {
     int lanes, size; /* size: of one wisp */
     struct system system;

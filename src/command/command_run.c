@@ -4,6 +4,7 @@
 #include "cli.h"
 #include "model/problems.h"
 #include "model/state.h"
+#include "run/results.h"
 #include "run/runs.h"
 #include "scene/scene_load.h"
 

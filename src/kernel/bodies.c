@@ -1,6 +1,5 @@
 /* Bodies as parts see them: which wisps may touch one, and samples pulled out of those. */
 #include "frames.h"
-#include "kernel.h"
 #include "part.h"
 #include "span.h"
 #include "wisp/body.h"

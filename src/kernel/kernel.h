@@ -1,6 +1,5 @@
 /* The wisp model at work on 1 or 4 wisps at once: what the rest of the program sees of this
- * folder. The number at the end of a name is the number of lanes; a function of 1 and its twin of
- * 4 are one source. */
+ * folder. A kernel for 1 lane and its twin for 4 are one source. */
 #ifndef WISPLAB_KERNEL_H
 #define WISPLAB_KERNEL_H
 
@@ -10,69 +9,69 @@
 struct obstacle;
 struct strand;
 
-#define KERNEL_DECLARE(lanes)                                                                      \
+/* X(type, name, arguments): what a kernel does with a part besides being a system. */
+#define KERNEL_OPERATIONS(X)                                                                       \
     /* A part for `lanes` wisps that agree in nodes, samples and bending law; `around` and         \
      * `system` must outlive it. NULL where memory cannot be had. */                               \
-    void *kernel_create_##lanes(const struct wisp *const *wisps,                                   \
-                                const struct surroundings *around, enum wisp_treatment treatment,  \
-                                struct system *system);                                            \
-    void kernel_free_##lanes(void *part);                                                          \
-                                                                                                   \
+    X(void *, create,                                                                              \
+      (const struct wisp *const *wisps, const struct surroundings *around,                         \
+       enum wisp_treatment treatment, struct system *system))                                      \
+    X(void, free, (void *part))                                                                    \
     /* Gives a lane another wisp's numbers at time t; the wisp agrees with those of the part. */   \
-    void kernel_fill_##lanes(void *part, int which, const struct wisp *wisp, double t);            \
-                                                                                                   \
+    X(void, fill, (void *part, int which, const struct wisp *wisp, double t))                      \
     /* The start of a scene: rest shape, at rest, samples at r = R. */                             \
-    void kernel_rest_##lanes(void *part, double *q, double *v);                                    \
-                                                                                                   \
+    X(void, rest, (void *part, double *q, double *v))                                              \
     /* One lane as rows of a frame, for nodes 0 to n - 1, of 6 numbers and 2 or 6 for each sample; \
      * the first row's first number goes to rows[0], the next row's to rows[stride]. */            \
-    void kernel_sample_##lanes(void *part, int which, const double *q, const double *v,            \
-                               double *rows, int stride);                                          \
+    X(void, sample,                                                                                \
+      (void *part, int which, const double *q, const double *v, double *rows, int stride))         \
     /* The reverse. */                                                                             \
-    void kernel_restore_##lanes(void *part, int which, const double *rows, int stride, double *q,  \
-                                double *v);                                                        \
-                                                                                                   \
+    X(void, restore,                                                                               \
+      (void *part, int which, const double *rows, int stride, double *q, double *v))               \
     /* Accelerations `a`, in the layout of v, likewise: 3 numbers for a node and 1 or 3 for each   \
      * sample; those of nodes 0 and 1 are the head's at the time last prescribed. */               \
-    void kernel_sample_accelerations_##lanes(void *part, int which, const double *a, double *rows, \
-                                             int stride);                                          \
-                                                                                                   \
+    X(void, sample_accelerations,                                                                  \
+      (void *part, int which, const double *a, double *rows, int stride))                          \
     /* Puts nodes 0 and 1 where the head has them at time t; without head motion they stay.        \
      * Accelerations and linearisations do so by themselves. */                                    \
-    void kernel_prescribe_##lanes(void *part, double t);                                           \
-                                                                                                   \
+    X(void, prescribe, (void *part, double t))                                                     \
     /* Keeps samples on their side of the node (Plante 1999, section 4.1.2): those nearer than     \
      * 1e-3 R are put there and no longer move inwards. Returns whether any lane changed. */       \
-    int kernel_clamp_##lanes(void *part, double *q, double *v);                                    \
-                                                                                                   \
+    X(int, clamp, (void *part, double *q, double *v))                                              \
     /* Lanes, bit k for lane k, whose free nodes and samples may be in one of `count` boxes (least \
      * x y z, most x y z; `hull` is around them all); none that is in one is missed. Says besides, \
      * looking at samples only once, whether the clamp would find anything. */                     \
-    unsigned kernel_near_##lanes(void *part, const double *q, const double *hull,                  \
-                                 const double *boxes, int count, int *clamp);                      \
-                                                                                                   \
+    X(unsigned, near,                                                                              \
+      (void *part, const double *q, const double *hull, const double *boxes, int count,            \
+       int *clamp))                                                                                \
     /* Pulls samples out of at most BODIES_MAX bodies with these boxes (Plante 1999, section       \
      * 4.2.2) in lanes that have no free node inside one. Returns the lanes that have, or that     \
      * cannot be treated so, and leaves those alone; bits of other lanes are never set. `pulled`   \
      * becomes the number of samples found inside in the lanes of `counted`. */                    \
-    unsigned kernel_pull_##lanes(void *part, double *q, double *v, const struct obstacle *bodies,  \
-                                 const double *boxes, int count, unsigned counted, int *pulled);   \
-                                                                                                   \
+    X(unsigned, pull,                                                                              \
+      (void *part, double *q, double *v, const struct obstacle *bodies, const double *boxes,       \
+       int count, unsigned counted, int *pulled))                                                  \
     /* A box around each lane, padding included: of the volume from node 1 on and of the samples   \
      * of free nodes (least x y z, most x y z). Returns the lanes, others' bits aside, in which    \
      * the wisp may touch itself; none that does is missed. */                                     \
-    unsigned kernel_boxes_##lanes(void *part, const double *q, double(*boxes)[6]);                 \
-                                                                                                   \
+    X(unsigned, boxes, (void *part, const double *q, double(*boxes)[6]))                           \
     /* Lays lanes open: fills in all that strand_load does, but for lanes of NULL. Nodes 0 and 1   \
      * are where they were last prescribed. Behind nodes that coincide axes are NaN, not 0. */     \
-    void kernel_open_##lanes(void *part, const double *q, const double *v,                         \
-                             struct strand *const *strands);                                       \
-                                                                                                   \
+    X(void, open, (void *part, const double *q, const double *v, struct strand *const *strands))   \
     /* Largest | L / rest length - 1 | over the segments of a lane. */                             \
-    double kernel_strain_##lanes(void *part, int which, const double *q);                          \
-                                                                                                   \
-    extern const struct system_ops kernel_ops_##lanes;
-KERNEL_DECLARE(1)
-KERNEL_DECLARE(4)
+    X(double, strain, (void *part, int which, const double *q))                                    \
+    /* Where the part's matrix has its entries, as general sparse solvers want it, for a part of   \
+     * one wisp; one block, to be freed with free. NULL where memory cannot be had. */                       \
+    X(struct sparse_matrix *, pattern, (const void *part))
+
+struct kernel {
+    int lanes;                    /* wisps side by side in a part */
+    const struct system_ops *ops; /* a part as a system; ctx is the part */
+#define X(type, name, arguments) type(*name) arguments;
+    KERNEL_OPERATIONS(X)
+#undef X
+};
+
+extern const struct kernel kernel_1, kernel_4;
 
 #endif

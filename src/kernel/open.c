@@ -1,6 +1,5 @@
 /* Wisps of a part for contacts: boxes around them, and wisps laid open. */
 #include "frames.h"
-#include "kernel.h"
 #include "part.h"
 #include "span.h"
 #include "wisp/strand.h"

@@ -2,7 +2,6 @@
 #include "part.h"
 
 #include "frames.h"
-#include "kernel.h"
 
 #include <stdlib.h>
 
@@ -359,14 +358,3 @@ int LANED(kernel_clamp)(void *ctx, double *q, double *v) {
     return part->treatment == WISP_PENALTY ? clamp_particles(part, q, v)
                                            : clamp_distances(part, q, v);
 }
-
-const struct system_ops LANED(kernel_ops) = {
-    .acceleration = LANED(kernel_acceleration),
-    .linearise = LANED(kernel_linearise),
-    .product = LANED(kernel_product),
-    .factor = LANED(kernel_factor),
-    .solve = LANED(kernel_solve),
-    .assemble = LANED(kernel_assemble),
-    .energies = LANED(kernel_energies),
-    .powers = LANED(kernel_powers),
-};

@@ -8,8 +8,7 @@
 #define WISPLAB_KERNEL_PART_H
 
 #include "base/lanes.h"
-#include "system/system.h"
-#include "wisp/wisp.h"
+#include "kernel.h"
 
 /* Material axes and the envelope's plane at a node (section 4.1.2 of the thesis). */
 struct frame {
@@ -78,7 +77,10 @@ int LANED(kernel_factor)(void *ctx, double alpha, double beta);
 void LANED(kernel_solve)(void *ctx, const double *b, double *x);
 void LANED(kernel_assemble)(void *ctx, double alpha, double beta, double *values);
 
-void LANED(kernel_prescribe)(void *ctx, double t);
+/* Those of struct kernel, likewise. */
+#define X(type, name, arguments) type LANED(kernel_##name) arguments;
+KERNEL_OPERATIONS(X)
+#undef X
 
 /* The rate of a direction that turns with the head, where the head was last; `rest`: as it rests.
  */

@@ -1,6 +1,4 @@
 /* The same matrix for general sparse solvers: every unknown kept, samples too. */
-#include "sparse.h"
-
 #include "frames.h"
 #include "matrix.h"
 

@@ -3,7 +3,7 @@
 #define WISPLAB_STATE_H
 
 #include "model.h"
-#include "run/results.h"
+#include "base/table.h"
 
 /* The last frame of a table, which must have the columns and rows of the model's frames, as
  * row_count times column_count numbers into `rows`, and its time; `file` is for messages. Returns

@@ -1,35 +1,14 @@
-/* Inside the problem of wisps: what its files share. wisps.c makes parts and frames, and
- * wisp_ticks.c is what happens to them at a tick, but for subdivision, which is wisp_splits.c. */
+/* Inside the problem of wisps: what its files share. wisps.c is the problem, wisp_parts.c who sits
+ * in which part, wisp_ticks.c what happens at a tick, but for subdivision, which is wisp_splits.c.
+ */
 #ifndef WISPLAB_WISP_MODEL_H
 #define WISPLAB_WISP_MODEL_H
 
+#include "kernel/kernel.h"
 #include "model.h"
 #include "scene.h"
 
 enum { LANES_MAX = 4 };
-
-/* The kernel for a number of lanes. */
-struct obstacle;
-struct kernel {
-    int lanes;
-    void *(*create)(const struct wisp *const *, const struct surroundings *, enum wisp_treatment,
-                    struct system *);
-    void (*free)(void *);
-    void (*fill)(void *, int, const struct wisp *, double);
-    void (*rest)(void *, double *, double *);
-    void (*prescribe)(void *, double);
-    void (*sample)(void *, int, const double *, const double *, double *, int);
-    void (*sample_accelerations)(void *, int, const double *, double *, int);
-    void (*restore)(void *, int, const double *, int, double *, double *);
-    int (*clamp)(void *, double *, double *);
-    unsigned (*near)(void *, const double *, const double *, const double *, int, int *);
-    unsigned (*pull)(void *, double *, double *, const struct obstacle *, const double *, int,
-                     unsigned, int *);
-    unsigned (*boxes)(void *, const double *, double (*)[6]);
-    void (*open)(void *, const double *, const double *, struct strand *const *);
-    double (*strain)(void *, int, const double *);
-    const struct system_ops *ops;
-};
 
 /* Which wisps of the model a part holds, by lane; padding lanes repeat the first. */
 struct batch {
@@ -62,7 +41,10 @@ struct wisp_model {
     double kinks[1 + 2 * KNOTS_MAX];
 };
 
-/* wisps.c */
+/* wisp_parts.c */
+
+/* Whether wisps of the scene may split. */
+int wisps_split(const struct scene *scene);
 
 /* Gives a wisp a lane that is free in a part of wisps with as many nodes, or else in a part that is
  * not there yet. Returns the part. */
@@ -74,32 +56,31 @@ int wisp_part_create(struct wisp_model *m, int part);
 /* Gives a wisp its rows of a frame, after all others'. */
 void wisp_take_rows(struct wisp_model *m, int wisp);
 
+/* Takes a wisp's strand back into its lane and the padding that repeats it, by way of `rows`. */
+void wisp_close(const struct wisp_model *m, int part, int lane, double *rows);
+
 /* wisp_ticks.c */
 
 /* What ticks need: strands and what they touch with. 0, or -1 where memory cannot be had. */
 int wisp_ticks_create(struct wisp_model *m);
 void wisp_ticks_free(struct wisp_model *m);
 
-/* The problem's `extremes`. */
-int wisps_extremes(const struct model *model, const double *rows, struct extremes *extremes);
-
-/* Puts the model into the state from which its scene starts, where that is not rest. 0, or -1 where
- * memory cannot be had. */
-int wisps_start(struct wisp_model *m);
-
-/* Takes a wisp's strand back into its lane and the padding that repeats it, by way of `rows`. */
-void wisp_close(const struct wisp_model *m, int part, int lane, double *rows);
+/* The problem's `tick`. */
+enum outcome wisps_tick(struct model *model, struct workers *workers, unsigned events,
+                        int *changed);
 
 /* wisp_splits.c */
-
-/* Whether wisps of the scene may split. */
-int wisps_split(const struct scene *scene);
 
 /* Subdivision at a tick, all strands being open: FINISHED, or OUT_OF_MEMORY. */
 enum outcome wisp_splits_tick(struct wisp_model *m, int *changed);
 
-/* The problem's `tick`. */
-enum outcome wisps_tick(struct model *model, struct workers *workers, unsigned events,
-                        int *changed);
+/* wisp_extremes.c: the problem's `extremes`. */
+int wisps_extremes(const struct model *model, const double *rows, struct extremes *extremes);
+
+/* wisp_start.c */
+
+/* Puts the model into the state from which its scene starts, where that is not rest. 0, or -1 where
+ * memory cannot be had. */
+int wisps_start(struct wisp_model *m);
 
 #endif

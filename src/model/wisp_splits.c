@@ -3,10 +3,6 @@
 
 #include <string.h>
 
-int wisps_split(const struct scene *scene) {
-    return scene->subdivision.limit > scene->wisp_count;
-}
-
 /* Where a wisp is. */
 struct seat {
     int part, lane;

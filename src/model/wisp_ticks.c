@@ -133,16 +133,6 @@ static void open_strands(const struct tick *tick, int i, unsigned lanes) {
     m->kernel->open(part->system.ctx, part->q, part->v, strands);
 }
 
-void wisp_close(const struct wisp_model *m, int i, int lane, double *rows) {
-    const struct part *part = &m->model.parts[i];
-    const struct batch *batch = &m->batches[i];
-    const int stride = m->model.column_count - 2;
-    strand_store(m->strands[batch->wisp[lane]], rows, stride);
-    for (int k = 0; k < m->kernel->lanes; k++)
-        if (batch->wisp[k] == batch->wisp[lane])
-            m->kernel->restore(part->system.ctx, k, rows, stride, part->q, part->v);
-}
-
 static void close_strand(const struct tick *tick, int i, int lane, double *rows) {
     wisp_close(tick->m, i, lane, rows);
     tick->changed[i] = 1;

@@ -1,6 +1,5 @@
 /* The problem of wisps: a scene's wisps, gathered into parts for the kernel. */
 #include "kernel/kernel.h"
-#include "kernel/sparse.h"
 #include "problems.h"
 #include "wisp_model.h"
 
@@ -8,80 +7,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const struct kernel kernels[] = {
-    {1, kernel_create_1, kernel_free_1, kernel_fill_1, kernel_rest_1, kernel_prescribe_1,
-     kernel_sample_1, kernel_sample_accelerations_1, kernel_restore_1, kernel_clamp_1,
-     kernel_near_1, kernel_pull_1, kernel_boxes_1, kernel_open_1, kernel_strain_1, &kernel_ops_1},
-    {4, kernel_create_4, kernel_free_4, kernel_fill_4, kernel_rest_4, kernel_prescribe_4,
-     kernel_sample_4, kernel_sample_accelerations_4, kernel_restore_4, kernel_clamp_4,
-     kernel_near_4, kernel_pull_4, kernel_boxes_4, kernel_open_4, kernel_strain_4, &kernel_ops_4},
-};
-
 static const struct treatment treatments[] = {
     [WISP_PROJECTION] = {"projection", "the sample's line counts as fixed in space (the thesis)"},
     [WISP_PENALTY] = {"penalty", "samples are free particles held to their lines by springs"},
     [WISP_GENERALISED] = {"generalised", "the distance along the line is the sample's coordinate"},
     {0},
 };
-
-/* --- parts --- */
-
-int wisp_take_lane(struct wisp_model *m, int wisp) {
-    int i = m->model.part_count - 1;
-    while (i >= 0 && (m->batches[i].count == m->kernel->lanes ||
-                      m->wisps[m->batches[i].wisp[0]].nodes != m->wisps[wisp].nodes))
-        i--;
-    if (i < 0)
-        i = m->model.part_count++;
-    struct batch *batch = &m->batches[i];
-    batch->wisp[batch->count++] = wisp;
-    for (int k = batch->count; k < LANES_MAX; k++)
-        batch->wisp[k] = batch->wisp[0];
-    return i;
-}
-
-/* What the matrices are, see kernel/matrix.h. */
-static void declare_matrix(struct system *system, const struct wisp *wisp,
-                           enum wisp_treatment treatment) {
-    const int one_sided = treatment == WISP_PROJECTION && wisp->samples > 0;
-    system->matrix[JACOBIAN_EXACT] = MATRIX_AVAILABLE;
-    system->matrix[JACOBIAN_SPD] =
-        MATRIX_AVAILABLE | MATRIX_FACTORABLE | (one_sided ? 0 : MATRIX_SYMMETRIC | MATRIX_DEFINITE);
-    if (one_sided)
-        system->matrix_note = "the air on a sample does not act back on its node; with the samples "
-                              "eliminated (--linear direct) it is, as it is in penalty";
-}
-
-int wisp_part_create(struct wisp_model *m, int i) {
-    struct part *part = &m->model.parts[i];
-    struct batch *batch = &m->batches[i];
-    const struct wisp *wisps[LANES_MAX];
-    for (int k = 0; k < LANES_MAX; k++)
-        wisps[k] = &m->wisps[batch->wisp[k]];
-
-    const int lanes = m->kernel->lanes;
-    const int size = (wisps[0]->nodes - 2) * wisp_node_unknowns(wisps[0], m->treatment) * lanes;
-    part->system = (struct system){.ops = m->kernel->ops,
-                                   .name = m->name,
-                                   .size = size,
-                                   .lanes = lanes,
-                                   .wisps = batch->count,
-                                   .bdf_order = 2};
-    declare_matrix(&part->system, wisps[0], m->treatment);
-    part->system.ctx = m->kernel->create(wisps, &m->scene->around, m->treatment, &part->system);
-    part->q = aligned_alloc(64, ((size_t)size * sizeof(double) + 63) / 64 * 64);
-    part->v = aligned_alloc(64, ((size_t)size * sizeof(double) + 63) / 64 * 64);
-    if (!part->system.ctx || !part->q || !part->v)
-        return -1;
-    if (lanes == 1) {
-        batch->pattern = kernel_pattern_1(part->system.ctx);
-        part->system.pattern = batch->pattern;
-        if (!batch->pattern)
-            return -1;
-    }
-    m->kernel->rest(part->system.ctx, part->q, part->v);
-    return 0;
-}
 
 /* --- frames --- */
 
@@ -129,11 +60,6 @@ static int name_all_columns(struct wisp_model *m) {
     m->model.columns = (const char *const *)m->columns;
     m->model.rate_columns = (const char *const *)m->rate_columns;
     return m->columns && m->rate_columns ? 0 : -1;
-}
-
-void wisp_take_rows(struct wisp_model *m, int wisp) {
-    m->first_row[wisp] = m->model.row_count;
-    m->model.row_count += m->wisps[wisp].nodes;
 }
 
 /* Writes wisp and node into a wisp's rows of a frame; returns the first of these rows. */
@@ -312,7 +238,7 @@ static struct model *wisps_create(const struct scene *scene, int treatment, int 
     if (!m)
         return NULL;
     m->scene = scene;
-    m->kernel = &kernels[lanes >= 4];
+    m->kernel = lanes >= 4 ? &kernel_4 : &kernel_1;
     m->treatment = (enum wisp_treatment)treatment;
     snprintf(m->name, sizeof m->name, "the wisps (%s)", treatments[treatment].name);
     m->model.problem = &wisp_problem;

@@ -111,7 +111,7 @@ static void child(const struct run_case *run, const struct run_limits *limits,
 struct running {
     const struct run_case *run;
     struct report *report; /* shared with the child */
-    pid_t pid;
+    pid_t pid;             /* 0: the slot is free */
     double deadline;   /* monotonic s, after which the child is killed; infinite without a limit */
     int lock;          /* file descriptor of the locked folder, or -1 */
     int asked, killed; /* to end, by SIGTERM and by SIGKILL */
@@ -139,14 +139,23 @@ static int start(struct running *slot, const struct run_case *run, const struct 
         slot->deadline = monotonic_seconds() + limits->seconds + grace_seconds;
     remove_result(run->folder);
     fflush(NULL);
-    slot->pid = fork();
-    if (slot->pid == 0)
+    const pid_t pid = fork();
+    if (pid == 0)
         child(run, limits, slot->report);
-    if (slot->pid > 0)
+    if (pid > 0) {
+        slot->pid = pid;
         return 0;
+    }
     snprintf(reason, REASON_SIZE, "cannot start a process: %s", strerror(errno));
     munmap(slot->report, sizeof *slot->report);
     return -1;
+}
+
+/* The one place that signals: a number of 0 or below would not be a process, but a group of them or
+ * all that the user has. */
+static void signal_child(const struct running *slot, int signal) {
+    if (slot->pid > 0)
+        kill(slot->pid, signal);
 }
 
 /* Writes down a death in the place of the process that died. */
@@ -195,12 +204,12 @@ static int poll_child(struct running *slot, enum outcome *outcome, char *reason)
     }
     if (stop_request && !slot->asked) {
         slot->asked = 1;
-        kill(slot->pid, SIGTERM);
+        signal_child(slot, SIGTERM);
         slot->deadline = monotonic_seconds() + grace_seconds;
     }
     if (monotonic_seconds() > slot->deadline && !slot->killed) {
         slot->killed = 1;
-        kill(slot->pid, SIGKILL);
+        signal_child(slot, SIGKILL);
     }
     return 0;
 }
@@ -242,8 +251,12 @@ enum outcome runs_do_one(const struct run_case *run, const struct run_limits *li
     const int lock = lock_folder(run->folder, reason);
     if (lock == -1)
         snprintf(reason, REASON_SIZE, "%.150s: another run is at work there", run->folder);
-    if (lock < 0 || start(&slot, run, limits, lock, reason))
+    if (lock < 0)
         return OUTPUT_FAILED;
+    if (start(&slot, run, limits, lock, reason)) {
+        close(lock);
+        return OUTPUT_FAILED;
+    }
     for (long polls = 0; !poll_child(&slot, &outcome, reason); polls++) {
         if (polls % 500 == 0) {
             char note[80];
@@ -290,8 +303,10 @@ static int start_next(struct pool *pool, char *reason) {
             if (lock == -1)
                 continue;
             if (!run_is_complete(run->folder)) {
-                if (start(&pool->slots[free_slot], run, pool->limits, lock, reason))
+                if (start(&pool->slots[free_slot], run, pool->limits, lock, reason)) {
+                    close(lock);
                     return -OUTPUT_FAILED;
+                }
                 pool->slots[free_slot].resumable = 1;
                 pool->active++;
                 pool->ran++;
@@ -328,7 +343,7 @@ static int run_pool(struct pool *pool, struct progress *progress, int total_done
             code = start_next(pool, reason);
         if (tend(pool, reason))
             code = -OUTPUT_FAILED;
-        if (stop_request && pool->active == 0) {
+        if (stop_request && pool->active == 0 && !code) {
             snprintf(reason, REASON_SIZE, "interrupted; the same command goes on from here");
             return -INTERRUPTED;
         }

@@ -1,0 +1,20 @@
+/* The table of a kernel's operations. */
+#include "part.h"
+
+static const struct system_ops ops = {
+    .acceleration = LANED(kernel_acceleration),
+    .linearise = LANED(kernel_linearise),
+    .product = LANED(kernel_product),
+    .factor = LANED(kernel_factor),
+    .solve = LANED(kernel_solve),
+    .assemble = LANED(kernel_assemble),
+    .energies = LANED(kernel_energies),
+    .powers = LANED(kernel_powers),
+};
+
+const struct kernel LANED(kernel) = {.lanes = LANES,
+                                     .ops = &ops,
+#define X(type, name, arguments) .name = LANED(kernel_##name),
+                                     KERNEL_OPERATIONS(X)
+#undef X
+};
