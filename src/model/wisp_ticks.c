@@ -290,8 +290,8 @@ static int push_out(const struct tick *tick, int i, unsigned near, double *rows)
         if (!(near >> k & 1))
             continue;
         struct strand *strand = m->strands[m->batches[i].wisp[k]];
-        body_contact(strand, bodies->body, bodies->motion, bodies->count, bodies->interval,
-                     &report);
+        body_contact(strand, bodies->body, bodies->motion, bodies->count, m->scene->around.gravity,
+                     bodies->interval, &report);
         if (strand->changed)
             close_strand(tick, i, k, rows);
         opened |= strand->changed;
