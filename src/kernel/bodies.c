@@ -10,18 +10,18 @@
  * not forget about NaN (boxes of 4 wisps made so: 60 ns, and the clamp's own look at the samples
  * came on top). */
 struct look {
-    mask inside;  /* some sample is nearer to its node than the clamp allows */
+    mask inside;  /* some sample is as near to its node as the clamp looks for */
     mask outside; /* some sample is further from its node than a margin */
 };
 
 SPECIALISED void look_at_distances(const struct kernel_part *part, const double *q, lane margin,
                                    int samples, struct look *look) {
-    const lane least = 1e-3 * part->radius;
+    const lane least = AT_LEAST_DISTANCE * part->radius;
     for (int at = 0; at < (part->nodes - 2) * (3 + samples); at += 3 + samples) {
         mask inside = lane_all(0) != 0, outside = inside; /* short chains run side by side */
         for (int j = at + 3; j < at + 3 + samples; j++) {
             const lane r = load(q, j);
-            inside |= r < least;
+            inside |= r <= least;
             outside |= r > margin;
         }
         look->inside |= inside;
@@ -31,7 +31,7 @@ SPECIALISED void look_at_distances(const struct kernel_part *part, const double 
 
 static void look_at_particles(struct kernel_part *part, const double *q, lane margin,
                               struct look *look) {
-    const lane least = PARTICLES_LEAST * part->radius;
+    const lane least = AT_LEAST_DISTANCE * part->radius;
     LANED(kernel_frames)(part, q);
     for (int i = 2; i < part->nodes; i++) {
         const int at = (i - 2) * part->node_unknowns;
@@ -39,7 +39,7 @@ static void look_at_particles(struct kernel_part *part, const double *q, lane ma
         for (int j = 0; j < part->samples; j++) {
             const struct vec line = half_line(part, &part->frames[i], j, part->samples);
             const lane r = dot(sub(vec_load(q, at + 3 + 3 * j), p), line);
-            look->inside |= r < least;
+            look->inside |= r <= least;
             look->outside |= r > margin;
         }
     }
@@ -181,7 +181,7 @@ static inline mask pull_sample(const struct kernel_part *part, int i, int j, str
                                double *qi, double *vi) {
     const struct vec line = half_line(part, &part->frames[i], j, part->samples);
     const struct vec a = along_axes(body, line);
-    const lane r = load(qi, 3 + j), rate = load(vi, 3 + j), limit = 1e-3 * part->radius;
+    const lane r = load(qi, 3 + j), rate = load(vi, 3 + j), limit = LEAST_DISTANCE * part->radius;
     const mask inside = among & (r > 0) & contains(body, add_scaled(from, r, a));
     if (mask_none(inside))
         return inside;

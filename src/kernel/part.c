@@ -318,12 +318,13 @@ static int clamp_distances(const struct kernel_part *part, double *q, double *v)
     for (int i = 2; i < part->nodes; i++) {
         const int at = (i - 2) * part->node_unknowns;
         for (int j = at + 3; j < at + part->node_unknowns; j++) {
-            const lane least = 1e-3 * part->radius, r = load(q, j), rate = load(v, j);
-            const mask inside = r < least;
-            if (mask_none(inside))
+            const lane least = LEAST_DISTANCE * part->radius, r = load(q, j), rate = load(v, j);
+            const mask inside = r <= AT_LEAST_DISTANCE * part->radius;
+            const mask inwards = inside & (rate < 0);
+            if (mask_none(inside & ((r != least) | inwards)))
                 continue;
             store(q, j, lane_select(inside, least, r));
-            store(v, j, lane_select(inside & (rate < 0), lane_all(0), rate));
+            store(v, j, lane_select(inwards, lane_all(0), rate));
             changed = 1;
         }
     }
@@ -339,14 +340,15 @@ static int clamp_particles(struct kernel_part *part, double *q, double *v) {
         for (int j = 0; j < part->samples; j++) {
             const struct vec line = half_line(part, &part->frames[i], j, part->samples);
             const struct vec e = vec_load(qi, 3 + 3 * j), ev = vec_load(vi, 3 + 3 * j);
-            const lane least = 1e-3 * part->radius, r = dot(sub(e, vec_load(qi, 0)), line);
+            const lane least = LEAST_DISTANCE * part->radius;
+            const lane r = dot(sub(e, vec_load(qi, 0)), line);
             const lane rate = dot(sub(ev, vec_load(vi, 0)), line);
-            const mask inside = r < PARTICLES_LEAST * part->radius;
-            if (mask_none(inside))
+            const mask inside = r <= AT_LEAST_DISTANCE * part->radius;
+            const mask inwards = inside & (rate < 0);
+            if (mask_none(inside & ((r < (1 - 1e-9) * least) | inwards)))
                 continue;
             vec_store(qi, 3 + 3 * j, vec_select(inside, add_scaled(e, least - r, line), e));
-            vec_store(vi, 3 + 3 * j,
-                      vec_select(inside & (rate < 0), add_scaled(ev, -rate, line), ev));
+            vec_store(vi, 3 + 3 * j, vec_select(inwards, add_scaled(ev, -rate, line), ev));
             changed = 1;
         }
     }

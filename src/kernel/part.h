@@ -20,10 +20,10 @@ struct block {
     lane m[3][3];
 };
 
-/* The least distance of a particle from its node along its line, of R. One that was put at 1e-3 R,
- * by the clamp or by a body, is there but for rounding: it is not clamped again, which would take a
- * rate from it that it may have. */
-#define PARTICLES_LEAST (1e-3 * (1 - 1e-9))
+/* A sample keeps this distance from its node along its line, of R; */
+#define LEAST_DISTANCE 1e-3
+/* up to this one it is there but for rounding, put there by a body maybe. */
+#define AT_LEAST_DISTANCE (LEAST_DISTANCE * (1 + 1e-9))
 
 struct kernel_part {
     int nodes, samples;
