@@ -67,7 +67,7 @@ struct report {
     char reason[REASON_SIZE]; /* of a failure to write */
 };
 
-static void limit_memory(double bytes) {
+void limit_memory(double bytes) {
 #ifndef __SANITIZE_ADDRESS__ /* its shadow memory alone is terabytes */
     long pages = 0;
     FILE *file = fopen("/proc/self/statm", "r");

@@ -12,6 +12,9 @@ struct run_limits {
     double bytes;   /* of address space on top of the program's own; 0: none */
 };
 
+/* Lets a child have no more address space than that on top of what it has. */
+void limit_memory(double bytes);
+
 /* One run to be done. */
 struct run_case {
     const struct scene *scene;

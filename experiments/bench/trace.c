@@ -2,7 +2,7 @@
  * parent, which has the same program at the same addresses, looks at each. This ties the table of
  * needed operations to the compiled code, and shows what the code does besides. On processors and
  * systems other than x86-64 Linux there are no counts. */
-#include "kernel_measure.h"
+#include "measure.h"
 
 #include <string.h>
 
