@@ -4,7 +4,6 @@
  * own, since stable is not accurate. */
 #include "stability.h"
 
-
 static int stability_tabulate(struct plan *plan, const char *folder) {
     struct statements statements;
     if (statements_open(&statements, folder, NULL,
