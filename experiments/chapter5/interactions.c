@@ -18,7 +18,7 @@ static int measure(struct hair *hair, double *const *series) {
 
 /* The variants in words, in their order. */
 static const char *const with[] = {"Without interaction", "With interpenetration alone",
-                                   "With collision alone", "With both"};
+                                   "With collision alone", "With both responses"};
 
 /* Net crossings tell wisps that have passed each other from those that hang where they came from:
  * what crosses and comes back the same way counts twice in all, and net not at all. */

@@ -180,12 +180,13 @@ static void state_smallest(struct statements *statements, const struct study *st
     row.verdict =
         study->own.fate == CHANGED ? holds_if(needs_is_near(study, &study->own)) : NOT_REACHED;
     if (row.verdict == NOT_REACHED)
-        statements_add(statements, row, "The scene %s as it is did not reach its end.", scene);
+        statements_add(statements, row, "As it is, %s did not reach its end.", scene);
     else
-        statements_add(statements, row,
-                       "%s as it is is near its full model: %.2g mm (rms) from it, for %.2g of its "
-                       "CPU time.",
-                       scene, row.value, cost_ratio(study, &study->own));
+        statements_add(
+            statements, row,
+            "As it is, %s is near its full model: %.2g mm (rms) from it, for %.2g of its "
+            "CPU time.",
+            scene, row.value, cost_ratio(study, &study->own));
 }
 
 /* How far the differences between models can be trusted. */

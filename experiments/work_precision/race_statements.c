@@ -237,7 +237,7 @@ static void state_record(struct statements *statements, const struct field *fiel
                          const struct race_answers *answers) {
     const char *scene = fields->subject->name, *name = entry->contestant->name;
     const int adaptive = contestant_is_adaptive(entry->contestant);
-    char word[96], from[64] = "down to the finest setting";
+    char word[96], from[64] = "the finest among them";
     struct keys keys;
     snprintf(word, sizeof word, "failures of %.70s", name);
     struct statement row = row_of(fields, word, &keys);
@@ -412,8 +412,8 @@ static void state_winners(struct statements *statements, const struct race_answe
                                   .verdict = winners[0] ? HOLDS : NOT_REACHED,
                                   .tables = "scenes"};
     if (winners[0])
-        statements_add(statements, row, "Within %g mm the cheapest of %d scenes is %s.", mm,
-                       answers->subjects, winners);
+        statements_add(statements, row, "Cheapest within %g mm is %s of %d scenes.", mm, winners,
+                       answers->subjects);
     else
         statements_add(statements, row, "No run on any scene is within %g mm.", mm);
 }
@@ -429,9 +429,10 @@ static void state_tally(struct statements *statements, const char *what,
                             .value = tally->holds,
                             .unit = "1",
                             .verdict = holds_if(tally->holds == tally->of)};
-    statements_add(statements, row,
-                   "The thesis's choice is right as a %s on every scene: on %d of %d %s.", what,
-                   tally->holds, tally->of, meaning);
+    statements_add(
+        statements, row,
+        "The thesis's choice is right as a %s on every scene that was tried: on %d of %d %s.", what,
+        tally->holds, tally->of, meaning);
 }
 
 void race_state_all(struct statements *statements, const struct race_answers *answers) {

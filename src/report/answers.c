@@ -33,7 +33,8 @@ static int write_rows(FILE *stream, const struct report *report, const struct re
             of_none != sums_up)
             continue;
         html_statement(stream, &rows, row);
-        count(tally, &rows, row);
+        if (!sums_up)
+            count(tally, &rows, row);
     }
     text_table_free(&rows);
     return 0;
@@ -73,8 +74,9 @@ static int write_answer(FILE *stream, const struct report *report, enum question
     fputs(there ? "</ul>\n" : "<li>No experiment of this report answers it.</li>\n</ul>\n", stream);
     if (tally.of > 0) {
         fputs("<p>", stream);
-        html_print(stream, "Of the thesis's %d claims in this answer %d hold and %d do not.",
-                   tally.of, tally.holds, tally.fails);
+        html_print(stream, "Of the thesis's %d claims on single scenes %d %s, %d %s not.", tally.of,
+                   tally.holds, tally.holds == 1 ? "holds" : "hold", tally.fails,
+                   tally.fails == 1 ? "does" : "do");
         fputs("</p>\n", stream);
     }
     write_missing(stream, report, question);
