@@ -94,7 +94,6 @@ static void read_reason(int from, char *reason) {
  * where an integration failed, or -1. */
 static int measure_apart(struct plan *plan, const char *path, const char *heading) {
     int status, errors[2] = {-1, -1};
-    char partial[PATH_SIZE];
     fflush(NULL);
     const pid_t pid = pipe(errors) ? -1 : fork();
     if (pid == 0)
@@ -110,8 +109,7 @@ static int measure_apart(struct plan *plan, const char *path, const char *headin
     close(errors[0]);
     while (waitpid(pid, &status, 0) < 0 && errno == EINTR)
         ;
-    if (path_format(partial, "%s.%ld.part", path, (long)pid) == 0)
-        unlink(partial); /* atomic_file's, where the process did not come to its end */
+    atomic_remove_leftovers(path); /* where the process did not come to its end */
     if (WIFSIGNALED(status))
         snprintf(plan->reason, REASON_SIZE, "the measurement died of signal %d (%s)",
                  WTERMSIG(status), strsignal(WTERMSIG(status)));

@@ -170,7 +170,7 @@ static enum outcome bury(const struct running *slot, int status, char *reason) {
         snprintf(why, sizeof why, "its process left with code %d", WEXITSTATUS(status));
     const enum outcome outcome = !slot->killed ? CRASHED : stop_request ? INTERRUPTED : OUT_OF_TIME;
     const int failed = record_death(slot->run->scene, &slot->run->settings, slot->run->folder,
-                                    slot->pid, outcome, why, slot->report->reached, reason);
+                                    outcome, why, slot->report->reached, reason);
     return failed ? OUTPUT_FAILED : outcome;
 }
 
