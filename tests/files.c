@@ -3,6 +3,7 @@
 #include "base/files.h"
 
 #include "base/owner.h"
+#include "disk.h"
 #include "support.h"
 
 #include <criterion/criterion.h>
@@ -12,32 +13,8 @@
 #include <string.h>
 #include <sys/prctl.h>
 #include <sys/stat.h>
-#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-/* --- what is done to the disk, in order: f and d for a file and a folder put there, r renamed ---
- */
-
-static char done[64];
-static int noting;
-
-static void note(char what) {
-    const size_t used = strlen(done);
-    if (noting && used + 1 < sizeof done)
-        done[used] = what;
-}
-
-int fsync(int file) {
-    struct stat status;
-    note(fstat(file, &status) == 0 && S_ISDIR(status.st_mode) ? 'd' : 'f');
-    return (int)syscall(SYS_fsync, file);
-}
-
-int rename(const char *from, const char *to) {
-    note('r');
-    return renameat(AT_FDCWD, from, AT_FDCWD, to);
-}
 
 Test(files, are_on_the_disk_before_they_have_their_name) {
     char folder[PATH_SIZE], path[PATH_SIZE], other[PATH_SIZE], reason[REASON_SIZE];
@@ -45,13 +22,13 @@ Test(files, are_on_the_disk_before_they_have_their_name) {
     folder_make(folder);
     path_format(path, "%s/a", folder);
     path_format(other, "%s/b", folder);
-    noting = 1;
+    disk_noting = 1;
     cr_assert_eq(atomic_open(&file, path, reason), 0, "%s", reason);
     fputs("all of it\n", file.stream);
     cr_assert_eq(atomic_commit(&file, reason), 0, "%s", reason);
-    cr_assert_str_eq(done, "frd");
+    cr_assert_str_eq(disk_done, "frd");
     cr_assert_eq(file_put(path, other), 0);
-    cr_assert_str_eq(done, "frdfrd");
+    cr_assert_str_eq(disk_done, "frdfrd");
     char *text = file_read(other);
     cr_assert(text && strcmp(text, "all of it\n") == 0);
     free(text);
@@ -173,4 +150,18 @@ Test(files, an_owner_is_a_process_at_a_time_on_a_host) {
     cr_assert_eq(owner_look(&owner), OWNER_GONE, "nor is -1");
     strcat(owner.host, "x");
     cr_assert_eq(owner_look(&owner), OWNER_ELSEWHERE);
+}
+
+/* Containers may share a name, and numbers begin anew after a boot. */
+Test(files, a_host_is_a_name_a_boot_and_a_space_of_processes) {
+    char name[65] = "", boot[64];
+    unsetenv("WISPLAB_HOST");
+    cr_assert_eq(gethostname(name, sizeof name - 1), 0);
+    FILE *file = fopen("/proc/sys/kernel/random/boot_id", "r");
+    cr_assert(file && fgets(boot, sizeof boot, file));
+    fclose(file);
+    boot[8] = '\0';
+    const char *host = owner_host();
+    cr_assert(strncmp(host, name, strlen(name)) == 0 && strstr(host, boot), "%s", host);
+    cr_assert(strstr(host, "/pid:["), "%s", host);
 }

@@ -5,6 +5,7 @@
 #include "experiments/captions.h"
 #include "kernel_measure.h"
 #include "model/problems.h"
+#include "run/record.h"
 
 #include <errno.h>
 #include <signal.h>

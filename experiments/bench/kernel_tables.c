@@ -1,6 +1,7 @@
 /* Tables of the experiment `kernel`, and its answer in a few lines, from the samples alone. */
 #include "base/files.h"
 #include "kernel_measure.h"
+#include "run/record.h"
 
 #include <math.h>
 #include <stdlib.h>
