@@ -370,7 +370,7 @@ static void say_statements(struct caption *caption, const struct text_table *tab
     say(caption, "Of the thesis's statements %d hold here and %d do not", holds, fails);
     for (int i = 0, said = 0; i < table->row_count; i++)
         if (strcmp(text_table_cell(table, i, "verdict"), "does not hold") == 0)
-            say(caption, "%s %s", said++ ? ";" : ":", text_table_cell(table, i, "sentence"));
+            say(caption, "%s %s", said++ ? ";" : ":", text_table_cell(table, i, "statement"));
     say(caption, ".");
 }
 
@@ -390,7 +390,7 @@ static void say_costs(struct caption *caption, const struct text_table *table) {
 static void say_measured(struct caption *caption, const struct text_table *table) {
     say_cut(caption, table);
     for (int i = 0; i < table->row_count; i++)
-        say(caption, "%s%s", i ? "; " : "", text_table_cell(table, i, "sentence"));
+        say(caption, "%s%s", i ? "; " : "", text_table_cell(table, i, "statement"));
     say(caption, ".");
 }
 
@@ -399,10 +399,10 @@ int caption_hair(const char *folder, const char *figure, struct caption *caption
     struct text_table table;
     if (!cost && !series && strcmp(figure, "frames") != 0 && strcmp(figure, "hair") != 0)
         return 0;
-    if (load(&table, folder, cost ? "table" : "statement", reason))
+    if (load(&table, folder, cost ? "table" : "statements", reason))
         return -1;
     drawn_from(caption, cost     ? "table steppers"
-                        : series ? "series statement"
+                        : series ? "series statements"
                                  : "strip-cells strip");
     if (cost)
         say_costs(caption, &table);

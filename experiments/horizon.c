@@ -7,6 +7,7 @@
 #include "base/table.h"
 #include "captions.h"
 #include "experiments/common/measure.h"
+#include "experiments/common/statements.h"
 #include "model/model.h"
 
 #include <math.h>
@@ -37,7 +38,8 @@ static void name_member(char label[64], const char *stepper, int member) {
     snprintf(label, 64, "%s %d", stepper, member);
 }
 
-/* Members at usual steps; those of the reference need not be its tightest. */
+/* Members at usual steps; those of the reference need not be its tightest. A stepper that refuses
+ * the scene has no ensemble on it. */
 static int plan_ensemble(struct plan *plan, const struct subject *subject,
                          const struct scene *scene, const struct stepper_method *method) {
     const int is_reference = method->checked_by != NULL;
@@ -45,8 +47,10 @@ static int plan_ensemble(struct plan *plan, const struct subject *subject,
                                   .step = usual_step(scene, method),
                                   .rtol = is_reference ? 1e-9 : 0,
                                   .atol = is_reference ? 1e-11 : 0,
+                                  .treatment = treatment,
                                   .diagnostics = 1};
-    for (int i = 0; i < members(plan); i++) {
+    char reason[REASON_SIZE];
+    for (int i = 0; plan_takes(plan, scene, &request, reason) && i < members(plan); i++) {
         char label[64];
         name_member(label, method->name, i);
         if (add(plan, subject, scene, &request, scatter, 2 + i, label))
@@ -66,9 +70,6 @@ static int plan_subject(struct plan *plan, const struct subject *subject) {
     struct run_request tight = {.stepper = "reference"};
     if (!scene)
         return -1;
-    if (scene->duration < subject->scene->duration)
-        printf("  %s: only its first %.3g s, for the budget of %g s\n", subject->name,
-               scene->duration, budget);
     if (add(plan, subject, scene, &tight, 0, 0, "tight") ||
         add(plan, subject, scene, &tight, HORIZON_PERTURBATION, 1, "tight, perturbed"))
         return -1;
@@ -171,6 +172,8 @@ static int ensemble_read(struct plan *plan, const struct subject *subject, const
         char label[64];
         name_member(label, stepper, i);
         const struct labelled_case *one = find_case(plan, subject->name, label);
+        if (!one)
+            continue;
         struct member *member = &ensemble->member[ensemble->count];
         if (read_member(member, one->run.folder, from, plan->reason))
             return -1;
@@ -278,7 +281,33 @@ static double in_yardsticks(double d, double yardstick) {
     return d == 0 ? 0 : d / yardstick;
 }
 
-static void write_ensemble(FILE *stream, const struct subject *subject, const char *stepper,
+/* Whether an ensemble's mean shape is within the yardstick of the reference's. */
+static void state_ensemble(struct statements *statements, const struct subject *subject,
+                           const char *stepper, const struct ensemble *ensemble,
+                           const struct distance *d, const struct distance *yardstick) {
+    char key[160];
+    snprintf(key, sizeof key, "%.70s, %.60s", subject->name, stepper);
+    struct statement row = {.key = key,
+                            .figure = "ensembles",
+                            .tables = "ensembles",
+                            .value = in_yardsticks(d->shape, yardstick->shape),
+                            .unit = "1"};
+    row.verdict = ensemble->failed || isnan(row.value) ? NOT_REACHED : holds_if(row.value <= 1);
+    if (row.verdict == NOT_REACHED)
+        statements_add(statements, row,
+                       "On %s %s has no mean shape to compare: %d of %d runs fail.", subject->name,
+                       stepper, ensemble->failed, ensemble->count);
+    else
+        statements_add(statements, row,
+                       "On %s %s's mean shape is within a yardstick of the reference's: %.2g "
+                       "yardsticks away, its energy %.2g, its contacts %.2g.",
+                       subject->name, stepper, row.value,
+                       in_yardsticks(d->energy, yardstick->energy),
+                       in_yardsticks(d->contacts, yardstick->contacts));
+}
+
+static void write_ensemble(FILE *stream, struct statements *statements,
+                           const struct subject *subject, const char *stepper,
                            const struct ensemble *ensemble, const struct ensemble *reference) {
     const struct group all = {ensemble, 0, 1}, theirs = {reference, 0, 1};
     const struct group half = {reference, 0, 2}, other_half = {reference, 1, 2};
@@ -290,17 +319,11 @@ static void write_ensemble(FILE *stream, const struct subject *subject, const ch
             group_mean(&all, contacts_of, 0));
     if (ensemble == reference)
         return;
-    printf("    %-15s ", stepper);
-    if (ensemble->failed)
-        printf("%d of %d runs failed\n", ensemble->failed, ensemble->count);
-    else
-        printf("mean shape %.2g yardsticks away, energy %.2g, contacts %.2g\n",
-               in_yardsticks(d.shape, yardstick.shape), in_yardsticks(d.energy, yardstick.energy),
-               in_yardsticks(d.contacts, yardstick.contacts));
+    state_ensemble(statements, subject, stepper, ensemble, &d, &yardstick);
 }
 
 static int tabulate_ensembles(struct plan *plan, const struct subject *subject, double from,
-                              FILE *stream, struct ensemble *pair) {
+                              FILE *stream, struct statements *statements, struct ensemble *pair) {
     struct ensemble *reference = &pair[0], *ensemble = &pair[1];
     int code = 0;
     for (int m = 0; stepper_methods[m]; m++)
@@ -309,11 +332,11 @@ static int tabulate_ensembles(struct plan *plan, const struct subject *subject, 
     for (int m = 0; stepper_methods[m] && !code; m++) {
         const char *name = stepper_methods[m]->name;
         if (stepper_methods[m]->checked_by) {
-            write_ensemble(stream, subject, name, reference, reference);
+            write_ensemble(stream, statements, subject, name, reference, reference);
         } else if (plan_wants(plan, name)) {
             code = ensemble_read(plan, subject, name, from, ensemble);
-            if (!code)
-                write_ensemble(stream, subject, name, ensemble, reference);
+            if (!code && ensemble->count > 0)
+                write_ensemble(stream, statements, subject, name, ensemble, reference);
             ensemble_free(ensemble);
         }
     }
@@ -328,9 +351,37 @@ static int write_growth(struct plan *plan, const struct subject *subject, FILE *
                               plan->reason);
 }
 
+static void state_horizon(struct statements *statements, const struct subject *subject,
+                          double horizon, double compared) {
+    char key[128], cut[64] = "";
+    snprintf(key, sizeof key, "%.70s, horizon", subject->name);
+    struct statement row = {.key = key,
+                            .figure = "horizon",
+                            .tables = "growth horizons",
+                            .verdict = isnan(horizon) ? NOT_REACHED : HOLDS,
+                            .value = horizon,
+                            .unit = "s"};
+    if (!isnan(horizon)) {
+        const double duration = subject->scene->duration;
+        if (compared < duration)
+            snprintf(cut, sizeof cut, "; its budget allows %.3g of %.3g s", compared, duration);
+        statements_add(statements, row,
+                       "On %s a start that is 1e-10 m away stays within 1 mm %s %.3g s%s.",
+                       subject->name, horizon < compared ? "for" : "to the end,", horizon, cut);
+        return;
+    }
+    statements_add(statements, row, "On %s a tight run failed, and the horizon is not known.",
+                   subject->name);
+    snprintf(key, sizeof key, "%.70s, ensembles", subject->name);
+    row.figure = row.tables = "ensembles";
+    statements_add(statements, row, "On %s there is no horizon from which to compare ensembles.",
+                   subject->name);
+}
+
 /* Returns 0, or -1 with plan->reason. */
 static int tabulate_subject(struct plan *plan, const struct subject *subject,
-                            const struct atomic_file *files, struct ensemble *pair) {
+                            const struct atomic_file *files, struct statements *statements,
+                            struct ensemble *pair) {
     const struct labelled_case *tight = find_case(plan, subject->name, "tight"),
                                *other = find_case(plan, subject->name, "tight, perturbed");
     const double duration = tight->run.scene->duration;
@@ -343,38 +394,49 @@ static int tabulate_subject(struct plan *plan, const struct subject *subject,
             duration, subject->scene->duration, run_number(&run, "second_opinion.bound"),
             outcome_name(run.outcome));
     run_free(&run);
-    if (isnan(horizon)) {
-        printf("  %s: no horizon, a tight run failed\n", subject->name);
+    state_horizon(statements, subject, horizon, duration);
+    if (isnan(horizon))
         return 0;
-    }
-    printf(horizon < duration ? "  %s: trajectories part after %.3g s\n"
-                              : "  %s: trajectories stay together to the end, %.3g s\n",
-           subject->name, horizon);
     if (write_growth(plan, subject, files[GROWTH].stream))
         return -1;
     return tabulate_ensembles(plan, subject, horizon < duration ? horizon : 0,
-                              files[ENSEMBLES].stream, pair);
+                              files[ENSEMBLES].stream, statements, pair);
 }
 
-static int horizon_tabulate(struct plan *plan, const char *folder) {
+/* Opens all tables and writes them. Returns 0, or -1 with plan->reason. */
+static int write_tables(struct plan *plan, const char *folder, struct statements *statements,
+                        struct ensemble *pair) {
     struct atomic_file files[TABLES];
-    struct ensemble *pair = calloc(2, sizeof *pair);
-    int opened = 0, code = pair ? 0 : -1;
-    if (!pair)
-        snprintf(plan->reason, REASON_SIZE, "out of memory");
+    int opened = 0, code = 0;
     while (!code && opened < TABLES) {
         code = open_table(&files[opened], folder, tables[opened].name, tables[opened].what, NULL,
                           tables[opened].columns, plan->reason);
         opened += !code;
     }
     for (int i = 0; i < plan->subject_count && !code; i++)
-        code = tabulate_subject(plan, &plan->subjects[i], files, pair);
+        code = tabulate_subject(plan, &plan->subjects[i], files, statements, pair);
     for (int i = 0; i < opened; i++) {
         if (code)
             atomic_discard(&files[i]);
         else
             code = atomic_commit(&files[i], plan->reason);
     }
+    return code;
+}
+
+static int horizon_tabulate(struct plan *plan, const char *folder) {
+    struct statements statements;
+    struct ensemble *pair = calloc(2, sizeof *pair);
+    if (!pair) {
+        snprintf(plan->reason, REASON_SIZE, "out of memory");
+        return -1;
+    }
+    int code =
+        statements_open(&statements, folder, NULL,
+                        plan->quick ? "--quick: two scenes, half the members" : NULL, plan->reason);
+    if (!code)
+        code = statements_close(&statements, write_tables(plan, folder, &statements, pair),
+                                plan->reason);
     free(pair);
     return code;
 }
@@ -382,6 +444,8 @@ static int horizon_tabulate(struct plan *plan, const char *folder) {
 const struct experiment horizon_experiment = {
     .name = "horizon",
     .question = "how long can trajectories be compared where wisps touch, and what after that?",
+    .place = 14,
+    .full = {150, 0.5},
     .plan = horizon_plan,
     .tabulate = horizon_tabulate,
     .caption = caption_horizon,

@@ -8,6 +8,7 @@
 #include "base/files.h"
 #include "captions.h"
 #include "experiments/common/search.h"
+#include "experiments/common/statements.h"
 #include "model/model.h"
 #include "model/problems.h"
 
@@ -24,32 +25,6 @@ enum {
     CELLS = STIFFNESSES * DAMPINGS,
 };
 
-/* Costs only bound the search: they are good to a factor of two. */
-static const struct contestant contestants[] = {
-    {.name = "euler", .stepper = "euler", .cost = 12e-9},
-    {.name = "midpoint", .stepper = "midpoint", .cost = 24e-9},
-    {.name = "rk4", .stepper = "rk4", .cost = 40e-9},
-    {.name = "implicit-euler direct",
-     .stepper = "implicit-euler",
-     .linear = "direct",
-     .cost = 80e-9},
-    {.name = "implicit-euler direct newton",
-     .stepper = "implicit-euler",
-     .linear = "direct",
-     .options = {"newton.iterations=30"},
-     .cost = 400e-9},
-    {.name = "implicit-euler cg", .stepper = "implicit-euler", .linear = "cg", .cost = 180e-9},
-    {.name = "implicit-euler cg newton",
-     .stepper = "implicit-euler",
-     .linear = "cg",
-     .options = {"newton.iterations=30"},
-     .cost = 800e-9},
-    {.name = "cvode", .stepper = "cvode", .finest = 1e-10},
-    {.name = "cvode order 5", .stepper = "cvode", .options = {"max_order=5"}, .finest = 1e-10},
-    {.name = "reference", .stepper = "reference", .finest = 1e-10},
-};
-enum { CONTESTANTS = sizeof contestants / sizeof *contestants };
-
 /* A stride leads to the next rung of the first descent: an octave of steps, a decade of
  * tolerances. */
 enum { STEPS_STRIDE = 16, TOLERANCES_STRIDE = 8, JITTERED = 9, JITTERED_QUICK = 3 };
@@ -59,7 +34,7 @@ enum phase { TRYING, CONFIRMING, TIMING, DONE };
 
 /* The search of one contestant in one cell. */
 struct search {
-    const struct contestant *contestant;
+    const struct configuration *contestant;
     int cell;
     enum phase phase;
     struct bracket place;
@@ -69,13 +44,14 @@ struct search {
     enum outcome missed_outcome; /* of the run that missed */
     double missed_time;          /* of a failure: when, s */
     struct cost cost;            /* of the timed run */
+    int refused;                 /* it cannot run here; the note says why */
     char note[REASON_SIZE];
 };
 
 /* The plan's memo. */
 struct ladder {
     int count;
-    struct search search[CELLS * CONTESTANTS];
+    struct search search[]; /* at most one for each cell and contestant */
 };
 
 static double damping_of(int cell) {
@@ -97,18 +73,18 @@ static void name_cell(char *name, size_t size, int cell) {
 
 /* --- settings --- */
 
-static int stride_of(const struct contestant *contestant) {
+static int stride_of(const struct configuration *contestant) {
     return contestant_is_adaptive(contestant) ? TOLERANCES_STRIDE : STEPS_STRIDE;
 }
 
 /* How close the two sides of the bracket must come: 4 % of a step, a third of a tolerance; with
  * --quick a fifth and three quarters. */
-static int resolution(const struct plan *plan, const struct contestant *contestant) {
+static int resolution(const struct plan *plan, const struct configuration *contestant) {
     return !plan->quick ? 1 : contestant_is_adaptive(contestant) ? 2 : 4;
 }
 
 /* The step, s, which divides the time between frames, or the tolerance. */
-static double setting_at(const struct scene *scene, const struct contestant *contestant,
+static double setting_at(const struct scene *scene, const struct configuration *contestant,
                          int place) {
     if (contestant_is_adaptive(contestant))
         return pow(10, -1 - (double)place / TOLERANCES_STRIDE);
@@ -129,28 +105,32 @@ static int is_beyond(struct search *s, const struct scene *scene) {
     return beyond;
 }
 
-/* Explicit methods begin at the first octave that is less than four times too long by linear
- * theory: it is surely unstable, and longer ones are no news. */
-static int first_place(const struct scene *scene, const struct contestant *contestant) {
-    const struct butcher_table *table = stepper_find(contestant->stepper)->table;
-    const struct mode mode = stiffest_mode(scene);
+/* Methods begin at the first octave that is less than four times too long by linear theory: it is
+ * surely unstable, and longer ones are no news. */
+static int first_place(const struct scene *scene, const struct configuration *contestant) {
     int place = 0;
     if (!contestant_is_adaptive(contestant))
-        while (!is_stable(table, &mode, setting_at(scene, contestant, place) / 4))
+        while (!seems_stable(contestant->method, scene, setting_at(scene, contestant, place) / 4))
             place += STEPS_STRIDE;
     return place;
 }
 
 /* --- the plan --- */
 
+static struct run_request request_at(const struct scene *scene,
+                                     const struct configuration *contestant, double setting) {
+    struct run_request request =
+        contestant_request(contestant, setting, scene->run.atol / scene->run.rtol);
+    request.treatment = wisp_problem.treatments[WISP_GENERALISED].name;
+    return request;
+}
+
 static int add_run(struct plan *plan, struct search *s, int jitter, int timings) {
     const struct scene *scene = plan->subjects[s->cell].scene;
     const double setting = setting_at(scene, s->contestant, s->place.at) * (1 + 1e-12 * jitter);
-    struct run_request request =
-        contestant_request(s->contestant, setting, scene->run.atol / scene->run.rtol);
+    struct run_request request = request_at(scene, s->contestant, setting);
     char cell[64];
     name_cell(cell, sizeof cell, s->cell);
-    request.treatment = wisp_problem.treatments[WISP_GENERALISED].name;
     request.timings = timings;
     s->count++;
     return plan_add(plan, scene, &request, cell, "%s, %s %.4g, j = %d", s->contestant->name,
@@ -234,9 +214,11 @@ static int plan_cells(struct plan *plan) {
     return 0;
 }
 
+/* A contestant that is refused has a row that says so. */
 static int begin_search(struct plan *plan, struct ladder *ladder, int cell,
-                        const struct contestant *contestant) {
-    const int first = first_place(plan->subjects[cell].scene, contestant);
+                        const struct configuration *contestant) {
+    const struct scene *scene = plan->subjects[cell].scene;
+    const int first = first_place(scene, contestant);
     struct search *s = &ladder->search[ladder->count++];
     *s = (struct search){.contestant = contestant,
                          .cell = cell,
@@ -245,8 +227,12 @@ static int begin_search(struct plan *plan, struct ladder *ladder, int cell,
                          .error = NAN,
                          .missed_time = NAN,
                          .cost = no_cost};
-    if (!is_beyond(s, plan->subjects[cell].scene))
+    const struct run_request request =
+        request_at(scene, contestant, setting_at(scene, contestant, first));
+    s->refused = !plan_takes(plan, scene, &request, s->note);
+    if (!s->refused && !is_beyond(s, scene))
         return try_place(plan, s);
+    plan_refuse(plan, contestant->method, s->note);
     s->phase = DONE;
     return 0;
 }
@@ -254,7 +240,14 @@ static int begin_search(struct plan *plan, struct ladder *ladder, int cell,
 /* The tight solutions are the first runs of the plan, in the order of the cells. */
 static int ladder_plan(struct plan *plan) {
     plan->run_seconds = 20;
-    struct ladder *ladder = plan->memo = calloc(1, sizeof *ladder);
+    if (plan_configurations(plan,
+                            CONFIGURATION_PLAIN | CONFIGURATION_ITERATED | CONFIGURATION_SOLVER |
+                                CONFIGURATION_SOLVER_ITERATED | CONFIGURATION_ORDER,
+                            0))
+        return -1;
+    const size_t searches = (size_t)(CELLS * plan->configuration_count);
+    struct ladder *ladder = plan->memo =
+        calloc(1, sizeof *ladder + searches * sizeof *ladder->search);
     if (!ladder) {
         snprintf(plan->reason, REASON_SIZE, "out of memory");
         return -1;
@@ -268,9 +261,8 @@ static int ladder_plan(struct plan *plan) {
             return -1;
     }
     for (int cell = 0; cell < CELLS; cell++)
-        for (int c = 0; c < CONTESTANTS && is_in(plan, cell); c++)
-            if (plan_wants(plan, contestants[c].stepper) &&
-                begin_search(plan, ladder, cell, &contestants[c]))
+        for (int c = 0; c < plan->configuration_count && is_in(plan, cell); c++)
+            if (begin_search(plan, ladder, cell, &plan->configurations[c]))
                 return -1;
     return 0;
 }
@@ -375,7 +367,10 @@ static void write_search(FILE *stream, const struct plan *plan, const struct sea
     fprintf(stream, "%g\t%g\t%s", stiffness_of(s->cell), damping_of(s->cell), s->contestant->name);
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         fprintf(stream, "\t%.17g", numbers[i]);
-    fprintf(stream, "\t%s\t%s\t%s\t%.17g\t%s\n", s->place.reached >= 0 ? "reached" : "never",
+    fprintf(stream, "\t%s\t%s\t%s\t%.17g\t%s\n",
+            s->refused              ? outcome_name(REFUSED)
+            : s->place.reached >= 0 ? "reached"
+                                    : "never",
             limit_of(s), s->place.missed >= 0 ? outcome_name(s->missed_outcome) : "none",
             s->missed_time, s->note);
 }
@@ -401,9 +396,9 @@ static int write_ladder(const struct plan *plan, const char *folder, char *reaso
                    reason))
         return -1;
     for (int d = 0; d < DAMPINGS; d++)
-        for (int c = 0; c < CONTESTANTS; c++) {
+        for (int c = 0; c < plan->configuration_count; c++) {
             for (int i = 0; i < ladder->count; i++)
-                if (ladder->search[i].contestant == &contestants[c] &&
+                if (ladder->search[i].contestant == &plan->configurations[c] &&
                     ladder->search[i].cell / STIFFNESSES == d)
                     write_search(file.stream, plan, &ladder->search[i]);
             fprintf(file.stream, "\n\n");
@@ -412,7 +407,7 @@ static int write_ladder(const struct plan *plan, const char *folder, char *reaso
 }
 
 static const struct search *search_of(const struct ladder *ladder, int cell,
-                                      const struct contestant *contestant) {
+                                      const struct configuration *contestant) {
     for (int i = 0; i < ladder->count; i++)
         if (ladder->search[i].cell == cell && ladder->search[i].contestant == contestant)
             return &ladder->search[i];
@@ -438,7 +433,7 @@ static int is_apart(const struct search *a, const struct search *b) {
 }
 
 static void write_crossing(FILE *stream, const struct ladder *ladder, int cell,
-                           const struct contestant *one, const struct contestant *other) {
+                           const struct configuration *one, const struct configuration *other) {
     const struct search *a[2], *b[2];
     double cost_a[2], cost_b[2];
     for (int k = 0; k < 2; k++) {
@@ -468,26 +463,36 @@ static int write_crossings(const struct plan *plan, const char *folder, char *re
             "zeta\tcheaper_below\tcheaper_above\tbelow\tabove\tcrossing\tclear", reason))
         return -1;
     for (int cell = 0; cell < CELLS; cell++)
-        for (int a = 0; a < CONTESTANTS && cell % STIFFNESSES < STIFFNESSES - 1; a++)
-            for (int b = a + 1; b < CONTESTANTS; b++)
-                write_crossing(file.stream, plan->memo, cell, &contestants[a], &contestants[b]);
+        for (int a = 0; a < plan->configuration_count && cell % STIFFNESSES < STIFFNESSES - 1; a++)
+            for (int b = a + 1; b < plan->configuration_count; b++)
+                write_crossing(file.stream, plan->memo, cell, &plan->configurations[a],
+                               &plan->configurations[b]);
     return atomic_commit(&file, reason);
 }
 
 /* --- the answer --- */
 
+enum { ALL, EXPLICIT, IMPLICIT };
+static int is_of(const struct search *s, int kind) {
+    const struct stepper_method *method = s->contestant->method;
+    return kind == ALL || ((method->capabilities & STEPPER_IMPLICIT) != 0) == (kind == IMPLICIT);
+}
+
+static int was_asked(const struct ladder *ladder, int kind) {
+    for (int i = 0; i < ladder->count; i++)
+        if (is_of(&ladder->search[i], kind))
+            return 1;
+    return 0;
+}
+
 /* The cheapest search of a cell, of all, of explicit methods or of implicit ones, besides one; or
  * NULL. */
-enum { ALL, EXPLICIT, IMPLICIT };
 static const struct search *cheapest(const struct ladder *ladder, int cell, int kind,
                                      const struct search *besides) {
     const struct search *best = NULL;
     for (int i = 0; i < ladder->count; i++) {
         const struct search *s = &ladder->search[i];
-        const struct stepper_method *method = stepper_find(s->contestant->stepper);
-        const int wanted =
-            kind == ALL || ((method->capabilities & STEPPER_IMPLICIT) != 0) == (kind == IMPLICIT);
-        if (s->cell == cell && wanted && s != besides && has_cost(s) &&
+        if (s->cell == cell && is_of(s, kind) && s != besides && has_cost(s) &&
             (!best || s->cost.cpu.median < best->cost.cpu.median))
             best = s;
     }
@@ -499,70 +504,106 @@ static double least_cost(const struct ladder *ladder, int cell, int kind) {
     return s ? s->cost.cpu.median : NAN;
 }
 
-/* Where the cheapest explicit and the cheapest implicit method of a damping change places. */
-static void print_order(const struct ladder *ladder, int damping) {
+/* Where the cheapest explicit and the cheapest implicit method of a damping change places: one
+ * crossing, or none because one kind is ahead everywhere. */
+static void state_order(struct statements *statements, const struct ladder *ladder, int damping) {
     int explicit_first = 0, implicit_first = 0;
+    char key[64];
+    struct statement row = {
+        .key = key, .figure = "ladder", .tables = "ladder crossings", .unit = "N"};
     for (int k = 0; k < STIFFNESSES; k++) {
-        const int cell = damping * STIFFNESSES + k;
-        const double costs[2] = {least_cost(ladder, cell, EXPLICIT),
-                                 least_cost(ladder, cell, IMPLICIT)};
-        explicit_first += costs[0] < costs[1];
-        implicit_first += costs[1] < costs[0];
-        if (k + 1 == STIFFNESSES)
-            break;
-        const double ahead[2] = {least_cost(ladder, cell + 1, EXPLICIT),
-                                 least_cost(ladder, cell + 1, IMPLICIT)};
-        const double at =
-            crossing(k, (double[]){costs[0], ahead[0]}, (double[]){costs[1], ahead[1]});
-        if (!isnan(at))
-            printf("    the best explicit and the best implicit method cross at EA = %.2g N\n", at);
+        const int cell = damping * STIFFNESSES + k, next = k + 1 < STIFFNESSES ? cell + 1 : cell;
+        const double explicits[2] = {least_cost(ladder, cell, EXPLICIT),
+                                     least_cost(ladder, next, EXPLICIT)},
+                     implicits[2] = {least_cost(ladder, cell, IMPLICIT),
+                                     least_cost(ladder, next, IMPLICIT)};
+        explicit_first += explicits[0] < implicits[0];
+        implicit_first += implicits[0] < explicits[0];
+        row.value = next > cell ? crossing(k, explicits, implicits) : NAN;
+        snprintf(key, sizeof key, "order, zeta %g, %d", dampings[damping], k);
+        if (!isnan(row.value))
+            statements_add(statements, row,
+                           "At damping %g the best explicit and the best implicit method cost the "
+                           "same at EA = %.2g N.",
+                           dampings[damping], row.value);
     }
-    if (explicit_first + implicit_first > 0 && (explicit_first == 0 || implicit_first == 0))
-        printf("    %s methods are cheaper at every stiffness tried\n",
-               explicit_first ? "explicit" : "implicit");
+    if (explicit_first > 0 && implicit_first > 0)
+        return;
+    snprintf(key, sizeof key, "order, zeta %g", dampings[damping]);
+    row.unit = NULL;
+    row.verdict = explicit_first + implicit_first > 0                          ? HOLDS
+                  : was_asked(ladder, EXPLICIT) && was_asked(ladder, IMPLICIT) ? NOT_REACHED
+                                                                               : NOT_ASKED;
+    if (row.verdict == HOLDS)
+        statements_add(statements, row,
+                       "At damping %g %s methods are cheaper at every stiffness tried.",
+                       dampings[damping], explicit_first ? "explicit" : "implicit");
+    else
+        statements_add(statements, row,
+                       "At damping %g explicit and implicit methods cannot be compared: %s.",
+                       dampings[damping],
+                       row.verdict == NOT_ASKED ? "one kind was left out"
+                                                : "at no stiffness both reach a millimetre");
 }
 
-static void print_cell(const struct plan *plan, int cell) {
+/* The cheapest method of a cell, and the next. */
+static void state_cell(struct statements *statements, const struct plan *plan, int cell) {
     const struct search *best = cheapest(plan->memo, cell, ALL, NULL);
     const struct search *next = best ? cheapest(plan->memo, cell, ALL, best) : NULL;
-    printf("  %-4g  %6g  ", damping_of(cell), stiffness_of(cell));
-    if (!best) {
-        printf("none\n");
-        return;
-    }
-    printf("%-29s %4s %-9.3g %8.2f", best->contestant->name,
-           contestant_is_adaptive(best->contestant) ? "rtol" : "h",
-           place_setting(plan, best, best->place.reached), 1e3 * best->cost.cpu.median);
+    char key[64], runner_up[128] = "";
+    name_cell(key, sizeof key, cell);
+    struct statement row = {.key = key, .figure = "ladder", .tables = "ladder", .unit = "ms"};
+    row.value = best ? 1e3 * best->cost.cpu.median : NAN;
+    row.verdict = best ? HOLDS : NOT_REACHED;
     if (next)
-        printf("   %s %.2f%s", next->contestant->name, 1e3 * next->cost.cpu.median,
-               is_apart(best, next) ? "" : " (times overlap)");
-    printf("\n");
+        snprintf(runner_up, sizeof runner_up, "; next is %s, %.3g ms%s", next->contestant->name,
+                 1e3 * next->cost.cpu.median, is_apart(best, next) ? "" : " (the times overlap)");
+    if (best)
+        statements_add(statements, row,
+                       "At EA = %g N and damping %g a millimetre is cheapest with %s at %s %.3g: "
+                       "%.3g ms%s.",
+                       stiffness_of(cell), damping_of(cell), best->contestant->name,
+                       contestant_is_adaptive(best->contestant) ? "rtol" : "h =",
+                       place_setting(plan, best, best->place.reached), row.value, runner_up);
+    else
+        statements_add(statements, row,
+                       "At EA = %g N and damping %g no method reaches a millimetre.",
+                       stiffness_of(cell), damping_of(cell));
 }
 
-static void print_answer(const struct plan *plan) {
-    printf("  %-4s  %6s  %-29s %4s %-9s %8s   %s\n", "zeta", "EA, N", "cheapest to a millimetre",
-           "", "setting", "CPU ms", "next, CPU ms");
-    for (int cell = 0; cell < CELLS; cell++) {
+static void state_answer(struct statements *statements, const struct plan *plan) {
+    for (int cell = 0; cell < CELLS; cell++)
         if (is_in(plan, cell))
-            print_cell(plan, cell);
-        if (cell % STIFFNESSES == STIFFNESSES - 1)
-            print_order(plan->memo, cell / STIFFNESSES);
-    }
+            state_cell(statements, plan, cell);
+    for (int damping = 0; damping < DAMPINGS; damping++)
+        if (is_in(plan, damping * STIFFNESSES))
+            state_order(statements, plan->memo, damping);
     if (plan->quick)
-        printf("  --quick: one damping, not the stiffness of real hair (16800 N), coarser "
-               "brackets\n");
+        statements_add(
+            statements,
+            (struct statement){.key = "left out", .figure = "ladder", .verdict = NOT_REACHED},
+            "Real hair (16800 N) and the dampings 0.02 and 0.5 are left out of --quick.");
 }
 
 static int ladder_tabulate(struct plan *plan, const char *folder) {
-    if (write_ladder(plan, folder, plan->reason) || write_crossings(plan, folder, plan->reason))
+    struct statements statements;
+    if (statements_open(&statements, folder, plan->subjects[0].scene,
+                        plan->quick ? "--quick: coarser brackets" : NULL, plan->reason))
         return -1;
-    print_answer(plan);
-    return 0;
+    const int code =
+        write_ladder(plan, folder, plan->reason) || write_crossings(plan, folder, plan->reason) ? -1
+                                                                                                : 0;
+    if (!code)
+        state_answer(&statements, plan);
+    return statements_close(&statements, code, plan->reason);
 }
 
 const struct experiment ladder_experiment = {
     .name = "ladder",
     .question = "which stepper is cheapest for a millimetre, by stiffness and damping?",
+    .place = 6,
+    .quick = {.seconds = 8},
+    .full = {.seconds = 130},
     .plan = ladder_plan,
     .refine = ladder_refine,
     .tabulate = ladder_tabulate,

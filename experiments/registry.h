@@ -4,7 +4,7 @@
 
 #include "experiments/common/plan.h"
 
-/* In the order of lists and of the report; NULL-terminated. */
+/* In the order of lists; NULL-terminated. */
 extern const struct experiment *const experiments[];
 
 /* The one of that name, or NULL. */

@@ -5,6 +5,7 @@
 #include "base/files.h"
 #include "captions.h"
 #include "experiments/common/measure.h"
+#include "experiments/common/statements.h"
 #include "model/model.h"
 #include "model/problems.h"
 
@@ -52,10 +53,9 @@ static double step_of(const struct scene *scene, int rung) {
 }
 
 static int rungs(const struct scene *scene) {
-    const struct mode mode = stiffest_mode(scene);
-    const struct butcher_table *table = stepper_find("rk4")->table;
+    const struct stepper_method *rk4 = stepper_find("rk4");
     int rung = 0;
-    while (rung < RUNGS_MAX && !is_stable(table, &mode, step_of(scene, rung)))
+    while (rung < RUNGS_MAX && !seems_stable(rk4, scene, step_of(scene, rung)))
         rung++;
     return rung + 4 * 5 < RUNGS_MAX ? rung + 4 * 5 : RUNGS_MAX;
 }
@@ -324,30 +324,48 @@ static void write_variant(FILE *stream, const struct study *study, int v) {
     fprintf(stream, "\n");
 }
 
-static void print_variant(const struct variant *variant) {
+/* --- statements --- */
+
+static void state_variant(struct statements *statements, const struct study *study, int v) {
+    const struct variant *variant = &study->variants[v];
     const struct practical *p = &variant->sufficient;
-    printf("  %-14s %10.4f %10.4f %10.4f %9.0f %7.2f", variant->name, 1e3 * variant->distance.end,
-           1e3 * variant->distance.end_largest, 1e3 * variant->distance.end_all,
-           variant->cost.evaluations, 1e3 * variant->cost.cpu.median);
-    if (isnan(variant->stable.step))
-        printf("   rk4: no step of the ladder is stable\n");
-    else if (isnan(p->step))
-        printf(" %8.0f        none is enough\n", 1 / variant->stable.step);
-    else
-        printf(" %8.0f %8.0f %9.0f %7.2f\n", 1 / variant->stable.step, 1 / p->step,
-               p->cost.evaluations, 1e3 * p->cost.cpu.median);
+    const char *scene = study->subject->name;
+    const double distance = 1e3 * variant->distance.rms;
+    char key[128], cost[128] = "no step of rk4 that was tried errs by less than a tenth of that";
+    snprintf(key, sizeof key, "%.70s, %s", scene, variant->name);
+    if (!isnan(p->step))
+        snprintf(cost, sizeof cost,
+                 "rk4 errs by less than a tenth of that at %.0f Hz, for %.3g ms of CPU time",
+                 1 / p->step, 1e3 * p->cost.cpu.median);
+    statements_add(
+        statements,
+        (struct statement){
+            .key = key, .figure = scene, .tables = scene, .value = distance, .unit = "mm"},
+        "With %s the motion of %s is %.3g mm (rms) from the exact constrained one; %s.",
+        variant->name, scene, distance, cost);
 }
 
-static void print_study(const struct study *study) {
-    printf("  %s: distance from the exact constrained motion at the end, mm; the limit is good to "
-           "%.2g mm\n",
-           study->subject->name, 1e3 * study->uncertainty.end);
-    printf("  %-14s %10s %10s %10s %9s %7s %8s %8s %9s %7s\n", "", "rms, free", "largest",
-           "rms, all", "tight: f", "ms", "stable", "rk4: Hz", "f", "ms");
+static void state_study(struct statements *statements, const struct study *study, int quick) {
+    const char *scene = study->subject->name;
+    const double good = 1e3 * study->uncertainty.end;
+    char key[128];
     for (int v = 0; v < VARIANTS; v++)
         if (study->variants[v].there)
-            print_variant(&study->variants[v]);
+            state_variant(statements, study, v);
+    snprintf(key, sizeof key, "%.70s, exact", scene);
+    struct statement row = {
+        .key = key, .figure = scene, .tables = scene, .value = good, .unit = "mm"};
+    statements_add(statements, row, "The exact constrained motion of %s is known to %.2g mm.",
+                   scene, good);
+    if (!quick)
+        return;
+    snprintf(key, sizeof key, "%.70s, left out", scene);
+    row = (struct statement){.key = key, .figure = scene, .verdict = NOT_REACHED};
+    statements_add(statements, row, "Penalty ratios below %g are left out of --quick.",
+                   ratios[LIMIT_FIRST]);
 }
+
+/* --- the tables --- */
 
 static const char what[] =
     "distance of tight solutions from the exact constrained motion, m: end = rms over free nodes "
@@ -365,7 +383,8 @@ static const char columns[] =
     "\tstable_evaluations\tstable_cpu_median\tstable_cpu_least\tstable_cpu_greatest\trk4_step"
     "\trk4_error\trk4_evaluations\trk4_cpu_median\trk4_cpu_least\trk4_cpu_greatest";
 
-static int tabulate_subject(struct plan *plan, const struct subject *subject, const char *folder) {
+static int tabulate_subject(struct plan *plan, const struct subject *subject, const char *folder,
+                            struct statements *statements) {
     struct study study = {.subject = subject};
     struct atomic_file file;
     int code = read_study(plan, &study);
@@ -376,17 +395,17 @@ static int tabulate_subject(struct plan *plan, const struct subject *subject, co
         for (int v = 0; v < VARIANTS; v++)
             if (study.variants[v].there)
                 write_variant(file.stream, &study, v);
-        print_study(&study);
+        state_study(statements, &study, plan->quick);
         code = atomic_commit(&file, plan->reason);
     }
     free_study(&study);
     return code;
 }
 
-static int treatments_tabulate(struct plan *plan, const char *folder) {
+static int write_tables(struct plan *plan, const char *folder, struct statements *statements) {
     struct atomic_file list;
     for (int i = 0; i < plan->subject_count; i++) {
-        const int code = tabulate_subject(plan, &plan->subjects[i], folder);
+        const int code = tabulate_subject(plan, &plan->subjects[i], folder, statements);
         if (code)
             return code;
     }
@@ -402,9 +421,21 @@ static int treatments_tabulate(struct plan *plan, const char *folder) {
     return atomic_commit(&list, plan->reason);
 }
 
+static int treatments_tabulate(struct plan *plan, const char *folder) {
+    struct statements statements;
+    if (statements_open(&statements, folder, NULL, plan->quick ? "--quick: every other step" : NULL,
+                        plan->reason))
+        return -1;
+    return statements_close(&statements, write_tables(plan, folder, &statements), plan->reason);
+}
+
 const struct experiment treatments_experiment = {
     .name = "treatments",
     .question = "how exactly does each treatment keep the envelope on its lines, and at what cost?",
+    .thesis = "section 4.2.1",
+    .place = 5,
+    .quick = {.seconds = 2},
+    .full = {.seconds = 10},
     .plan = treatments_plan,
     .tabulate = treatments_tabulate,
     .caption = caption_treatments,

@@ -1,12 +1,16 @@
 #include "butcher.h"
 
+const double *butcher_row(const struct butcher_table *table, int i) {
+    return table->a + i * table->stages;
+}
+
 double complex butcher_stability(const struct butcher_table *table, double complex z) {
     const int s = table->stages;
-    double complex m[STAGES_MAX][STAGES_MAX], x[STAGES_MAX];
+    double complex m[s][s], x[s];
 
     for (int i = 0; i < s; i++) {
         for (int j = 0; j < s; j++)
-            m[i][j] = (i == j) - z * table->a[i][j];
+            m[i][j] = (i == j) - z * butcher_row(table, i)[j];
         x[i] = 1;
     }
     /* Elimination without pivoting: the diagonal is 1 - z a_ii and the tables are triangular. */

@@ -2,8 +2,15 @@
 
 static const struct butcher_table table = {
     .stages = 1,
-    .b = {1},
+    .a = (const double[]){0},
+    .b = (const double[]){1},
+    .c = (const double[]){0},
 };
+
+static struct stepper *create(const struct stepper_settings *settings, struct system *system) {
+    (void)settings;
+    return explicit_rk_create(&table, system);
+}
 
 const struct stepper_method euler = {
     .name = "euler",
@@ -12,7 +19,9 @@ const struct stepper_method euler = {
     .order = 1,
     .capabilities = STEPPER_PROJECTS,
     .table = &table,
-    .create = explicit_rk_create,
+    .on_wisps = {.treatment = "projection"}, /* the thesis's */
+    .usual_rate = 9000,
+    .create = create,
     .step = explicit_rk_step,
     .free = explicit_rk_free,
 };

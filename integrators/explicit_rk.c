@@ -7,24 +7,19 @@
 
 struct explicit_rk {
     struct stepper base;
-    double *q, *v;          /* the position of a stage; the state of the end */
-    double *vk[STAGES_MAX]; /* the stages' velocities, those of the first being the state's own */
-    double *ak[STAGES_MAX]; /* the stages' accelerations */
+    double *q, *v;  /* the position of a stage; the state of the end */
+    double *stages; /* velocity, then acceleration of each; the first's velocity is the state's */
     double memory[];
 };
 
-struct stepper *explicit_rk_create(const struct stepper_settings *settings, struct system *system) {
-    (void)settings;
-    const size_t n = (size_t)system->size;
-    struct explicit_rk *rk = malloc(sizeof *rk + (2 + 2 * STAGES_MAX) * n * sizeof(double));
+struct stepper *explicit_rk_create(const struct butcher_table *table, struct system *system) {
+    const size_t n = (size_t)system->size, stages = (size_t)table->stages;
+    struct explicit_rk *rk = malloc(sizeof *rk + (2 + 2 * stages) * n * sizeof(double));
     if (!rk)
         return NULL;
     rk->q = rk->memory;
     rk->v = rk->q + n;
-    for (size_t i = 0; i < STAGES_MAX; i++) {
-        rk->vk[i] = rk->v + (1 + 2 * i) * n;
-        rk->ak[i] = rk->vk[i] + n;
-    }
+    rk->stages = rk->v + n;
     return &rk->base;
 }
 
@@ -44,7 +39,7 @@ static inline __attribute__((always_inline)) void sum_stages(int stages, int n,
 /* to <- x + h sum_j w_j k_j over the stages whose weight is not 0. */
 static void sum(int n, double h, const double *weight, int stages, double *const *k,
                 const double *x, double *to) {
-    double used_weight[STAGES_MAX], *used[STAGES_MAX];
+    double used_weight[stages], *used[stages];
     int count = 0;
     for (int j = 0; j < stages; j++) {
         if (weight[j] == 0)
@@ -69,21 +64,22 @@ int explicit_rk_step(struct stepper *stepper, double t, double h, double *q, dou
     struct system *system = stepper->system;
     const struct butcher_table *table = stepper->method->table;
     const int n = system->size;
-    double *vk[STAGES_MAX] = {v};
+    double *vk[table->stages], *ak[table->stages];
 
     for (int i = 0; i < table->stages; i++) {
+        vk[i] = i > 0 ? rk->stages + 2 * i * n : v;
+        ak[i] = rk->stages + (2 * i + 1) * n;
         if (i > 0) {
-            vk[i] = rk->vk[i];
-            sum(n, h, table->a[i], i, vk, q, rk->q);
-            sum(n, h, table->a[i], i, rk->ak, v, vk[i]);
+            sum(n, h, butcher_row(table, i), i, vk, q, rk->q);
+            sum(n, h, butcher_row(table, i), i, ak, v, vk[i]);
         }
         const int code =
-            system_acceleration(system, t + table->c[i] * h, i > 0 ? rk->q : q, vk[i], rk->ak[i]);
+            system_acceleration(system, t + table->c[i] * h, i > 0 ? rk->q : q, vk[i], ak[i]);
         if (code)
             return code;
     }
     sum(n, h, table->b, table->stages, vk, q, rk->q);
-    sum(n, h, table->b, table->stages, rk->ak, v, rk->v);
+    sum(n, h, table->b, table->stages, ak, v, rk->v);
     if (system_has_projection(system)) {
         const int code = system_project(system, t + h, rk->q, rk->v);
         if (code)

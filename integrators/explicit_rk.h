@@ -4,8 +4,8 @@
 
 #include "stepper.h"
 
-/* The create, step and free of a stepper_method whose `table` is explicit. */
-struct stepper *explicit_rk_create(const struct stepper_settings *settings, struct system *system);
+/* For the create of a stepper_method with this table, which is explicit; and its step and free. */
+struct stepper *explicit_rk_create(const struct butcher_table *table, struct system *system);
 int explicit_rk_step(struct stepper *stepper, double t, double h, double *q, double *v);
 void explicit_rk_free(struct stepper *stepper);
 

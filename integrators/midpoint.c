@@ -2,10 +2,15 @@
 
 static const struct butcher_table table = {
     .stages = 2,
-    .a = {{0}, {0.5}},
-    .b = {0, 1},
-    .c = {0, 0.5},
+    .a = (const double[]){0, 0, 0.5, 0},
+    .b = (const double[]){0, 1},
+    .c = (const double[]){0, 0.5},
 };
+
+static struct stepper *create(const struct stepper_settings *settings, struct system *system) {
+    (void)settings;
+    return explicit_rk_create(&table, system);
+}
 
 const struct stepper_method midpoint = {
     .name = "midpoint",
@@ -14,7 +19,8 @@ const struct stepper_method midpoint = {
     .order = 2,
     .capabilities = STEPPER_PROJECTS,
     .table = &table,
-    .create = explicit_rk_create,
+    .usual_rate = 6000,
+    .create = create,
     .step = explicit_rk_step,
     .free = explicit_rk_free,
 };

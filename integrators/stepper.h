@@ -1,6 +1,8 @@
 /* What a time integrator is to the rest of the program: a table of facts and a few functions.
  * A method lives in one file, ends in one static const table, and is known everywhere once
- * registry.c names it. */
+ * registry.c names it: a fact that its table does not state has the default that is said here, and
+ * nothing else in the program asks what a method is called. How the methods are compared, with
+ * which solvers, options, colours and marks, is configurations.h. */
 #ifndef WISPLAB_STEPPER_H
 #define WISPLAB_STEPPER_H
 
@@ -10,17 +12,17 @@
 #include "system/system.h"
 
 enum stepper_capability {
-    STEPPER_IMPLICIT = 1, /* solves M - alpha D - beta K: takes a linear solver, needs Jacobians */
+    STEPPER_IMPLICIT = 1, /* its steps are not bounded by stiffness: needs Jacobians */
     STEPPER_ADAPTIVE = 2, /* chooses its own steps: takes tolerances instead of a step */
     STEPPER_PROJECTS = 4, /* puts the state back onto a system's constraint after each step */
+    STEPPER_SOLVES = 8,   /* solves M - alpha D - beta K by a solver that the user may choose */
 };
 
 /* What a stepper is made with. */
 struct stepper_settings {
-    const struct linear_method *linear; /* of implicit steppers, else NULL */
+    const struct linear_method *linear; /* of steppers that take one, else NULL */
     double rtol, atol;                  /* of adaptive steppers: relative; absolute, in m and m/s */
-    double option[OPTIONS_MAX];         /* in the order of method->options */
-    double linear_option[OPTIONS_MAX];  /* in the order of linear->options */
+    struct options options;             /* of the method and of its solver */
 };
 
 /* A method at work on one system; concrete steppers begin with this, set by
@@ -49,6 +51,23 @@ struct stepper_method {
     const struct second_opinion *checked_by; /* or NULL */
     double rtol, atol; /* of adaptive methods, where the user gives none; 0: the scene's */
 
+    /* On wisps, where the user says nothing; elsewhere it is the problem that decides. */
+    struct {
+        const char *treatment; /* its name; NULL: "generalised" */
+        const char *linear;    /* of those that take a solver, its name; NULL: "direct" */
+    } on_wisps;
+
+    /* Fixed-step methods: at how many Hz one would run it on wisps of the default material; see
+     * stepper_usual_rate for 0. */
+    double usual_rate;
+
+    int lanes; /* most wisps of a part; 0: 1 of adaptive methods, since all would get one step, else
+                  as many as the kernel takes */
+
+    /* By what a step multiplies a mode of a linear system, see stepper_amplification; NULL: what
+     * `table` says, and without one nobody knows. */
+    double complex (*amplification)(double complex z, double complex partner);
+
     /* Why this pair of settings and system is not supported: REFUSED with system->reason, or 0.
      * May be NULL. */
     int (*refuse)(const struct stepper_settings *settings, struct system *system);
@@ -74,6 +93,18 @@ extern const struct stepper_method *const stepper_methods[];
 
 /* The method of that name, or NULL. */
 const struct stepper_method *stepper_find(const char *name);
+
+/* Hz: usual_rate, and where that is 0, 300 of implicit methods and 9000 of others. */
+double stepper_usual_rate(const struct stepper_method *method);
+
+/* Whether linear theory says where it is stable: then the next one can be asked. */
+int stepper_is_predictable(const struct stepper_method *method);
+
+/* A step of h on q'' = k q + d q', of which the solutions are exp(z t / h) and exp(partner t / h),
+ * multiplies (q, q') by a matrix: its eigenvalue of largest modulus. (k h^2 = -z partner and
+ * d h = z + partner; of a Runge-Kutta method they are R(z) and R(partner).) */
+double complex stepper_amplification(const struct stepper_method *method, double complex z,
+                                     double complex partner);
 
 /* REFUSED with system->reason where `method` with `settings` cannot run on `system`, else 0. */
 int stepper_refuse(const struct stepper_method *method, const struct stepper_settings *settings,

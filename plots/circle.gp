@@ -215,7 +215,8 @@ eval figure('radius', 900, 600)
 eval names_of('radius-predicted')
 foretold = names
 eval names_of('radius')
-mark_size(name) = place(foretold, name) ? 0.85 : 1.5 # a variant stands around its method's mark
+mark_size(name) = place(foretold, name) || !place(foretold, word(name, 1)) ? 0.85 \
+    : 1.5 # a variant stands around its method's mark
 ROUNDING = 3e-12 # |R|^n has itself no more digits
 # Iterated implicit Euler has the orbit of R too, but lets a deviation from it grow by
 # (1 + x^2) / (1 - x^2) a step, x = omega h: its step maps s = v / p to s' with
@@ -227,7 +228,7 @@ stats table('radius') using (strcol(1) eq 'implicit-euler newton' && abs(log($5 
     ? (off = $3, off_growth = growth($4), off_steps = $7, 0) : 0, 0) nooutput
 set multiplot
 eval heading('Radius after 160 s: measured, and foretold by the stability function', \
-    'marks: measured (none: the run failed); curves: 0.9 m · |R(−iωh)|^n, R the method''s stability function')
+    'marks: measured (none: the run failed); curves: 0.9 m · |R(−iωh)|^n, R the method''s stability function (none: no prediction)')
 eval powers('x')
 set xrange [1.5e-3:30]
 set xtics offset 0, 0.3

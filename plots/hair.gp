@@ -133,7 +133,6 @@ row_count = VARIANTS_HERE + words(names) + 0.
 set yrange [-row_count - 0.6:-0.4]
 names_left = ''
 do for [i = 1:VARIANTS_HERE] { names_left = names_left.sprintf("'%s' %d, ", word(variants_here, i), -i) }
-array setting_of[32]
 do for [m = 1:words(names)] {
     setting = ''
     stats table('steppers') using (strcol(1) eq word(names, m) ? (setting = strcol(2), 0) : 0, 0) nooutput

@@ -2,10 +2,6 @@
 load plots.'/style.gp'
 eval require('ladder crossings')
 
-# Plain implicit Euler is the direct one here.
-same_as = same_as.' "implicit-euler direct" "implicit-euler direct newton"'
-same_as_what = same_as_what.' "implicit-euler" "implicit-euler newton"'
-
 # columns of the table
 EA = 1; ZETA = 2; NAME = 3; CPU = 8; LEAST = 9; GREATEST = 10; STATUS = 13; LIMIT = 14
 

@@ -41,10 +41,13 @@ do for [s = 1:words(scene_files)] {
     TOP = length_of[s] # m: an error of the longest wisp's length is as bad as none
     many = words(treatments) > 1
     page_width = columns == 3 ? 1300 : 1000
-    page_height = many ? 1075 : 705
     pitch = (page_width - 85) / columns # from panel to panel
-    eval figure(scene, page_width, page_height)
     eval names_of(scene)
+    # The legend's columns are as wide as a name with its slopes; five entries are not of methods.
+    legend_columns = page_width == 1300 || !many ? 3 : 2
+    legend_height = 40 + 18 * ((words(names) + 5 + legend_columns - 1) / legend_columns)
+    page_height = (many ? 925 : 555) + legend_height
+    eval figure(scene, page_width, page_height)
     # Above the scale every method that fails somewhere has a row of its own.
     in_band = ''; lowest = TOP
     stats table(scene) using (in_band = is_failed(strcol(STATUS)) && place(names, strcol(1)) \
@@ -68,8 +71,8 @@ do for [s = 1:words(scene_files)] {
     has_bound = 0; has_inexact = 0 # drawn somewhere: then in the legend, where no data are under it
     set multiplot
     eval heading(WHAT.': '.escaped(word(scene_names, s)), \
-        'rms distance of the free nodes from the tight solution of the same treatment, all frames' \
-        .(compared < duration ? sprintf(' to %.2g s', compared) : '') \
+        'rms distance of the free nodes from the tight solution'.(columns == 3 ? ' of the same treatment' : '') \
+        .', all frames'.(compared < duration ? sprintf(' to %.2g s', compared) : '') \
         .'; ×: failed (how many, how and when first); legend: slopes'.(many ? ', panel by panel' : ''))
     do for [p = 0:(many ? 2 * columns - 1 : 1)] {
         row = many ? p / columns : 0
@@ -152,10 +155,12 @@ do for [s = 1:words(scene_files)] {
                 with points pt FAILED ps 0.8 lw 1.6 lc rgb colour_of(word(names, m))
         eval heading_done
     }
-    eval legend(0, page_height - 163, page_width, 155, 7)
+    eval legend(0, page_height - legend_height, page_width, legend_height, \
+        (words(names) + 5 + legend_columns - 1) / legend_columns)
     plot @BLANK, for [m = 1:words(names)] keyentry with linespoints lt style_of(word(names, m)) \
             title word(titles, m), \
-         keyentry with boxes fs solid 0.25 noborder lc rgb '#0072B2' title 'jittered tolerances', \
+         keyentry with boxes fs solid 0.25 noborder lc rgb (words(ADAPTIVE) ? colour_of(word(ADAPTIVE, 1)) : GREY) \
+            title 'jittered tolerances', \
          keyentry with lines lw 7 lc rgb '#D9D9D9' dt solid title 'Pareto front', \
          keyentry with points pt 7 ps 0.85 lc rgb '#BBBBBB' title 'within ten times the bound', \
          keyentry with lines lt 2 lw 1.2 title has_bound ? 'bound of the reference' : '', \

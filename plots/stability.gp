@@ -11,7 +11,7 @@ size_of(m) = 0.75 + 0.6 * (words(names) - m) / words(names)
 # block of the table is a stepper.
 X = 2; Y = 3; GROWTH = 4; THEORY = 5
 STABLE = '#D4D4D4'
-adaptive = '"cvode" "reference"' # with no step to force; others without a theory have no line
+# ADAPTIVE ones have no step to force; others without a theory have no line.
 
 # `$line`: where the theory of stepper i is 1, if it has one.
 has_line = 0
@@ -21,6 +21,7 @@ trace(name, i) = 'has_line = 0; stats table("'.name.'") index '.(i - 1) \
     .'set contour base; unset surface; set cntrparam levels discrete 1; ' \
     .'set table $line; splot table("'.name.'") index '.(i - 1) \
     .' using X:Y:THEORY; unset table; unset contour; set surface }'
+remark(name) = place(ADAPTIVE, name) ? ', its own steps, rtol 0.01' : has_line ? '' : ', no prediction'
 cell(x) = column(GROWTH) <= 1.000001 ? 1 : NaN
 # Contours come with spaces between their numbers.
 map(name, i) = 'set datafile separator whitespace; ' \
@@ -39,12 +40,11 @@ S = 270
 eval set_map('regions', '', S, S, 75)
 eval map_style
 set multiplot
-eval heading('Where steps of u′ = zu do not grow', 'over 400 steps of h = 1 of the real code')
+eval heading('Where steps of u′ = zu do not grow', 'by steps of h = 1 of the real code')
 do for [i = 1:words(names)] {
     eval trace('regions', i)
     eval panel(60 + (S + 40) * ((i - 1) % columns), 90 + (S + 75) * ((i - 1) / columns), S, S)
-    set title '{/:Bold '.word(names, i).'}' \
-        .(place(adaptive, word(names, i)) ? ', its own steps, rtol 0.01' : '') offset 0, -0.6
+    set title '{/:Bold '.word(names, i).'}'.remark(word(names, i)) offset 0, -0.6
     set xrange [-4:3]; set yrange [-3.5:3.5]; set xtics 1; set ytics 1
     set xlabel 'Re z' offset 0, 0.6
     set ylabel (i - 1) % columns == 0 ? 'Im z' : '' offset 1, 0
@@ -68,11 +68,11 @@ if (words(names)) {
     eval map_style
     set multiplot
     eval heading('Where steps of the damped oscillator do not grow', \
-        'q″ = −ω²q − 2ζωq′, over 400 steps of the real code')
+        'q″ = −ω²q − 2ζωq′, by steps of the real code')
     do for [i = 1:words(names)] {
         eval trace('oscillator', i)
         eval panel(65 + (W + 40) * ((i - 1) % columns), 90 + (H + 75) * ((i - 1) / columns), W, H)
-        set title '{/:Bold '.word(names, i).'}' offset 0, -0.6
+        set title '{/:Bold '.word(names, i).'}'.remark(word(names, i)) offset 0, -0.6
         set xrange [0:4]; set yrange [0:2]; set xtics 1; set ytics 0.5
         set xlabel 'ωh' offset 0, 0.6
         set ylabel (i - 1) % columns == 0 ? 'ζ' : '' offset 1, 0
@@ -103,7 +103,7 @@ if (words(all)) {
     eval figure('limits', 90 + (W + 35) * (words(all) > 1 ? 2 : 1), 85 + (H + 85) * ((words(all) + 1) / 2) + 60)
     set multiplot
     eval heading('The longest stable step on a wisp', \
-        'marks: bisected over 0.5 s of a swing; lines: by the eigenvalues of the wisp at its start (no line: any step)')
+        'marks: bisected over 0.5 s of a swing; lines: by the eigenvalues of the wisp at its start (no line: any step, or no prediction)')
     do for [a = 1:words(all)] {
         axis = word(all, a)
         eval panel(80 + (W + 35) * ((a - 1) % 2), 85 + (H + 85) * ((a - 1) / 2), W, H)
@@ -142,7 +142,7 @@ GAP = 80
 eval figure('damping', 70 + (W + GAP) * 3, 95 + H + 130)
 set multiplot
 eval heading('Stable is not accurate: what an undamped oscillator does', \
-    'marks: ring-down of the real code; lines: |R(iωh)| and arg R(iωh); adaptive methods at rtol 10^{−2} to 10^{−8}')
+    'marks: by steps of the real code; lines: |R(iωh)| and arg R(iωh); adaptive methods at rtol 10^{−2} to 10^{−8}')
 array what[3] = ['damps it', 'drives it', 'shifts its frequency']
 do for [p = 1:3] {
     eval panel(85 + (W + GAP) * (p - 1), 90, W, H)

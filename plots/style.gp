@@ -1,5 +1,5 @@
 # The one style of every figure. Each script loads it first; wisplab sets `plots` (this folder),
-# `data` (the experiment's tables), `out` and `format` (svg or png).
+# `data` (the experiment's tables), `out` and `format` (svg or png), and the configurations' styles.
 #
 #   eval require('one two')              stops with one message unless data/one.tsv, two.tsv are there
 #   eval figure('name', 900, 600)        begins out/name.format of that many pixels
@@ -8,7 +8,7 @@
 #   eval panel(70, 60, 380, 300)         the next plot's axes: left, top, width, height in pixels
 #   eval names_of('one')                 `names`: what is in the first column of data/one.tsv
 #   slope_text(kind, slope, spread)      as many digits of a slope as mean something
-#   plot ... lt style_of('cvode adams')  colour, dash and mark of a stepper or of its variant
+#   plot ... lt style_of('cvode adams')  colour, dash and mark of a configuration
 
 set encoding utf8
 set minussign
@@ -38,48 +38,32 @@ slope_text(kind, slope, spread) = kind eq 'adaptive' ? gprintf('≈ %.0f', slope
 
 # --- colour, dash and mark ---
 
-# A stepper's colour is everywhere the same (Okabe and Ito's palette: doi 10.1038/nmeth.1618);
-# its variants ('cvode adams') differ in dash and mark, and so do steppers, for print in grey.
-# To give a new stepper a style of its own, put its name into the list. One that is not there, or
-# a variant that is not, takes the next free style in the order of appearance.
-steppers = '"euler" "midpoint" "rk4" "implicit-euler" "cvode" "reference"'
-variants = '"euler" "midpoint" "rk4" "implicit-euler" "implicit-euler newton"' \
-    .' "cvode" "cvode bdf" "cvode adams" "reference"'
-same_as = '"cvode bdf"'; same_as_what = '"cvode"' # bdf is what plain cvode is
-
-FAMILIES = 9; VARIANTS = 8
-array colour[FAMILIES] = ['#D55E00', '#E69F00', '#0072B2', '#009E73', '#CC79A7', '#000000', \
-                          '#56B4E9', '#8C8C00', '#7F7F7F']
-# The same, dark enough for text on white.
-array ink[FAMILIES] = ['#A84A00', '#8A5F00', '#005A8C', '#006B4E', '#96417A', '#000000', \
-                       '#226E99', '#5F5F00', '#5A5A5A']
-array mark[FAMILIES] = [7, 5, 9, 13, 11, 15, 7, 5, 9]
-array open_mark[FAMILIES] = [6, 4, 8, 12, 10, 14, 6, 4, 8]
-array dash[FAMILIES] = ['solid', '(12,4)', '(10,3,2,3)', '(6,3)', '(2.5,2.5)', '(14,3,2,3,2,3)', \
-                        '(20,4)', '(4,2,4,6)', '(1.5,4)']
-array open_dash[FAMILIES] = ['(5,3)', '(4,3)', '(5,2,1,2)', '(2,3)', '(8,3,2,3)', '(6,3)', \
-                             '(8,4)', '(2,2)', '(3,4)']
-array variant_mark[VARIANTS] = [0, 0, 1, 3, 4, 6, 8, 14]
-array variant_dash[VARIANTS] = ['', '', '(12,3,3,3,3,3)', '(1.5,2.5)', '(9,3)', '(3,2)', '(16,3,2,3)', '(6,2,2,2)']
-do for [f = 1:FAMILIES] {
-    do for [v = 0:VARIANTS - 1] {
-        dt = v == 0 ? dash[f] : v == 1 ? open_dash[f] : variant_dash[v + 1]
-        pt = v == 0 ? mark[f] : v == 1 ? open_mark[f] : variant_mark[v + 1]
-        eval sprintf('set linetype %d lc rgb "%s" dt %s pt %d ps 0.85 lw 1.7', \
-                     100 + 10 * f + v, v < 4 ? colour[f] : ink[f], dt, pt)
-    }
+# The program says how its configurations are drawn (integrators/configurations.c), whenever it
+# draws: CONFIGURATIONS are their names, and in the same order there are COLOURS, INKS (the same,
+# dark enough for text on white) and MARKS. Dashes go with marks, for print in grey.
+array DASH[15] = ['(12,3,3,3,3,3)', 'solid', '(16,3,2,3)', '(4,3)', '(12,4)', '(5,3)', 'solid', \
+                  '(5,2,1,2)', '(10,3,2,3)', '(8,3,2,3)', '(2.5,2.5)', '(2,3)', '(6,3)', '(9,3)', \
+                  '(14,3,2,3,2,3)']
+# A name that is not among them ('euler fine'; a table of another build's) has the colour of its
+# first word, or grey, and takes its next mark in the order of appearance.
+others = ''
+OTHERS = 6
+array other_mark[OTHERS] = [6, 1, 3, 4, 8, 14]
+styled(i, v, colour, mark) = sprintf('set linetype %d lc rgb "%s" dt %s pt %d ps 0.85 lw 1.7', \
+    100 + 10 * i + v, colour, DASH[mark], mark)
+do for [i = 0:words(CONFIGURATIONS)] {
+    colour = i ? word(COLOURS, i) : '#7F7F7F'
+    eval styled(i, 0, colour, i ? int(word(MARKS, i)) : 7)
+    do for [v = 1:OTHERS] { eval styled(i, v, colour, other_mark[v]) }
 }
-
-family(name) = (steppers = with_name(steppers, word(name, 1)), \
-                name eq '' ? 1 : (place(steppers, word(name, 1)) - 1) % FAMILIES + 1)
-canonical(name) = place(same_as, name) ? word(same_as_what, place(same_as, name)) : name
-variant(name) = (variants = with_name(variants, name), \
-    (sum [i = 1:place(variants, name) - 1] (word(word(variants, i), 1) eq word(name, 1) \
-     && !place(same_as, word(variants, i)))) % VARIANTS)
-style_of(name) = 100 + 10 * family(canonical(name)) + variant(canonical(name))
-mark_of(name) = variant(canonical(name)) == 0 ? mark[family(name)] : open_mark[family(name)]
-colour_of(name) = colour[family(name)]
-ink_of(name) = ink[family(name)]
+known(name) = place(CONFIGURATIONS, name)
+family(name) = known(name) ? known(name) : known(word(name, 1))
+other(name) = (others = with_name(others, name), (sum [i = 1:place(others, name) - 1] \
+    (word(word(others, i), 1) eq word(name, 1))) % OTHERS + 1)
+style_of(name) = name eq '' ? 100 : 100 + 10 * family(name) + (known(name) ? 0 : other(name))
+mark_of(name) = known(name) ? int(word(MARKS, known(name))) : other_mark[other(name)]
+colour_of(name) = family(name) ? word(COLOURS, family(name)) : '#7F7F7F'
+ink_of(name) = family(name) ? word(INKS, family(name)) : '#5A5A5A'
 
 FAILED = 2          # mark of a run that failed: a cross, no stepper's mark
 GREY = '#666666'    # words and lines that belong to no stepper

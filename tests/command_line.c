@@ -347,23 +347,6 @@ Test(command_line, a_failed_integration_is_a_result) {
     folder_remove(folder);
 }
 
-/* Also where it is part of a measurement: the reason comes from another process. */
-Test(command_line, a_failed_measurement_is_said_in_one_line) {
-    static const char scene[] =
-        "duration = 1.0;\ngravity = [0, -10, 0];\nmaterial = { };\nenvelope = { };\n"
-        "wisps = ({ root = [0, 0, 0]; direction = [1, 0, 0]; length = 1e-300; nodes = 5; });\n";
-    char folder[PATH_SIZE], path[PATH_SIZE];
-    struct finished f;
-    folder_make(folder);
-    file_write(folder, "point.cfg", scene, path);
-    PROGRAM(&f, NULL, "experiment", "kernel", "--quick", "--scene", path, "--out", folder);
-    cr_assert_eq(f.code, 3, "exit code %d: %s", f.code, f.err);
-    one_line(&f, "a measurement that cannot be made");
-    cr_assert(strstr(f.err, "kernel: the twin has no acceleration"), "%s", f.err);
-    cr_assert_eq(count_files(folder, "samples"), 0, "samples are left");
-    folder_remove(folder);
-}
-
 /* A limit that a timer rounds to 0 would be none, and only a kill would end the run. */
 Test(command_line, the_shortest_time_limit_is_one) {
     char folder[PATH_SIZE];

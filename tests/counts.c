@@ -7,6 +7,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Evaluations of a step: as many as stages, and where there is no table, one or more, the same in
+ * each. */
+static int evaluations_fit(const struct stepper_method *method, const struct counters *c) {
+    return method->table ? c->force_evaluations == c->steps * method->table->stages
+                         : c->force_evaluations >= c->steps && c->force_evaluations % c->steps == 0;
+}
+
 /* The circle's treatments through every fixed-step method: exactly so many steps, each of exactly
  * so many evaluations. */
 Test(counts, explicit_methods_evaluate_the_force_once_per_stage) {
@@ -18,15 +25,15 @@ Test(counts, explicit_methods_evaluate_the_force_once_per_stage) {
         for (int i = 0; scene->problem->treatments[i].name; i++) {
             struct orbit orbit;
             const char *treatment = scene->problem->treatments[i].name;
-            run_circle(
-                scene,
-                &(struct run_request){.stepper = method->name, .treatment = treatment, .step = 0.5},
-                &orbit);
+            const struct run_request request = {
+                .stepper = method->name, .treatment = treatment, .step = 0.5};
+            if (!is_taken(scene, &request))
+                continue;
+            run_circle(scene, &request, &orbit);
             const struct counters *c = &orbit.result.counters;
             cr_assert_eq(c->steps, 32, "%s, %s: %lld steps", method->name, treatment, c->steps);
-            cr_assert_eq(c->force_evaluations, 32LL * method->table->stages,
-                         "%s, %s: %lld evaluations in 32 steps of %d stages", method->name,
-                         treatment, c->force_evaluations, method->table->stages);
+            cr_assert(evaluations_fit(method, c), "%s, %s: %lld evaluations in 32 steps",
+                      method->name, treatment, c->force_evaluations);
             cr_assert_eq(c->projections, strcmp(treatment, "projection") == 0 ? 32 : 0,
                          "%s, %s: %lld projections", method->name, treatment, c->projections);
             cr_assert_eq(c->rejected_steps + c->linear_solves + c->newton_iterations + c->restarts,
@@ -129,10 +136,8 @@ static void check_calls(const struct variant *variant, void *ctx) {
     fixture_add_projection(&fixture);
     fixture.system.lanes = 4;
     fixture.system.wisps = 3;
-    if (settings.linear) {
+    if (settings.linear)
         settings.linear = linear_find(*linear_name);
-        options_defaults(settings.linear->options, settings.linear_option);
-    }
     if (stepper_refuse(variant->method, &settings, &fixture.system))
         return;
     struct stepper *stepper = stepper_create(variant->method, &settings, &fixture.system);

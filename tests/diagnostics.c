@@ -637,6 +637,7 @@ Test(diagnostics, runs_and_experiments_have_their_figures) {
     static struct finished finished;
     char folder[PATH_SIZE], path[PATH_SIZE], reason[REASON_SIZE];
     struct run_case run = {.scene = NULL};
+    struct statements statements;
     folder_make(folder);
     path_format(run.folder, "%s/run", folder);
     PROGRAM(&finished, NULL, "run", "viscosity", "--duration", "0.1", "--diagnostics", "--out",
@@ -648,13 +649,16 @@ Test(diagnostics, runs_and_experiments_have_their_figures) {
     path_format(path, "%s/kept", folder);
     cr_assert_eq(make_folder(path, reason), 0);
     cr_assert_eq(plot_diagnostics(path, reason), 0, "there is nothing to draw");
-    cr_assert_eq(keep_diagnostics(&run, path, "one", reason), 0, "%s", reason);
-    cr_assert_eq(keep_diagnostics(&run, path, "two/3 4", reason), 0, "%s", reason);
+    cr_assert_eq(statements_open(&statements, path, NULL, NULL, reason), 0, "%s", reason);
+    cr_assert_eq(keep_diagnostics(&run, path, "one", &statements, reason), 0, "%s", reason);
+    cr_assert_eq(keep_diagnostics(&run, path, "two/3 4", &statements, reason), 0, "%s", reason);
     cr_assert_eq(plot_diagnostics(path, reason), 1, "%s", reason);
     cr_assert_eq(count_files(path, "diagnostics-one."), 3);
     cr_assert_eq(count_files(path, "diagnostics-two-3-4."), 3);
     path_format(run.folder, "%s/nowhere", folder);
-    cr_assert_eq(keep_diagnostics(&run, path, "three", reason), 0, "%s", reason);
+    cr_assert_eq(keep_diagnostics(&run, path, "three", &statements, reason), 0, "%s", reason);
+    cr_assert_eq(statements_close(&statements, 0, reason), 0, "%s", reason);
+    statements_must_be_whole(path);
     cr_assert_eq(count_files(path, "diagnostics-three."), 0, "a run that died has no diagnoses");
     PROGRAM(&finished, NULL, "plot", run.folder);
     cr_assert_eq(finished.code, 1);

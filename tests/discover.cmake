@@ -1,5 +1,9 @@
 # After the link of the tests: asks the program for its tests, and writes them down for ctest.
-#   cmake -D PROGRAM=file -D OUTPUT=file -D TIMEOUT=seconds -P discover.cmake
+#   cmake -D PROGRAM=file -D OUTPUT=file -D TIMEOUT=seconds [-D PREFIX=text -D ONLY=a/b|c/d]
+#         -P discover.cmake
+#
+# PREFIX is what the tests' names begin with. Of a suite that ONLY names a test of, there are only
+# those.
 #
 # The list looks like this, a parameterised test being one line:
 #   order: 2 tests
@@ -25,28 +29,40 @@ set(expected 0)
 set(found 0)
 string(REGEX REPLACE "\n$" "" list "${list}")
 string(REPLACE "\n" ";" list "${list}")
+string(REPLACE "|" ";" only "${ONLY}")
 foreach(line IN LISTS list)
   if(line MATCHES "^([A-Za-z0-9_]+): ([0-9]+) tests?$")
     set(suite ${CMAKE_MATCH_1})
     math(EXPR expected "${expected} + ${CMAKE_MATCH_2}")
   elseif(line MATCHES "^[|`]-- ([A-Za-z0-9_]+)( \\(skipped\\))?$")
     set(test ${suite}/${CMAKE_MATCH_1})
+    set(skipped "${CMAKE_MATCH_2}")
+    math(EXPR found "${found} + 1")
+    if(";${ONLY}|" MATCHES "[;|]${suite}/")
+      list(FIND only ${test} place)
+      if(place EQUAL -1)
+        continue()
+      endif()
+      list(REMOVE_ITEM only ${test})
+    endif()
     set(properties "TIMEOUT ${TIMEOUT} ENVIRONMENT LC_ALL=C FAIL_REGULAR_EXPRESSION \"${failure}\"
                     SKIP_REGULAR_EXPRESSION \"${skip}\"")
-    if(CMAKE_MATCH_2)
+    if(skipped)
       string(APPEND properties " DISABLED TRUE")
     endif()
     if(test MATCHES "(^|/)slow_") # left out where everything is slow: under sanitizers
       string(APPEND properties " LABELS slow")
     endif()
-    string(APPEND script "add_test(${test} \"${PROGRAM}\" --jobs 1 --filter ${test})\n"
-                         "set_tests_properties(${test} PROPERTIES ${properties})\n")
-    math(EXPR found "${found} + 1")
+    string(APPEND script "add_test(${PREFIX}${test} \"${PROGRAM}\" --jobs 1 --filter ${test})\n"
+                         "set_tests_properties(${PREFIX}${test} PROPERTIES ${properties})\n")
   else()
     message(FATAL_ERROR "${PROGRAM} --list: cannot read '${line}'")
   endif()
 endforeach()
 if(found EQUAL 0 OR NOT found EQUAL expected)
   message(FATAL_ERROR "${PROGRAM} --list: found ${found} tests where it says ${expected}")
+endif()
+if(only)
+  message(FATAL_ERROR "${PROGRAM} --list: there is no ${only}")
 endif()
 file(WRITE ${OUTPUT} "${script}")

@@ -57,14 +57,8 @@ static void erkstep_free(struct stepper *stepper) {
 /* ERKStep at t, with our table of the classical method. */
 static void begin(struct erkstep *self, double t, double h) {
     const struct butcher_table *rk4 = stepper_find("rk4")->table;
-    double a[STAGES_MAX * STAGES_MAX], b[STAGES_MAX], c[STAGES_MAX];
-    const int stages = rk4->stages;
-    for (int i = 0; i < stages; i++) {
-        b[i] = rk4->b[i];
-        c[i] = rk4->c[i];
-        memcpy(a + i * stages, rk4->a[i], (size_t)stages * sizeof *a);
-    }
-    ARKodeButcherTable table = ARKodeButcherTable_Create(stages, 4, 0, c, a, b, NULL);
+    ARKodeButcherTable table = ARKodeButcherTable_Create(rk4->stages, 4, 0, (double *)rk4->c,
+                                                         (double *)rk4->a, (double *)rk4->b, NULL);
     self->arkode = ERKStepCreate(rate, t, self->y, self->sundials.context);
     cr_assert(table && self->arkode, "no memory");
     cr_assert(ERKStepSetTable(self->arkode, table) >= 0 &&

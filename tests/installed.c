@@ -50,7 +50,7 @@ static void complete(const char *words, char *offered, size_t size) {
     snprintf(command, sizeof command,
              "bash -c '. %s && COMP_WORDS=(%s %s) && COMP_CWORD=$((${#COMP_WORDS[@]} - 1)) && "
              "_wisplab && echo \" ${COMPREPLY[*]} \"' 2>&1",
-             script, WISPLAB_PROGRAM, words);
+             script, program_path, words);
     FILE *pipe = popen(command, "r");
     cr_assert(pipe);
     const size_t length = fread(offered, 1, size - 1, pipe);
@@ -120,6 +120,7 @@ static int shell(const char *folder, const char *format, const char *prefix, cha
 Test(installed, program_works_from_any_folder) {
     static const char *const files[] = {
         "bin/wisplab",
+        "bin/wisplab-bench",
         "share/man/man1/wisplab.1",
         "share/bash-completion/completions/wisplab",
         "share/wisplab/experiments/circle.cfg",
@@ -133,6 +134,7 @@ Test(installed, program_works_from_any_folder) {
         "%s/bin/wisplab run circle --no-progress",
         "%s/bin/wisplab run wind --duration 0.01 --no-progress --out wind",
         "%s/bin/wisplab experiment interactions --quick --no-progress",
+        "%s/bin/wisplab experiment kernel --time-limit 0.05 2>&1 | grep 'bench: out of time'",
     };
     char prefix[PATH_SIZE], elsewhere[PATH_SIZE], path[PATH_SIZE], out[8192];
     folder_make(prefix);
@@ -151,4 +153,16 @@ Test(installed, program_works_from_any_folder) {
     cr_assert(file_exists(path), "no figure");
     folder_remove(prefix);
     folder_remove(elsewhere);
+}
+
+/* The library can become a shared one: it knows neither its own place nor another process's. */
+Test(installed, library_is_position_independent) {
+    char folder[PATH_SIZE], out[8192];
+    folder_make(folder);
+    cr_assert_eq(shell(folder,
+                       "ld -shared -o whole.so --whole-archive %s/libwisplab-core.a && "
+                       "! nm -D whole.so | grep -e ptrace -e __executable_start",
+                       WISPLAB_BUILD_DIR, out),
+                 0, "%s", out);
+    folder_remove(folder);
 }

@@ -190,6 +190,8 @@ Test(ladder, slow_brackets_hold_and_crossings_follow, .init = set_up, .fini = cl
     static struct finished f;
     char path[PATH_SIZE];
     run_ladder(&f, folder, NULL);
+    path_format(path, "%s/ladder", folder);
+    statements_must_be_whole(path);
     read_ladder(folder, &table);
     cr_assert_eq(table.count, 3 * 7, "%d rows", table.count);
     for (int i = 0; i < table.count; i++)
@@ -254,6 +256,8 @@ Test(ladder, without_tight_solutions_every_row_says_why, .init = set_up, .fini =
     PROGRAM(&f, NULL, "experiment", "ladder", "--quick", "--scene", scene_path, "--stepper",
             "euler", "--out", folder, "--time-limit", "0.0001");
     cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
+    path_format(path, "%s/ladder", folder);
+    statements_must_be_whole(path);
     path_format(path, "%s/ladder/ladder.tsv", folder);
     char *text = file_read(path);
     int rows = 0;

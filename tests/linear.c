@@ -46,12 +46,8 @@ static double inverse_norm(int n, const double *a) {
     return most;
 }
 
-static void tight(const struct linear_method *method, double *option) {
-    options_defaults(method->options, option);
-    const int i = options_find(method->options, "cg.tolerance", strlen("cg.tolerance"));
-    if (i >= 0)
-        option[i] = 1e-14;
-}
+static const char *const tight_list[] = {"cg.tolerance=1e-14", "cg.iterations=3"};
+static const struct options tight = {tight_list, 1}, tight_and_short = {tight_list, 2};
 
 static const double alphas[] = {0, 0.01, 1, 5}, betas[] = {0, 1e-4, 1, 25};
 
@@ -62,15 +58,14 @@ static void check_solver(const struct linear_method *method, int symmetric) {
     static struct fixture fixture;
     for (int n = 1; n <= FIXTURE_SIZE_MAX; n++) {
         double a[FIXTURE_SIZE_MAX * FIXTURE_SIZE_MAX], b[FIXTURE_SIZE_MAX], x[FIXTURE_SIZE_MAX],
-            expected[FIXTURE_SIZE_MAX], option[OPTIONS_MAX];
+            expected[FIXTURE_SIZE_MAX];
         enum jacobian kind;
         unsigned seed = (unsigned)(100 * n);
         fixture_chain(&fixture, n, (unsigned)n, symmetric);
-        tight(method, option);
         cr_assert_eq(linear_choose(method, &fixture.system, JACOBIAN_AUTO, &kind), 0, "%s",
                      fixture.system.reason);
         cr_assert_eq(kind, JACOBIAN_EXACT, "auto takes a Jacobian that is not there");
-        struct linear_solver *solver = linear_create(method, &fixture.system, option);
+        struct linear_solver *solver = linear_create(method, &fixture.system, &tight);
         cr_assert(solver, "%s: no memory", method->name);
         cr_assert_eq(system_linearise(&fixture.system, kind, 0, b, b), 0, "linearise");
         for (int k = 0; k < 4; k++) {
@@ -195,10 +190,9 @@ Test(linear, singular_and_indefinite_matrices_fail_and_the_next_one_is_solved) {
     static struct fixture fixture;
     for (int i = 0; linear_methods[i]; i++) {
         const struct linear_method *method = linear_methods[i];
-        double option[OPTIONS_MAX], b[4] = {1, 2, 3, 4}, x[4], a[16], scale;
+        double b[4] = {1, 2, 3, 4}, x[4], a[16], scale;
         fixture_chain(&fixture, 4, 1, 1);
-        tight(method, option);
-        struct linear_solver *solver = linear_create(method, &fixture.system, option);
+        struct linear_solver *solver = linear_create(method, &fixture.system, &tight);
         cr_assert(solver, "no memory");
         memcpy(fixture.k, fixture.m, sizeof fixture.k); /* then M - K = 0, */
         fixture.k[0] -= 2;                              /* but for one entry */
@@ -220,13 +214,11 @@ Test(linear, singular_and_indefinite_matrices_fail_and_the_next_one_is_solved) {
 Test(linear, cg_stops_at_its_iterations) {
     static struct fixture fixture;
     const struct linear_method *cg = linear_find("cg");
-    double option[OPTIONS_MAX], b[FIXTURE_SIZE_MAX], x[FIXTURE_SIZE_MAX];
+    double b[FIXTURE_SIZE_MAX], x[FIXTURE_SIZE_MAX];
     fixture_chain(&fixture, FIXTURE_SIZE_MAX, 1, 1);
-    tight(cg, option);
-    option[options_find(cg->options, "cg.iterations", strlen("cg.iterations"))] = 3;
     for (int i = 0; i < FIXTURE_SIZE_MAX; i++)
         b[i] = i == 0;
-    struct linear_solver *solver = linear_create(cg, &fixture.system, option);
+    struct linear_solver *solver = linear_create(cg, &fixture.system, &tight_and_short);
     cr_assert(solver, "no memory");
     cr_assert_eq(linear_factor(solver, 1, 1), 0, "factor");
     cr_assert_eq(linear_solve(solver, b, x), SOLVER_STALLED, "3 iterations do for 30 unknowns");

@@ -143,11 +143,11 @@ Test(memory, steppers_are_made_or_not) {
 static int make_linear(const void *what) {
     static struct fixture fixture;
     const struct linear_method *method = what;
-    double option[OPTIONS_MAX], b[5] = {1}, x[5];
+    const struct options defaults = {0};
+    double b[5] = {1}, x[5];
     fixture_chain(&fixture, 5, 1, 1);
-    options_defaults(method->options, option);
     failing = 1;
-    struct linear_solver *solver = linear_create(method, &fixture.system, option);
+    struct linear_solver *solver = linear_create(method, &fixture.system, &defaults);
     int code = 0;
     if (solver) {
         code = linear_factor(solver, 1, 1);

@@ -299,6 +299,7 @@ static const struct row *row_named(const struct row *rows, int count, const char
 Test(needs, slow_verdicts_follow_from_the_numbers, .init = set_up, .fini = clean_up) {
     static struct row rows[ROWS_MAX];
     static struct finished f;
+    char path[PATH_SIZE];
     PROGRAM(&f, NULL, "experiment", "needs", "--quick", "--scene", scene_path, "--out", folder);
     cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
     const int count = read_rows(rows);
@@ -330,17 +331,22 @@ Test(needs, slow_verdicts_follow_from_the_numbers, .init = set_up, .fini = clean
     PROGRAM(&f, NULL, "experiment", "needs", "--quick", "--scene", scene_path, "--out", folder);
     cr_assert(strstr(f.out, " 0 of them new"), "a complete search does more: %s", f.out);
     cr_assert_eq(count_files(folder, "short.svg"), 1, "no figure");
+    path_format(path, "%s/needs", folder);
+    statements_must_be_whole(path);
 }
 
 /* Failure is a result: without the full model there is a table that says so. */
 Test(needs, without_its_runs_it_says_so, .init = set_up, .fini = clean_up) {
     static struct row rows[ROWS_MAX];
     static struct finished f;
+    char path[PATH_SIZE];
     PROGRAM(&f, NULL, "experiment", "needs", "--quick", "--scene", scene_path, "--out", folder,
             "--time-limit", "0.0001");
     cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
-    cr_assert(strstr(f.out, "short: no answer; the full model's runs: 9 nodes: out of time"), "%s",
-              f.out);
+    cr_assert(strstr(f.out, "short has no answer, for its full model's runs fail: 9 nodes: out of"),
+              "%s", f.out);
+    path_format(path, "%s/needs", folder);
+    statements_must_be_whole(path);
     const int count = read_rows(rows);
     cr_assert_eq(count, 1);
     cr_assert_str_eq(rows[0].verdict, "failed");

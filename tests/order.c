@@ -218,10 +218,10 @@ static double conditions(const struct butcher_table *table, int condition) {
         for (int j = 0; j < table->stages; j++) {
             double inner = 0;
             for (int k = 0; k < table->stages; k++)
-                inner += table->a[j][k] * table->c[k];
-            ac += table->a[i][j] * table->c[j];
-            acc += table->a[i][j] * table->c[j] * table->c[j];
-            aac += table->a[i][j] * inner;
+                inner += butcher_row(table, j)[k] * table->c[k];
+            ac += butcher_row(table, i)[j] * table->c[j];
+            acc += butcher_row(table, i)[j] * table->c[j] * table->c[j];
+            aac += butcher_row(table, i)[j] * inner;
         }
         const double terms[] = {1, c, c * c, ac, c * c * c, c * ac, acc, aac};
         sum += table->b[i] * terms[condition];
@@ -239,7 +239,7 @@ Test(order, tables_fulfil_the_order_conditions) {
         for (int i = 0; i < table->stages; i++) {
             double row = 0;
             for (int j = 0; j < table->stages; j++)
-                row += table->a[i][j];
+                row += butcher_row(table, i)[j];
             cr_assert(fabs(row - table->c[i]) <= 8 * DBL_EPSILON,
                       "%s: c_%d is %g and its row of A adds up to %g", stepper_methods[m]->name, i,
                       table->c[i], row);

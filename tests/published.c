@@ -356,8 +356,9 @@ static double real_stability_limit(const struct butcher_table *table) {
     return low;
 }
 
+/* Explicit with fixed steps, and R(z) is known. */
 static int is_explicit(const struct stepper_method *method) {
-    return !(method->capabilities & (STEPPER_ADAPTIVE | STEPPER_IMPLICIT));
+    return method->table && !(method->capabilities & (STEPPER_ADAPTIVE | STEPPER_IMPLICIT));
 }
 
 /* With a tenth more steps than linear theory asks for, the error is that of the order; with a tenth

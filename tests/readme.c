@@ -1,39 +1,124 @@
-/* The stepper that README makes, as it stands there. */
-#include "fixture.h"
-#include "integrators/stepper.h"
+/* README's walk: a stepper of one file and one line in the registry, in lists, runs and charts. The
+ * program here is built of what README shows; its loops of tests are walk/... in ctest. */
+#include "support.h"
 
 #include <criterion/criterion.h>
-#include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
-extern const struct stepper_method symplectic_euler;
+static const char name[] = "symplectic-euler";
+static const struct launch walk = {.program = WISPLAB_WALK};
+static char folder[PATH_SIZE];
 
-/* Largest distance from (sin, cos) of the manufactured oscillator after 1.7 s in so many steps. */
-static double error_after(int steps) {
-    static struct fixture fixture;
-    const struct stepper_settings settings = {0};
-    const double to = 1.7, h = to / steps;
-    double q = 0, v = 1;
-    fixture_manufactured(&fixture);
-    struct stepper *stepper = stepper_create(&symplectic_euler, &settings, &fixture.system);
-    cr_assert(stepper);
-    for (int k = 0; k < steps; k++)
-        cr_assert_eq(symplectic_euler.step(stepper, k * h, h, &q, &v), 0);
-    symplectic_euler.free(stepper);
-    return fmax(fabs(q - sin(to)), fabs(v - cos(to)));
+static void set_up(void) {
+    folder_make(folder);
 }
 
-Test(readme, the_stepper_of_the_walk_has_the_order_it_states) {
-    const double order = log2(error_after(4000) / error_after(8000));
-    cr_assert_float_eq(order, symplectic_euler.order, 0.05, "order %g", order);
+static void clean_up(void) {
+    gnuplot_stub_remove();
+    folder_remove(folder);
+}
+
+/* Whether a table has a row in which all these are, as cells. */
+static int has_row(const char *table, const char *const *cells) {
+    char path[PATH_SIZE];
+    int found = 0;
+    path_format(path, "%s/%s.tsv", folder, table);
+    char *text = file_read(path);
+    cr_assert(text, "no table %s", table);
+    for (char *rest = text, *line; (line = strsep(&rest, "\n")) != NULL;) {
+        char row[2048];
+        int all = line[0] != '#';
+        snprintf(row, sizeof row, "\t%s\t", line);
+        for (const char *const *cell = cells; *cell && all; cell++) {
+            char wanted[128];
+            snprintf(wanted, sizeof wanted, "\t%s\t", *cell);
+            all = strstr(row, wanted) != NULL;
+        }
+        found |= all;
+    }
+    free(text);
+    return found;
+}
+#define HAS_ROW(table, ...) has_row(table, (const char *const[]){name, __VA_ARGS__, NULL})
+
+/* Whether a chart names it in its legend. */
+static int is_drawn(const char *figure) {
+    char path[PATH_SIZE];
+    path_format(path, "%s/%s.svg", folder, figure);
+    char *text = file_read(path);
+    cr_assert(text, "no figure %s", figure);
+    const int found = strstr(text, name) != NULL;
+    free(text);
+    return found;
+}
+
+Test(readme, the_stepper_is_in_the_list_and_runs, .init = set_up, .fini = clean_up) {
+    static struct finished f;
+    PROGRAM(&f, &walk, "list", "steppers");
+    cr_assert(f.code == 0 && strstr(f.out, name), "%s%s", f.out, f.err);
+    const char *after = strstr(f.out, name);
+    cr_assert(strstr(f.out, "rk4\t") < after && after < strstr(f.out, "implicit-euler\t"),
+              "it is not where README puts it: %s", f.out);
+    PROGRAM(&f, &walk, "run", "swing", "--stepper", name, "--rate", "8000", "--duration", "0.1",
+            "--out", folder);
+    cr_assert(f.code == 0, "%s", f.err);
 }
 
 /* It does not say STEPPER_PROJECTS, and so must not run where a projection belongs to every step.
  */
-Test(readme, it_is_refused_where_a_constraint_is_projected) {
-    static struct fixture fixture;
-    const struct stepper_settings settings = {0};
-    fixture_manufactured(&fixture);
-    cr_assert_eq(stepper_refuse(&symplectic_euler, &settings, &fixture.system), 0);
-    fixture_add_projection(&fixture);
-    cr_assert_eq(stepper_refuse(&symplectic_euler, &settings, &fixture.system), REFUSED);
+Test(readme, it_is_refused_where_a_constraint_is_projected, .init = set_up, .fini = clean_up) {
+    static struct finished f;
+    PROGRAM(&f, &walk, "run", "circle", "--treatment", "projection", "--stepper", name, "--out",
+            folder);
+    cr_assert(f.code == 1 && count_lines(f.err) == 1 && strstr(f.err, name) &&
+                  strstr(f.err, "constraint"),
+              "%d: %s", f.code, f.err);
+}
+
+/* --- the experiments: what is asked for is nothing, and it is there --- */
+
+static void experiment(const char *which, const char *scene) {
+    static struct finished f;
+    if (scene)
+        PROGRAM(&f, &walk, "experiment", which, "--quick", "--scene", scene, "--out", folder,
+                "--no-progress");
+    else
+        PROGRAM(&f, &walk, "experiment", which, "--quick", "--out", folder, "--no-progress");
+    cr_assert(f.code == 0, "%s: exit code %d: %s", which, f.code, f.err);
+}
+
+#define IN_FOLDER .init = set_up, .fini = clean_up
+
+Test(readme, slow_it_is_in_the_chart_of_accuracy_and_cost, IN_FOLDER, .timeout = 300) {
+    experiment("work-precision", "swing");
+    cr_assert(HAS_ROW("work-precision/swing", "generalised", "finished"));
+    cr_assert(HAS_ROW("work-precision/swing-slopes", "generalised"), "too few points for a slope");
+    cr_assert(is_drawn("work-precision/swing"));
+}
+
+Test(readme, slow_it_is_in_the_ladder, IN_FOLDER, .timeout = 300) {
+    experiment("ladder", NULL);
+    cr_assert(HAS_ROW("ladder/ladder", "90", "reached"));
+    cr_assert(is_drawn("ladder/ladder"));
+}
+
+Test(readme, slow_it_is_in_the_circle, IN_FOLDER, .timeout = 300) {
+    experiment("circle", NULL);
+    cr_assert(HAS_ROW("circle/work-precision", "finished"));
+    cr_assert(is_drawn("circle/work-precision"));
+    cr_assert_not(HAS_ROW("circle/radius-predicted", name), "there is no table to foretell it");
+}
+
+Test(readme, slow_it_is_in_stability_without_a_prediction, IN_FOLDER, .timeout = 300) {
+    experiment("stability", "swing");
+    cr_assert(HAS_ROW("stability/largest-step", "swing", "no prediction"));
+    cr_assert(is_drawn("stability/regions") && is_drawn("stability/oscillator") &&
+              is_drawn("stability/damping"));
+}
+
+Test(readme, slow_it_is_in_the_costs_of_chapter_5, IN_FOLDER, .timeout = 300) {
+    experiment("viscosity", NULL);
+    cr_assert(HAS_ROW("viscosity/steppers", "finished"));
+    cr_assert(is_drawn("viscosity/cost"));
 }

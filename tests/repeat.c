@@ -50,7 +50,7 @@ static void check_twice(struct repetition *repetition, const struct variant *var
 }
 
 static void check_variant(const struct variant *variant, void *ctx) {
-    const int implicit = (variant->method->capabilities & STEPPER_IMPLICIT) != 0;
+    const int implicit = (variant->method->capabilities & STEPPER_SOLVES) != 0;
     check_twice(ctx, variant, NULL);
     for (int i = 0; linear_methods[i] && implicit && !variant->option; i++)
         check_twice(ctx, variant, linear_methods[i]->name);
@@ -62,13 +62,17 @@ static void check_scene(const char *scene, const char *duration, const char *fol
     char reason[REASON_SIZE];
     struct scene *loaded = scene_load(scene, NULL, 0, reason);
     cr_assert(loaded, "%s", reason);
-    int steppers = 0;
-    while (stepper_methods[steppers])
-        steppers++;
     for (int i = 0; loaded->problem->treatments[i].name; i++) {
         if (loaded->wisp_count > 0 && loaded->wisps->samples == 0 && i > 0)
             break; /* treatments are of samples */
         repetition.treatment = loaded->problem->treatments[i].name;
+        int steppers = 0;
+        for (int m = 0; stepper_methods[m]; m++) {
+            const int solves = (stepper_methods[m]->capabilities & STEPPER_SOLVES) != 0;
+            steppers += is_taken(loaded, &(struct run_request){.stepper = stepper_methods[m]->name,
+                                                               .treatment = repetition.treatment,
+                                                               .linear = solves ? "direct" : NULL});
+        }
         repetition.compared = 0;
         repetition.last = NULL;
         each_variant(check_variant, &repetition);

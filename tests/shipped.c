@@ -1,6 +1,7 @@
 /* The scenes in experiments/: each loads and runs with every stepper, and those of the thesis's
  * chapter 5 show what their comments say. */
 #include "scene/scene_load.h"
+#include "experiments/common/measure.h"
 #include "support.h"
 #include "wisp/interaction.h"
 #include "wisp_support.h"
@@ -34,7 +35,9 @@ Test(shipped, every_scene_runs_with_every_stepper) {
         const char *name = entries[i]->d_name;
         struct scene *scene = LAB_LOAD(name, "duration=0.005");
         for (int m = 0; stepper_methods[m]; m++) {
-            const struct run_request request = {.stepper = stepper_methods[m]->name, .threads = 2};
+            const struct run_request request = {.stepper = stepper_methods[m]->name,
+                                                .step = usual_step(scene, stepper_methods[m]),
+                                                .threads = 2};
             struct lab_run run;
             lab_run(scene, &request, &run);
             cr_assert_eq(run.result.outcome, FINISHED, "%s with %s: %s", name, request.stepper,

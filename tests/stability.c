@@ -1,9 +1,8 @@
 /* The experiment of stability: growth of the real steps against closed forms, eigenvalues of a
  * chain that is solved by hand, ring-down against R(ih), searches that come to what was measured
  * before; and that wrong is a failure however finite it is. */
-#include "experiments/stability/stability.h"
-
 #include "closed_forms.h"
+#include "experiments/stability/stability_limits.h"
 #include "fixture.h"
 #include "scene/scene_load.h"
 #include "support.h"
@@ -133,10 +132,11 @@ static double chain_frequency(int j) {
     return 2 * sqrt(chain_k / chain_m) * sin(j * M_PI / (2 * (LINKS + 1)));
 }
 
-static double nearest(const double complex *modes, double complex wanted) {
+static double nearest(const struct mode_rate *modes, double complex wanted,
+                      double complex partner) {
     double least = INFINITY;
     for (int i = 0; i < 2 * LINKS; i++)
-        least = fmin(least, cabs(modes[i] - wanted));
+        least = fmin(least, cabs(modes[i].rate - wanted) + cabs(modes[i].partner - partner));
     return least;
 }
 
@@ -146,13 +146,15 @@ Test(stability, modes_of_a_chain_are_the_written_out_ones) {
     for (int k = 0; k < 3; k++) {
         static struct fixture chain;
         make_chain(&chain, taus[k]);
-        double complex *modes = system_modes(&chain.system, 0, zero, zero);
+        struct mode_rate *modes = system_modes(&chain.system, 0, zero, zero);
         cr_assert(modes);
         for (int j = 1; j <= LINKS; j++) {
             const double w = chain_frequency(j), half = taus[k] * w * w / 2;
             const double complex root = csqrt(half * half - w * w);
-            cr_assert_lt(nearest(modes, -half + root), 1e-9, "mode %d at tau %g", j, taus[k]);
-            cr_assert_lt(nearest(modes, -half - root), 1e-9, "mode %d at tau %g", j, taus[k]);
+            cr_assert_lt(nearest(modes, -half + root, -half - root), 1e-8, "mode %d at tau %g", j,
+                         taus[k]);
+            cr_assert_lt(nearest(modes, -half - root, -half + root), 1e-8, "mode %d at tau %g", j,
+                         taus[k]);
         }
         free(modes);
     }
@@ -163,31 +165,30 @@ Test(stability, modes_of_a_chain_are_the_written_out_ones) {
 Test(stability, predicted_steps_of_a_chain_are_the_written_out_ones) {
     static struct fixture chain;
     const double zero[LINKS] = {0}, w = chain_frequency(LINKS);
-    const struct butcher_table *euler_table = stepper_find("euler")->table;
+    const struct stepper_method *euler = stepper_find("euler");
     make_chain(&chain, 0.1);
-    double complex *modes = system_modes(&chain.system, 0, zero, zero);
-    cr_assert_float_eq(stable_step(euler_table, modes, 2 * LINKS), 0.1, 1e-4);
-    cr_assert(isinf(stable_step(stepper_find("implicit-euler")->table, modes, 2 * LINKS)));
+    struct mode_rate *modes = system_modes(&chain.system, 0, zero, zero);
+    cr_assert_float_eq(stable_step(euler, modes, 2 * LINKS), 0.1, 1e-4);
+    cr_assert(isinf(stable_step(stepper_find("implicit-euler"), modes, 2 * LINKS)));
     free(modes);
     make_chain(&chain, 3);
     modes = system_modes(&chain.system, 0, zero, zero);
     const double half = 3 * w * w / 2;
-    cr_assert_float_eq(stable_step(euler_table, modes, 2 * LINKS),
-                       2 / (half + sqrt(half * half - w * w)), 1e-6);
+    cr_assert_float_eq(stable_step(euler, modes, 2 * LINKS), 2 / (half + sqrt(half * half - w * w)),
+                       1e-6);
     free(modes);
     make_chain(&chain, 0);
     modes = system_modes(&chain.system, 0, zero, zero);
-    cr_assert_float_eq(stable_step(stepper_find("rk4")->table, modes, 2 * LINKS), sqrt(8) / w,
-                       1e-4);
-    cr_assert_lt(stable_step(euler_table, modes, 2 * LINKS), 2e-3 / w * 2);
+    cr_assert_float_eq(stable_step(stepper_find("rk4"), modes, 2 * LINKS), sqrt(8) / w, 1e-4);
+    cr_assert_lt(stable_step(euler, modes, 2 * LINKS), 2e-3 / w * 2);
     free(modes);
 }
 
 /* What grows by itself is no fault of the method: only what it adds is. */
 Test(stability, growth_of_the_equations_is_none_of_the_method) {
-    const double complex modes[] = {0.01, -100};
-    cr_assert_float_eq(stable_step(stepper_find("euler")->table, modes, 2), 0.02, 1e-6);
-    cr_assert(isinf(stable_step(stepper_find("euler")->table, modes, 1)));
+    const struct mode_rate modes[] = {{0.01, 0.01}, {-100, -100}};
+    cr_assert_float_eq(stable_step(stepper_find("euler"), modes, 2), 0.02, 1e-6);
+    cr_assert(isinf(stable_step(stepper_find("euler"), modes, 1)));
 }
 
 /* The stretch modes of a wisp, which decide, by the kernel's Jacobians: a chain whose last mass is
@@ -197,15 +198,118 @@ Test(stability, modes_of_a_wisp_come_from_its_jacobians) {
     const double longest = stiffest_mode(scene).frequency;
     int count = 0;
     double fastest = 0;
-    double complex *modes = scene_modes(scene, WISP_GENERALISED, &count);
+    struct mode_rate *modes = scene_modes(scene, WISP_GENERALISED, &count);
     cr_assert(modes && count == 2 * 3 * 9, "%d modes", count);
     for (int i = 0; i < count; i++)
-        fastest = fmax(fastest, cabs(modes[i]));
+        fastest = fmax(fastest, cabs(modes[i].rate));
     cr_assert(fastest < longest && fastest > 0.98 * longest, "%g, and at most %g", fastest,
               longest);
-    cr_assert_float_eq(stable_step(stepper_find("euler")->table, modes, count), 1.2e-4, 1e-6);
+    cr_assert_float_eq(stable_step(stepper_find("euler"), modes, count), 1.2e-4, 1e-6);
     free(modes);
     scene_free(scene);
+}
+
+static int keep_history(struct stepper *stepper) {
+    (void)stepper;
+    return 0;
+}
+
+/* A method that has a history is known from many steps only; Runge-Kutta 4 looked at so is itself.
+ */
+Test(stability, a_train_of_steps_grows_and_rings_as_one_step_does) {
+    struct stepper_method other = *stepper_find("rk4");
+    other.reset = keep_history;
+    for (double x = -3; x <= 1; x += 0.35)
+        for (double y = 0; y <= 3; y += 0.35) {
+            struct small_system small;
+            small_dahlquist(&small, x + I * y);
+            const double expected = growth_at("rk4", x + I * y);
+            cr_assert_float_eq(measured_growth(&other, 1e-2, &small, 1), expected,
+                               1e-9 * expected + 1e-12, "at %g + %gi", x, y);
+        }
+    for (double h = 0.1; h < 1.9; h += 0.3) {
+        const struct ring_down one = measured_ring_down(stepper_find("rk4"), 1e-2, h),
+                               train = measured_ring_down(&other, 1e-2, h);
+        cr_assert(fabs(one.damping - train.damping) < 1e-10 &&
+                      fabs(one.frequency_shift - train.frequency_shift) < 1e-10,
+                  "h = %g: %g and %g", h, one.damping, train.damping);
+    }
+}
+
+/* --- a method that is none of Runge and Kutta's --- */
+
+static struct stepper *symplectic_create(const struct stepper_settings *settings,
+                                         struct system *system) {
+    (void)settings, (void)system;
+    return calloc(1, sizeof(struct stepper));
+}
+
+static int symplectic_step(struct stepper *stepper, double t, double h, double *q, double *v) {
+    struct system *system = stepper->system;
+    double a[2];
+    const int code = system_acceleration(system, t, q, v, a);
+    for (int i = 0; i < system->size && !code; i++) {
+        v[i] += h * a[i];
+        q[i] += h * v[i];
+    }
+    return code;
+}
+
+static void symplectic_free(struct stepper *stepper) {
+    free(stepper);
+}
+
+/* (q, h v) is multiplied by ( 1 + k h^2, 1 + d h; k h^2, 1 + d h ): its determinant is 1 + d h. */
+static double complex symplectic_amplification(double complex z, double complex partner) {
+    const double complex d = z + partner, k = -z * partner;
+    const double complex half = 1 + (k + d) / 2, root = csqrt(half * half - 1 - d);
+    return cabs(half + root) > cabs(half - root) ? half + root : half - root;
+}
+
+static const struct stepper_method symplectic = {.name = "symplectic",
+                                                 .order = 1,
+                                                 .amplification = symplectic_amplification,
+                                                 .create = symplectic_create,
+                                                 .step = symplectic_step,
+                                                 .free = symplectic_free};
+
+/* Its own amplification foretells what its steps do, swinging and creeping. */
+Test(stability, a_method_has_its_own_amplification) {
+    for (double zeta = 0; zeta <= 2; zeta += 0.13)
+        for (double h = 0.1; h <= 3; h += 0.17) {
+            const double complex root = csqrt(zeta * zeta - 1);
+            const double foretold =
+                cabs(stepper_amplification(&symplectic, h * (-zeta + root), h * (-zeta - root)));
+            struct small_system small;
+            small_oscillator(&small, zeta);
+            const double growth = measured_growth(&symplectic, 1e-2, &small, h);
+            cr_assert_float_eq(growth, foretold, 1e-7, "h = %g, zeta = %g: %.9g, not %.9g", h, zeta,
+                               growth, foretold);
+        }
+}
+
+/* Of a Runge-Kutta method it is the larger one of R on both rates. */
+Test(stability, amplification_is_of_the_faster_growing_rate) {
+    const struct stepper_method *rk4 = stepper_find("rk4");
+    cr_assert(stepper_amplification(rk4, -0.1, -3) == butcher_stability(rk4->table, -3));
+    cr_assert(stepper_amplification(rk4, -3, -0.1) == butcher_stability(rk4->table, -3));
+    cr_assert(stepper_amplification(rk4, 2 * I, -2 * I) == butcher_stability(rk4->table, 2 * I));
+}
+
+/* Jury's criterion on that matrix: h^2 w^2 + 2 h tau w^2 < 4. */
+Test(stability, steps_are_foretold_by_a_methods_own_amplification) {
+    static const double taus[] = {0, 0.1, 3};
+    static struct fixture chain;
+    const double zero[LINKS] = {0}, w = chain_frequency(LINKS);
+    for (int k = 0; k < 3; k++) {
+        const double tau = taus[k], limit = -tau + sqrt(tau * tau + 4 / (w * w));
+        make_chain(&chain, tau);
+        struct mode_rate *modes = system_modes(&chain.system, 0, zero, zero);
+        cr_assert_float_eq(stable_step(&symplectic, modes, 2 * LINKS), limit, 1e-3 * limit,
+                           "tau = %g: %g, not %g", tau, stable_step(&symplectic, modes, 2 * LINKS),
+                           limit);
+        free(modes);
+    }
 }
 
 /* --- ring-down --- */
@@ -292,6 +396,12 @@ static char *read_table(const char *name) {
     char *text = file_read(path);
     cr_assert(text, "no table %s", name);
     return text;
+}
+
+static void stated(void) {
+    char path[PATH_SIZE];
+    path_format(path, "%s/stability", folder);
+    statements_must_be_whole(path);
 }
 
 static int read_limits(struct limit_row *row) {
@@ -415,7 +525,8 @@ Test(stability, slow_quick_run_has_every_table_and_figure, .init = set_up, .fini
     gnuplot_stub_remove();
     PROGRAM(&f, NULL, "experiment", "stability", "--quick", "--out", folder);
     cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
-    cr_assert(strstr(f.out, "--quick: "), "--quick does not say what it leaves out");
+    cr_assert(strstr(f.out, "left out of --quick"), "it does not say what it leaves out");
+    stated();
     for (int k = 0; k < 4; k++)
         cr_assert_eq(count_files(folder, figures[k]), 1, "no figure %s", figures[k]);
     char *regions = read_table("regions"), *largest = read_table("largest-step");
@@ -438,6 +549,7 @@ Test(stability, without_a_tight_solution_rows_say_why, .init = set_up, .fini = c
     char *text = read_table("largest-step");
     cr_assert(strstr(text, "no tight solution: out of time"), "%s", text);
     free(text);
+    stated();
 }
 
 Test(stability, is_of_wisps, .init = set_up, .fini = clean_up) {
@@ -445,4 +557,56 @@ Test(stability, is_of_wisps, .init = set_up, .fini = clean_up) {
     PROGRAM(&f, NULL, "experiment", "stability", "--scene", "circle", "--out", folder);
     cr_assert(f.code == 1 && count_lines(f.err) == 1 && strstr(f.err, "of wisps"), "%d: '%s'",
               f.code, f.err);
+}
+
+/* --- what is said of a trial --- */
+
+static void trial_says(const struct cell *cell, const struct trial *trial, const char *verdict,
+                       const char *says) {
+    struct statements statements;
+    struct text_table rows;
+    char reason[REASON_SIZE];
+    cr_assert_eq(statements_open(&statements, folder, NULL, NULL, reason), 0, "%s", reason);
+    limits_state_trial(&statements, cell, trial, ANSWERS_FAILURES);
+    cr_assert_eq(statements_close(&statements, 0, reason), 0, "%s", reason);
+    cr_assert_eq(statements_read(&rows, folder, reason), 0, "%s", reason);
+    const char *sentence = text_table_cell(&rows, 0, "statement");
+    cr_assert(strstr(sentence, says), "'%s' does not say '%s'", sentence, says);
+    cr_assert_str_eq(text_table_cell(&rows, 0, "verdict"), verdict, "%s", sentence);
+    cr_assert_str_eq(text_table_cell(&rows, 0, "question"), "failures");
+    text_table_free(&rows);
+}
+
+/* The sentence and its verdict follow what the runs have shown. */
+Test(stability, a_trial_is_told_as_it_went, .init = set_up, .fini = clean_up) {
+    const struct configuration euler = {.name = "euler", .method = stepper_find("euler")},
+                               cvode = {.name = "cvode", .method = stepper_find("cvode")};
+    struct scene *scene = lab_load("swing", NULL, 0);
+    const struct cell cell = {.scene = scene,
+                              .treatment = WISP_GENERALISED,
+                              .subject = "swing",
+                              .name = "swing generalised"};
+    struct trial fixed = {.contestant = &euler,
+                          .place = {.missed = 100, .reached = 101},
+                          .missed = {NAN, DIVERGED, 0.25}};
+    trial_says(&cell, &fixed, "holds", "euler is stable on swing (generalised) up to ");
+    trial_says(&cell, &fixed, "holds", "the next step tried ends 'diverged' at 0.25 s.");
+    fixed.missed = (struct verdict){0.003, FINISHED, NAN};
+    trial_says(&cell, &fixed, "holds", "the next step tried is finite and wrong by 3 mm.");
+    fixed.place.missed = -1;
+    trial_says(&cell, &fixed, "holds", "is stable on swing (generalised) at every step tried");
+    fixed.place = (struct bracket){.missed = 100, .reached = -1};
+    snprintf(fixed.note, sizeof fixed.note, "it takes too long");
+    trial_says(&cell, &fixed, "not reached", "that was tried on swing (generalised) is stable: it");
+    fixed.place.missed = -1;
+    trial_says(&cell, &fixed, "not reached", "No step of euler was tried");
+    struct trial adaptive = {.contestant = &cvode,
+                             .place = {.missed = -1, .reached = -1},
+                             .cost = {.outcome = FINISHED, .steps = 1000 * scene->duration}};
+    trial_says(&cell, &adaptive, "holds",
+               "cvode chooses its steps on swing (generalised), 1 ms in the mean at rtol 0.001, "
+               "and has no longest one.");
+    adaptive.cost.outcome = OUT_OF_TIME;
+    trial_says(&cell, &adaptive, "not reached", "did not reach its end: out of time.");
+    scene_free(scene);
 }

@@ -224,9 +224,10 @@ Test(subdivision_runs, slow_every_stepper_goes_on_with_the_children) {
     int runs = 0;
     for (int i = 0; stepper_methods[i]; i++)
         for (int treatment = 0; treatment < TREATMENTS; treatment++) {
-            const int implicit = (stepper_methods[i]->capabilities & STEPPER_IMPLICIT) != 0;
+            const int implicit = (stepper_methods[i]->capabilities & STEPPER_SOLVES) != 0;
             for (int solver = 0; solver < (implicit ? 4 : 1); solver++) {
                 const struct run_request request = {.stepper = stepper_methods[i]->name,
+                                                    .step = usual_step(scene, stepper_methods[i]),
                                                     .treatment = treatment_names[treatment],
                                                     .linear = implicit ? solvers[solver] : NULL};
                 struct film film;

@@ -1,5 +1,6 @@
 #include "support.h"
 
+#include "experiments/common/statements.h"
 #include "model/circle.h"
 #include "scene/scene_load.h"
 
@@ -45,22 +46,11 @@ void each_variant(void (*use)(const struct variant *variant, void *ctx), void *c
 }
 
 struct stepper_settings variant_settings(const struct variant *variant, double rtol, double atol) {
-    struct stepper_settings settings = {.rtol = rtol, .atol = atol};
-    const struct option_spec *specs = variant->method->options;
-    options_defaults(specs, settings.option);
-    if (variant->method->capabilities & STEPPER_IMPLICIT) {
-        settings.linear = linear_find("direct");
-        options_defaults(settings.linear->options, settings.linear_option);
-    }
-    if (variant->option) {
-        char reason[REASON_SIZE];
-        const char *equals = strchr(variant->option, '=');
-        const int i = options_find(specs, variant->option, (size_t)(equals - variant->option));
-        cr_assert(i >= 0 && options_parse(&specs[i], equals + 1, &settings.option[i], reason,
-                                          sizeof reason) == 0,
-                  "%s cannot be made", variant->name);
-    }
-    return settings;
+    const int solves = (variant->method->capabilities & STEPPER_SOLVES) != 0;
+    return (struct stepper_settings){.linear = solves ? linear_find("direct") : NULL,
+                                     .rtol = rtol,
+                                     .atol = atol,
+                                     .options = {&variant->option, variant->option != NULL}};
 }
 
 int integrate(struct stepper *stepper, double from, double to, int steps, double *q, double *v) {
@@ -102,6 +92,18 @@ static int keep_last(void *ctx, const struct model *model, double t, const doubl
     return 0;
 }
 
+int is_taken(const struct scene *scene, const struct run_request *request) {
+    struct settings settings;
+    char reason[REASON_SIZE];
+    if (settings_resolve(scene, request, &settings, reason) == 0)
+        return 1;
+    const struct stepper_method *method = stepper_find(request->stepper);
+    cr_assert(method && strncmp(reason, method->name, strlen(method->name)) == 0 &&
+                  (method->refuse || !(method->capabilities & STEPPER_PROJECTS)),
+              "refused: %s", reason);
+    return 0;
+}
+
 void run_circle(const struct scene *scene, const struct run_request *request, struct orbit *orbit) {
     struct settings settings;
     char reason[REASON_SIZE];
@@ -121,7 +123,7 @@ __attribute__((constructor)) static void name_host(void) {
 }
 
 struct process program_start(const struct launch *launch, const char *const *arguments) {
-    const char *argv[32] = {WISPLAB_PROGRAM};
+    const char *argv[32] = {launch && launch->program ? launch->program : program_path};
     for (int i = 0; arguments[i]; i++)
         argv[i + 1] = arguments[i];
     struct process process = {.out = memfd_create("out", MFD_CLOEXEC),
@@ -142,7 +144,7 @@ struct process program_start(const struct launch *launch, const char *const *arg
             const rlim_t limit = (rlim_t)launch->file_limit;
             setrlimit(RLIMIT_FSIZE, &(struct rlimit){limit, limit});
         }
-        execv(WISPLAB_PROGRAM, (char *const *)argv);
+        execv(argv[0], (char *const *)argv);
         _exit(99);
     }
     cr_assert(process.pid > 0, "no process");
@@ -274,4 +276,58 @@ int count_files(const char *folder, const char *part) {
     struct matches matches = {.part = part};
     each_file(folder, match, &matches);
     return matches.count;
+}
+
+/* --- what experiments found --- */
+
+static void row_must_be_whole(const struct text_table *rows, int row) {
+    static const char *const verdicts[] = {"holds", "does not hold", "not reached", "not asked"};
+    const char *key = text_table_cell(rows, row, "key"),
+               *verdict = text_table_cell(rows, row, "verdict"),
+               *sentence = text_table_cell(rows, row, "statement"),
+               *by = text_table_cell(rows, row, "by");
+    int known = 0;
+    for (int i = 0; i < 4; i++)
+        known |= strcmp(verdicts[i], verdict) == 0;
+    cr_assert(known, "%s: a verdict '%s'", key, verdict);
+    cr_assert_eq(text_table_find(rows, key, NULL), row, "two rows are called %s", key);
+    for (int i = 0; i < rows->column_count; i++)
+        cr_assert(!text_cell_is_empty(rows->cell[row * rows->column_count + i]),
+                  "%s: nothing in column %s", key, rows->name[i]);
+    cr_assert(strlen(sentence) > 10 && sentence[strlen(sentence) - 1] == '.', "%s: '%s'", key,
+              sentence);
+    cr_assert(!strstr(sentence, "nan") && !strstr(sentence, "inf "), "%s: '%s'", key, sentence);
+    cr_assert(strcmp(by, "ours") == 0 || strcmp(by, "thesis") == 0, "%s: by '%s'", key, by);
+    cr_assert_eq(strcmp(text_table_cell(rows, row, "value"), "-") == 0,
+                 strcmp(text_table_cell(rows, row, "unit"), "-") == 0, "%s: a unit alone", key);
+}
+
+/* "results/circle/radius.svg" -> "radius" must be the figure of a row. */
+static void figure_must_have_row(const char *path, const struct text_table *rows) {
+    const char *name = strrchr(path, '/') + 1;
+    const size_t length = strlen(name) - 4;
+    int found = 0;
+    for (int row = 0; row < rows->row_count; row++) {
+        const char *figure = text_table_cell(rows, row, "figure");
+        found |= strlen(figure) == length && strncmp(figure, name, length) == 0;
+    }
+    cr_assert(found, "no statement is of figure %s", path);
+}
+
+void statements_must_be_whole(const char *folder) {
+    static const char *const kinds[] = {"*.svg", "*.png"};
+    struct text_table rows;
+    char reason[REASON_SIZE];
+    cr_assert_eq(statements_read(&rows, folder, reason), 0, "%s", reason);
+    cr_assert_gt(rows.row_count, 0, "%s: nothing is stated", folder);
+    for (int row = 0; row < rows.row_count; row++)
+        row_must_be_whole(&rows, row);
+    for (int k = 0; k < 2; k++) {
+        glob_t found;
+        cr_assert_eq(files_like(folder, kinds[k], &found), 0);
+        for (size_t i = 0; i < found.gl_pathc; i++)
+            figure_must_have_row(found.gl_pathv[i], &rows);
+        globfree(&found);
+    }
+    text_table_free(&rows);
 }

@@ -18,7 +18,8 @@ struct variant {
 };
 void each_variant(void (*use)(const struct variant *variant, void *ctx), void *ctx);
 
-/* Settings for a variant on some system, with defaults, the direct solver and these tolerances. */
+/* Settings for a variant on some system, with defaults, the direct solver and these tolerances;
+ * they point into the variant. */
 struct stepper_settings variant_settings(const struct variant *variant, double rtol, double atol);
 
 /* From `from` to `to` in `steps` equal steps, or, of adaptive methods, in as many as it takes.
@@ -26,6 +27,10 @@ struct stepper_settings variant_settings(const struct variant *variant, double r
 int integrate(struct stepper *stepper, double from, double to, int steps, double *q, double *v);
 
 /* --- runs in this process --- */
+
+/* Whether there can be such a run. That a problem is not for a method is no failure of a test: then
+ * the method says so by its name. Stops the test where anything else is wrong. */
+int is_taken(const struct scene *scene, const struct run_request *request);
 
 /* The circle with this duration, every step a frame (frame_rate 0) or not. scene_free it. */
 struct scene *circle_scene(double duration, double frame_rate);
@@ -47,8 +52,12 @@ struct finished {
     char out[65536], err[65536];
 };
 
+/* The program of this build, and in the tests of README's walk the one with README's stepper. */
+extern const char *const program_path;
+
 /* How it is started: all zero is as usual. */
 struct launch {
+    const char *program; /* NULL: program_path */
     const char *folder; /* to start in; NULL: this one */
     long file_limit;    /* bytes that a file may have; 0: no limit */
     int to_dev_full;    /* standard output is a full disk */
@@ -100,5 +109,11 @@ void each_file(const char *folder, void (*use)(const char *path, void *ctx), voi
 
 /* How many files below a folder have a name that contains `part`. */
 int count_files(const char *folder, const char *part);
+
+/* --- what experiments found --- */
+
+/* Checks an experiment's folder: its statements have one of the four verdicts, no empty cell, a key
+ * of their own, a sentence that ends; and every figure there has one. */
+void statements_must_be_whole(const char *folder);
 
 #endif

@@ -404,12 +404,10 @@ static void check_solver(const struct linear_method *method, double alpha, doubl
                          const double *b, const double *expected, const double *scale,
                          const char *what) {
     static double x[LAB_SIZE];
-    double option[OPTIONS_MAX];
-    options_defaults(method->options, option);
-    const int tolerance = options_find(method->options, "cg.tolerance", strlen("cg.tolerance"));
-    if (tolerance >= 0)
-        option[tolerance] = 1e-14;
-    struct linear_solver *solver = linear_create(method, &s.part.system, option);
+    static const char *const tight[] = {"cg.tolerance=1e-14"};
+    const struct options options = {tight, 1};
+    const int iterates = options_find(method->options, "cg.tolerance", strlen("cg.tolerance")) >= 0;
+    struct linear_solver *solver = linear_create(method, &s.part.system, &options);
     cr_assert(solver, "no memory for %s", method->name);
     cr_assert_eq(linear_factor(solver, alpha, beta), 0, "%s, %s: %s", what, method->name,
                  s.part.system.reason);
@@ -419,7 +417,7 @@ static void check_solver(const struct linear_method *method, double alpha, doubl
     for (int i = 0; i < s.part.size; i++)
         most = fmax(most, scale[i]);
     for (int i = 0; i < s.part.size; i++) {
-        const double of = tolerance >= 0 ? most : scale[i]; /* of |b| as a whole */
+        const double of = iterates ? most : scale[i]; /* of |b| as a whole */
         cr_assert(fabs(x[i] - expected[i]) <= solver_tolerance * of,
                   "%s, %s: x[%d] is %.17g, densely %.17g, scale %.1e", what, method->name, i, x[i],
                   expected[i], of);
@@ -485,6 +483,65 @@ Test(wisp_jacobian, direct_solves_each_lane) {
                           "%s: lane %d, x[%d] is %.17g, densely %.17g", treatment_names[treatment],
                           lane, i, got[i], x[i]);
         }
+        lab_part_free(&s.part);
+    }
+}
+
+/* --- what is prepared holds --- */
+
+/* What products, the assembled matrix and the direct solver make of the last linearisation, the
+ * last of them also with the factors that were there before. */
+struct prepared {
+    double product[LAB_LANES * LAB_SIZE], solution[LAB_LANES * LAB_SIZE];
+    double kept[LAB_LANES * LAB_SIZE], assembled[SIZE_MOST * SIZE_MOST];
+};
+
+static void use_prepared(struct prepared *made) {
+    struct system *system = &s.part.system;
+    memset(made, 0, sizeof *made);
+    system_solve(system, s.V, made->kept);
+    system_product(system, 1, -1e-3, -1e-6, s.V, made->product);
+    if (s.part.lanes == 1)
+        system_assemble(system, 1e-3, 1e-6, made->assembled);
+    cr_assert_eq(system_factor(system, 1e-3, 1e-6), 0, "%s", system->reason);
+    system_solve(system, s.V, made->solution);
+}
+
+/* All that can be asked of a part between a linearisation and its use, at another state. */
+static void ask_other_things(unsigned *seed) {
+    static double q[LAB_LANES * LAB_SIZE], v[LAB_LANES * LAB_SIZE], a[LAB_LANES * LAB_SIZE];
+    struct system *system = &s.part.system;
+    struct energies energies;
+    struct powers powers;
+    for (int k = 0; k < s.part.lanes; k++) {
+        lab_state(&s.wisps[k], s.treatment, STATE_RANDOM, 0, seed, s.q[k], s.v[k]);
+        lab_scatter(&s.part, k, s.q[k], q);
+        lab_scatter(&s.part, k, s.v[k], v);
+    }
+    cr_assert_eq(system_acceleration(system, 0.4, q, v, a), 0, "%s", system->reason);
+    cr_assert_eq(system->ops->energies(system->ctx, 0.5, q, v, &energies), 0, "%s", system->reason);
+    cr_assert_eq(system->ops->powers(system->ctx, 0.6, q, v, &powers), 0, "%s", system->reason);
+    kernel_of(s.part.lanes)->clamp(system->ctx, q, v);
+}
+
+/* To the bit, whatever is asked in between; two-stage methods live on it (tests/ros2.c). */
+Test(wisp_jacobian, what_was_linearised_holds_until_the_next_time) {
+    static struct prepared before, after;
+    unsigned seed = 18;
+    EACH_CASE(treatment, law, shape, kind)
+    for (int lanes = 1; lanes <= 4; lanes += 3) {
+        make_setting(&s, lanes, &shapes[shape], (enum bending)law, (enum wisp_treatment)treatment,
+                     (enum lab_state)kind, &seed);
+        linearise(&s, JACOBIAN_SPD);
+        cr_assert_eq(system_factor(&s.part.system, 1e-3, 1e-6), 0, "%s", s.part.system.reason);
+        use_prepared(&before);
+        ask_other_things(&seed);
+        use_prepared(&after);
+        cr_assert(memcmp(&before, &after, sizeof before) == 0,
+                  "%s, bending %s, %d nodes, %d samples, %d lanes: other bits after an "
+                  "evaluation",
+                  treatment_names[treatment], law_names[law], shapes[shape].nodes,
+                  shapes[shape].samples, lanes);
         lab_part_free(&s.part);
     }
 }

@@ -2,6 +2,7 @@
  * depend neither on its lane, nor on its neighbours, nor on the order of the scene. */
 #include "model/problems.h"
 #include "scene/scene_load.h"
+#include "support.h"
 #include "wisp_support.h"
 
 #include <criterion/criterion.h>
@@ -217,7 +218,6 @@ static void multiply_spd(struct part *part, double *result) {
 static void steps(struct part *part, const char *name, double *result) {
     struct stepper_settings settings = {.linear = linear_find("direct")};
     const struct stepper_method *method = stepper_find(name);
-    options_defaults(method->options, settings.option);
     struct stepper *stepper = stepper_create(method, &settings, &part->system);
     cr_assert(stepper, "no stepper");
     for (int k = 0; k < 30; k++)
@@ -281,88 +281,4 @@ Test(wisp_kernel, bits_do_not_depend_on_lanes_neighbours_or_order) {
                     same_bits(&alone, one, single, uses[u].name);
                 }
             }
-}
-
-/* --- runs of scene files --- */
-
-static const char *const entries[] = {
-    "{ root = [0.0, 0.0, 0.0]; direction = [1.0, 0.0, 0.0]; length = 0.30; nodes = 11; }",
-    "{ root = [0.1, 0.0, 0.2]; direction = [1.0, 0.3, 0.2]; length = 0.25; nodes = 11; }",
-    "{ root = [0.0, 0.2, 0.0]; direction = [0.0, 1.0, 0.1]; length = 0.20; nodes = 7; }",
-    "{ root = [0.3, 0.0, 0.0]; direction = [-1.0, 0.2, 1.0]; length = 0.30; nodes = 11; }",
-    "{ root = [0.0, 0.0, 0.4]; direction = [0.2, -1.0, 0.0]; length = 0.20; nodes = 7; }",
-    "{ root = [0.0, 0.5, 0.0]; direction = [1.0, 1.0, 1.0]; length = 0.35; nodes = 11; }",
-};
-enum { ENTRIES = sizeof entries / sizeof *entries };
-
-/* A scene file with these entries in this order. */
-static struct scene *scene_of_entries(const int *order, int count) {
-    char text[2000];
-    int used = snprintf(
-        text, sizeof text,
-        "duration = 0.05; frame_rate = 60.0; gravity = [0.0, -9.81, 0.0]; material = { };\n"
-        "envelope = { radius = 0.01; };\n"
-        "wind = { kind = \"irregular\"; velocity = [1.0, 0.5, 2.0];\n"
-        "         amplitudes = [0.5, 0.2]; frequencies = [2.0, 7.0]; };\n"
-        "run = { step = 2e-4; rtol = 1e-5; atol = 1e-8; };\n"
-        "wisps = (");
-    for (int i = 0; i < count; i++)
-        used += snprintf(text + used, sizeof text - (size_t)used, "%s\n%s", i ? "," : "",
-                         entries[order[i]]);
-    snprintf(text + used, sizeof text - (size_t)used, ");\n");
-    return lab_read(text);
-}
-
-/* The rows of one wisp in a frame, behind the column that numbers it. */
-static void compare_wisp(const struct lab_run *a, int first_a, const struct lab_run *b, int first_b,
-                         int nodes, const char *what) {
-    for (int f = 0; f < a->frames; f++)
-        for (int i = 0; i < nodes; i++) {
-            const double *x = a->row + (f * a->rows + first_a + i) * a->columns,
-                         *y = b->row + (f * b->rows + first_b + i) * b->columns;
-            cr_assert_eq(memcmp(x + 1, y + 1, (size_t)(a->columns - 1) * sizeof *x), 0,
-                         "%s: other bits in frame %d, node %d", what, f, i);
-        }
-}
-
-static void first_rows(const struct scene *scene, int *first) {
-    first[0] = 0;
-    for (int i = 1; i < scene->wisp_count; i++)
-        first[i] = first[i - 1] + scene->wisps[i - 1].nodes;
-}
-
-Test(wisp_kernel, runs_do_not_depend_on_order_or_company) {
-    static const int plain[ENTRIES] = {0, 1, 2, 3, 4, 5}, mixed[ENTRIES] = {4, 3, 0, 5, 2, 1};
-    int first_plain[ENTRIES], first_mixed[ENTRIES];
-    struct scene *scene = scene_of_entries(plain, ENTRIES),
-                 *other = scene_of_entries(mixed, ENTRIES);
-    first_rows(scene, first_plain);
-    first_rows(other, first_mixed);
-    for (int treatment = 0; treatment < TREATMENTS; treatment++)
-        for (int m = 0; stepper_methods[m]; m++) {
-            const struct stepper_method *method = stepper_methods[m];
-            const struct run_request request = lab_request(method, treatment);
-            struct lab_run a, b, c;
-            char what[80];
-            snprintf(what, sizeof what, "%s, %s", method->name, treatment_names[treatment]);
-            lab_run(scene, &request, &a);
-            lab_run(other, &request, &b);
-            cr_assert_eq(a.frames, b.frames, "%s: %d and %d frames", what, a.frames, b.frames);
-            cr_assert_geq(a.frames, 2, "%s: %s", what, a.result.reason);
-            for (int i = 0; i < ENTRIES; i++) {
-                const int e = mixed[i], nodes = scene->wisps[e].nodes;
-                compare_wisp(&a, first_plain[e], &b, first_mixed[i], nodes, what);
-                if (i > 1)
-                    continue;
-                struct scene *alone = scene_of_entries(&e, 1);
-                lab_run(alone, &request, &c);
-                compare_wisp(&a, first_plain[e], &c, 0, nodes, what);
-                lab_run_free(&c);
-                scene_free(alone);
-            }
-            lab_run_free(&a);
-            lab_run_free(&b);
-        }
-    scene_free(scene);
-    scene_free(other);
 }

@@ -220,7 +220,7 @@ static int keep(void *ctx, const struct model *model, double t, const double *ro
 }
 
 struct run_request lab_request(const struct stepper_method *method, int treatment) {
-    const int implicit = (method->capabilities & STEPPER_IMPLICIT) != 0;
+    const int implicit = (method->capabilities & STEPPER_SOLVES) != 0;
     return (struct run_request){.stepper = method->name,
                                 .treatment = treatment_names[treatment],
                                 .linear = implicit ? "direct" : NULL};

@@ -3,6 +3,7 @@
 #include "hair_study.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* --- variants --- */
@@ -42,16 +43,31 @@ static struct ratio normalise(const struct spread *cpu, const struct spread *fir
                           cpu->greatest / first->least};
 }
 
-/* What is to be said of our ratio beside the thesis's. */
-static void compare(char *text, size_t size, const struct ratio *ours, double thesis) {
-    if (!(thesis > 0) || !isfinite(ours->value))
+/* The thesis's ratio, with what the rounding of its times allows: they are printed to 0.01 s. */
+static struct ratio thesis_ratio_of(const struct hair_variant *variant,
+                                    const struct hair_variant *first) {
+    const double rounding = 0.005;
+    if (!(variant->thesis > 0 && first->thesis > 0) || variant == first)
+        return (struct ratio){variant->thesis / first->thesis, 1, 1};
+    return (struct ratio){variant->thesis / first->thesis,
+                          (variant->thesis - rounding) / (first->thesis + rounding),
+                          (variant->thesis + rounding) / (first->thesis - rounding)};
+}
+
+static int is_as_in_thesis(const struct ratio *ours, const struct ratio *thesis) {
+    return ours->least <= thesis->most && thesis->least <= ours->most;
+}
+
+/* What is to be said of our ratio beside the thesis's; NULL: it has none. */
+static void compare(char *text, size_t size, const struct ratio *ours, const struct ratio *thesis) {
+    if (!thesis || !(thesis->value > 0) || !isfinite(ours->value))
         snprintf(text, size, "nothing to compare with");
-    else if (thesis >= ours->least && thesis <= ours->most)
+    else if (is_as_in_thesis(ours, thesis))
         snprintf(text, size, "as in the thesis, within the spread");
     else
         snprintf(text, size, "%.2f of the first row, in the thesis %.2f: %s by %.0f %%",
-                 ours->value, thesis, ours->value > thesis ? "more" : "less",
-                 100 * fabs(ours->value / thesis - 1));
+                 ours->value, thesis->value, ours->value > thesis->value ? "more" : "less",
+                 100 * fabs(ours->value / thesis->value - 1));
 }
 
 static const char table_columns[] =
@@ -64,7 +80,7 @@ static void write_variant(FILE *stream, const struct hair_study *study, int i) {
     const struct spread first = hair_cpu_per_frame(&study->runs[0]), cpu = hair_cpu_per_frame(run);
     const struct ratio ratio = normalise(&cpu, &first, i == 0);
     const double thesis = run->variant->thesis > 0 ? run->variant->thesis : NAN;
-    const double thesis_ratio = thesis / study->runs[0].variant->thesis;
+    const struct ratio theirs = thesis_ratio_of(run->variant, study->runs[0].variant);
     const struct hair *hair = &run->hair;
     const int frames = hair->frame_count;
     const double numbers[] = {run->cost.failure_time,
@@ -75,7 +91,7 @@ static void write_variant(FILE *stream, const struct hair_study *study, int i) {
                               ratio.least,
                               ratio.most,
                               thesis,
-                              thesis_ratio,
+                              theirs.value,
                               thesis / cpu.median,
                               real_time(&cpu, run->timed->run.scene),
                               run_number(&run->files, "counters.wisp_contacts"),
@@ -83,17 +99,48 @@ static void write_variant(FILE *stream, const struct hair_study *study, int i) {
                               run_number(&run->files, "counters.splits"),
                               frames > 0 ? (double)hair->frames[frames - 1].wisps : NAN};
     char words[128];
-    compare(words, sizeof words, &ratio, study->count > 1 ? thesis_ratio : NAN);
+    compare(words, sizeof words, &ratio, study->count > 1 ? &theirs : NULL);
     fprintf(stream, "%s\t%s", run->variant->label, outcome_name(run->cost.outcome));
     for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
         fprintf(stream, "\t%.17g", numbers[k]);
     fprintf(stream, "\t%s\n", words);
-    printf("  %-18s %9.3f %11.2f %11.2f %11.2f %9.1f %9.0f   %s\n", run->variant->label,
-           1e3 * cpu.median, ratio.value, thesis, thesis_ratio, hair_contacts_per_frame(run),
-           numbers[10], words);
 }
 
-static int write_table(struct plan *plan, const char *folder, const struct hair_study *study) {
+/* Times of now and of then compare by their ratios only. */
+static void state_variant(struct hair_study *study, int i) {
+    const struct hair_run *run = &study->runs[i], *one = &study->runs[0];
+    const struct spread first = hair_cpu_per_frame(one), cpu = hair_cpu_per_frame(run);
+    const struct ratio ratio = normalise(&cpu, &first, i == 0);
+    const struct ratio theirs = thesis_ratio_of(run->variant, one->variant);
+    char key[80], then[48] = "";
+    if (run->variant->thesis > 0)
+        snprintf(then, sizeof then, "; in the thesis it took %g s", run->variant->thesis);
+    snprintf(key, sizeof key, "cost, %.60s", run->variant->label);
+    struct statement row = {.key = key,
+                            .figure = "cost",
+                            .tables = "table",
+                            .value = i == 0 ? 1e3 * cpu.median : ratio.value,
+                            .unit = i == 0 ? "ms" : "1"};
+    if (run->cost.outcome != FINISHED || !isfinite(ratio.value)) {
+        row.verdict = NOT_REACHED;
+        hair_state(
+            study, row, "What a frame takes is not known (%s): %s.", run->variant->label,
+            outcome_name(run->cost.outcome != FINISHED ? run->cost.outcome : one->cost.outcome));
+    } else if (i == 0) {
+        hair_state(study, row, "A frame takes %.3g ms of CPU time (%s)%s.", 1e3 * cpu.median,
+                   run->variant->label, then);
+    } else {
+        row.by = THESIS;
+        row.verdict = holds_if(is_as_in_thesis(&ratio, &theirs));
+        hair_state(study, row,
+                   "A frame takes %.3g ms of CPU time (%s), %.2f times the first (%s); in the "
+                   "thesis %.2f times.",
+                   1e3 * cpu.median, run->variant->label, ratio.value, one->variant->label,
+                   theirs.value);
+    }
+}
+
+static int write_table(struct plan *plan, const char *folder, struct hair_study *study) {
     struct atomic_file file;
     if (open_table(
             &file, folder, "table",
@@ -104,10 +151,10 @@ static int write_table(struct plan *plan, const char *folder, const struct hair_
             "section of another wisp at a tick, body_contacts: in a body; nan: there is no number",
             study->subject->scene, table_columns, plan->reason))
         return -1;
-    printf("  %-18s %9s %11s %11s %11s %9s %9s\n", "CPU time per frame", "ms", "normalised",
-           "thesis: s", "normalised", "contacts", "real time");
-    for (int i = 0; i < study->count; i++)
+    for (int i = 0; i < study->count; i++) {
         write_variant(file.stream, study, i);
+        state_variant(study, i);
+    }
     return atomic_commit(&file, plan->reason);
 }
 
@@ -176,29 +223,133 @@ static void name_setting(char *text, size_t size, const struct settings *setting
         snprintf(text, size, "%.0f Hz", 1 / settings->step);
 }
 
-static void write_attempt(FILE *stream, const struct attempt *attempt, const struct attempt *base) {
-    char setting[64] = "–";
-    struct spread cpu = {NAN, NAN, NAN};
-    struct agreement agreement = {NAN, NAN};
-    const char *note = "refused";
-    if (attempt->one) {
-        name_setting(setting, sizeof setting, &attempt->one->run.settings);
-        cpu = per_frame(&attempt->cost, attempt->one->run.scene);
-        note = json_string_value(json_object_get(attempt->files.json, "reason"));
-    }
+/* What an attempt cost, and how far it is from the base's run. */
+struct result {
+    const struct stepper_method *method;
+    enum outcome outcome;
+    struct spread cpu;          /* s per frame */
+    struct agreement agreement; /* NaN of the base itself, and where there is none */
+    char setting[64];
+};
+
+static struct result result_of(const struct attempt *attempt, const struct attempt *base) {
+    struct result result = {.method = attempt->method,
+                            .outcome = attempt->cost.outcome,
+                            .cpu = {NAN, NAN, NAN},
+                            .agreement = {NAN, NAN},
+                            .setting = "–"};
+    if (!attempt->one)
+        return result;
+    name_setting(result.setting, sizeof result.setting, &attempt->one->run.settings);
+    result.cpu = per_frame(&attempt->cost, attempt->one->run.scene);
+    if (base && base->method != attempt->method)
+        result.agreement = agree(&attempt->hair, &base->hair);
+    return result;
+}
+
+static void write_attempt(FILE *stream, const struct attempt *attempt, const struct attempt *base,
+                          const struct result *result) {
+    const char *note = attempt->one
+                           ? json_string_value(json_object_get(attempt->files.json, "reason"))
+                           : "refused";
     if ((!note || !*note) && (!base || base->method == attempt->method))
         note = base ? "what the others are compared with" : "nothing to compare with";
-    if (attempt->one && base && base->method != attempt->method)
-        agreement = agree(&attempt->hair, &base->hair);
-    const double speed = attempt->one ? real_time(&cpu, attempt->one->run.scene) : NAN;
+    const double speed = attempt->one ? real_time(&result->cpu, attempt->one->run.scene) : NAN;
     const double strain = attempt->one ? largest_strain(&attempt->hair) : NAN;
-    const char *outcome = outcome_name(attempt->cost.outcome);
     fprintf(stream, "%s\t%s\t%s\t%.17g\t%.17g\t%.17g\t%.17g\t%s\t%.17g\t%.17g\t%s\n",
-            attempt->method->name, setting, outcome,
-            attempt->one ? attempt->cost.failure_time : NAN, cpu.median, speed, strain,
-            base ? base->method->name : "–", agreement.distance, agreement.until, note ? note : "");
-    printf("  %-16s %-12s %-14s %9.3f %9.1f %10.4f %13.4f %10.2f\n", attempt->method->name, setting,
-           outcome, 1e3 * cpu.median, speed, strain, 1e3 * agreement.distance, agreement.until);
+            attempt->method->name, result->setting, outcome_name(result->outcome),
+            attempt->one ? attempt->cost.failure_time : NAN, result->cpu.median, speed, strain,
+            base ? base->method->name : "–", result->agreement.distance, result->agreement.until,
+            note ? note : "");
+}
+
+static void state_result(struct hair_study *study, const struct result *result,
+                         const struct attempt *base) {
+    const char *name = result->method->name;
+    const double distance = 1e3 * result->agreement.distance, ms = 1e3 * result->cpu.median;
+    char key[80], over[48] = "";
+    snprintf(key, sizeof key, "stepper %.60s", name);
+    struct statement row = {
+        .key = key, .figure = "cost", .tables = "steppers", .value = distance, .unit = "mm"};
+    const double until = base ? base->one->run.scene->duration : 0,
+                 whole = study->runs[study->question->main].timed->run.scene->duration;
+    if (base && until < whole)
+        snprintf(over, sizeof over, ", in the first %.3g s", until);
+    if (result->outcome == REFUSED) {
+        row.verdict = NOT_REACHED;
+        hair_state(study, row, "%s is refused by this scene.", name);
+    } else if (result->outcome != FINISHED) {
+        row.verdict = HOLDS_NOT;
+        hair_state(study, row, "%s, %s, reaches its end: %s.", name, result->setting,
+                   outcome_name(result->outcome));
+    } else if (isfinite(distance)) {
+        hair_state(study, row, "%s, %s, is %.2g mm (rms%s) from %s and takes %.3g ms a frame.",
+                   name, result->setting, distance, over, base->method->name, ms);
+    } else {
+        row.value = ms;
+        row.unit = "ms";
+        hair_state(study, row, "%s, %s, takes %.3g ms a frame.", name, result->setting, ms);
+    }
+}
+
+/* --- the thesis's choice --- */
+
+static const char choice[] = "explicit Euler with projection at 9000 Hz";
+
+/* The cheapest of those that are nearer and cheaper than the thesis's choice, or NULL. */
+static const struct result *better_than(const struct result *own, const struct result *results,
+                                        int count) {
+    const struct result *best = NULL;
+    for (int i = 0; i < count; i++)
+        if (results[i].outcome == FINISHED &&
+            results[i].agreement.distance < own->agreement.distance &&
+            results[i].cpu.median < own->cpu.median &&
+            (!best || results[i].cpu.median < best->cpu.median))
+            best = &results[i];
+    return best;
+}
+
+static void state_choice(struct hair_study *study, const struct result *results, int count) {
+    const char *scene = study->subject->name;
+    const struct result *own = NULL;
+    for (int i = 0; i < count; i++)
+        if (strcmp(results[i].method->name, "euler") == 0)
+            own = &results[i];
+    const struct result *best = own ? better_than(own, results, count) : NULL;
+    struct statement row = {.key = "choice",
+                            .figure = "cost",
+                            .tables = "steppers",
+                            .answers = ANSWERS_CHOICE,
+                            .by = THESIS,
+                            .verdict = NOT_ASKED,
+                            .unit = "1"};
+    row.value = best ? own->cpu.median / best->cpu.median : NAN;
+    if (!own || count == 1) {
+        hair_state(study, row,
+                   "Whether %s is the best on %s was not asked: it or the others were left out.",
+                   choice, scene);
+    } else if (own->outcome != FINISHED) {
+        row.verdict = HOLDS_NOT;
+        hair_state(study, row, "On %s %s does not reach its end: %s.", scene, choice,
+                   outcome_name(own->outcome));
+    } else if (isnan(own->agreement.distance)) {
+        row.verdict = NOT_REACHED;
+        hair_state(study, row, "On %s no run tells how far %s is from the solution.", scene,
+                   choice);
+    } else if (best) {
+        row.verdict = HOLDS_NOT;
+        hair_state(study, row,
+                   "On %s %s is the best: %s, %s, is nearer to the solution (%.2g mm, not %.2g) "
+                   "for %.2g of its CPU time.",
+                   scene, choice, best->method->name, best->setting, 1e3 * best->agreement.distance,
+                   1e3 * own->agreement.distance, best->cpu.median / own->cpu.median);
+    } else {
+        row.verdict = HOLDS;
+        hair_state(study, row,
+                   "On %s %s is the best: no stepper is nearer to the solution than %.2g mm for "
+                   "less CPU time.",
+                   scene, choice, 1e3 * own->agreement.distance);
+    }
 }
 
 /* Whom the others are compared with: `reference`, else rk4, where it reached its end. */
@@ -218,22 +369,38 @@ static int open_base(struct plan *plan, const struct hair_study *study, struct a
     return 0;
 }
 
-static int write_attempts(struct plan *plan, const struct hair_study *study, FILE *stream,
+static int method_count(void) {
+    int count = 0;
+    while (stepper_methods[count])
+        count++;
+    return count;
+}
+
+static int write_attempts(struct plan *plan, struct hair_study *study, FILE *stream,
                           const struct attempt *base) {
-    int code = 0;
+    struct result *results = calloc((size_t)method_count(), sizeof *results);
+    int count = 0, code = results ? 0 : -1;
+    if (!results)
+        snprintf(plan->reason, REASON_SIZE, "out of memory");
     for (int i = 0; stepper_methods[i] && !code; i++) {
         struct attempt attempt;
         if (!plan_wants(plan, stepper_methods[i]->name))
             continue;
         code = open_attempt(plan, study, stepper_methods[i], &attempt);
-        if (!code)
-            write_attempt(stream, &attempt, base);
+        if (!code) {
+            results[count] = result_of(&attempt, base);
+            write_attempt(stream, &attempt, base, &results[count]);
+            state_result(study, &results[count++], base);
+        }
         close_attempt(&attempt);
     }
+    if (!code)
+        state_choice(study, results, count);
+    free(results);
     return code;
 }
 
-static int write_steppers(struct plan *plan, const char *folder, const struct hair_study *study) {
+static int write_steppers(struct plan *plan, const char *folder, struct hair_study *study) {
     const struct scene *main_scene = study->runs[study->question->main].timed->run.scene;
     struct atomic_file file;
     struct attempt base;
@@ -251,17 +418,12 @@ static int write_steppers(struct plan *plan, const char *folder, const struct ha
         "\tcompared_with\tdistance\tuntil\tnote",
         plan->reason);
     if (!code) {
-        printf("  %-16s %-12s %-14s %9s %9s %10s %13s %10s\n", "stepper", "", "", "ms/frame",
-               "real time", "strain", "distance, mm", "until, s");
         code = write_attempts(plan, study, file.stream, there ? &base : NULL);
         if (code)
             atomic_discard(&file);
         else
             code = atomic_commit(&file, plan->reason);
     }
-    if (there && base.one->run.scene->duration < main_scene->duration)
-        printf("  (%s goes to %g s only, for it takes minutes; distances are up to there)\n",
-               base.method->name, base.one->run.scene->duration);
     if (there)
         close_attempt(&base);
     return code;

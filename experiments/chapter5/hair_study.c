@@ -20,28 +20,23 @@ static int variant_count(const struct hair_question *question) {
 
 /* --- the runs --- */
 
-static int is_named(const struct stepper_method *method, const char *name) {
-    return strcmp(method->name, name) == 0;
-}
-
 /* Runs that take seconds are repeated less often; their times spread less, too. */
 static int is_large(const struct scene *scene) {
     return scene->wisp_count * scene->duration > 60;
 }
 
 /* 1/Hz. The highest mode decides. */
-static double stable_step(const struct scene *scene, const struct butcher_table *table) {
-    const struct mode mode = stiffest_mode(scene);
+static double stable_step(const struct scene *scene, const struct stepper_method *method) {
     int hundreds = 1;
-    while (hundreds < 1000000 && !is_stable(table, &mode, 1 / (100. * hundreds)))
+    while (hundreds < 1000000 && !seems_stable(method, scene, 1 / (100. * hundreds)))
         hundreds++;
     return 1 / (100 * ceil(1.25 * hundreds));
 }
 
 struct run_request hair_request(const struct scene *scene, const struct stepper_method *method) {
-    struct run_request request = {.stepper = method->name, .treatment = "projection"};
+    struct run_request request = {.stepper = method->name, .treatment = thesis_recipe.treatment};
     const unsigned is = method->capabilities;
-    if (is_named(method, "reference"))
+    if (method->checked_by)
         return request;
     if (is & STEPPER_ADAPTIVE) {
         request.rtol = 1e-4;
@@ -49,11 +44,12 @@ struct run_request hair_request(const struct scene *scene, const struct stepper_
         return request;
     }
     request.timings = !is_large(scene);
-    if (is & STEPPER_IMPLICIT)
+    if (is & STEPPER_SOLVES)
         request.linear = "direct"; /* the matrix of this treatment is not symmetric */
-    request.step = is_named(method, "euler")                   ? 1 / 9000.
-                   : method->table && !(is & STEPPER_IMPLICIT) ? stable_step(scene, method->table)
-                                                               : 1 / 300.;
+    request.step = method == stepper_find(thesis_recipe.stepper) ? 1 / thesis_recipe.rate
+                   : stepper_is_predictable(method) && !(is & STEPPER_IMPLICIT)
+                       ? stable_step(scene, method)
+                       : 1 / stepper_usual_rate(method);
     return request;
 }
 
@@ -104,15 +100,14 @@ static int plan_stepper(struct plan *plan, const struct hair_question *question,
     const struct hair_variant *variant = &question->variants[question->main];
     const struct scene *scene = find_case(plan, "variants", variant->label)->run.scene;
     const struct run_request request = hair_request(scene, method);
-    if (is_named(method, "reference") && is_large(scene))
+    if (method->checked_by && is_large(scene))
         scene = variant_scene(plan, question, variant, scene->frame_rate, reference_duration);
     if (!scene)
         return -1;
-    struct settings settings;
     char reason[REASON_SIZE];
-    if (settings_resolve(scene, &request, &settings, reason))
-        return 0;
-    return plan_add(plan, scene, &request, "steppers", "%s", method->name);
+    return plan_takes(plan, scene, &request, reason)
+               ? plan_add(plan, scene, &request, "steppers", "%s", method->name)
+               : 0;
 }
 
 static int refuse_scene(struct plan *plan, const struct hair_question *question) {
@@ -127,7 +122,7 @@ static int refuse_scene(struct plan *plan, const struct hair_question *question)
 
 int hair_plan(struct plan *plan, const struct hair_question *question) {
     const struct stepper_method *recipe =
-        stepper_find(plan->stepper_count > 0 ? plan->steppers[0] : "euler");
+        stepper_find(plan->stepper_count > 0 ? plan->steppers[0] : thesis_recipe.stepper);
     plan->run_seconds = 300;
     if (plan->scene_count > 1) {
         snprintf(plan->reason, REASON_SIZE, "experiment %s takes one --scene; %d were given",
@@ -207,41 +202,59 @@ int hair_largest(const struct hair_run *run, int series) {
 
 /* --- statements --- */
 
-void hair_state(struct hair_study *study, const char *name, double value, const char *unit,
-                enum hair_verdict verdict, const char *sentence, ...) {
-    static const char *const words[] = {
-        [HOLDS_NOT] = "does not hold", [HOLDS] = "holds", [NO_CLAIM] = "–"};
+void hair_state(struct hair_study *study, struct statement row, const char *sentence, ...) {
     char text[400];
     va_list arguments;
     va_start(arguments, sentence);
     vsnprintf(text, sizeof text, sentence, arguments);
     va_end(arguments);
-    fprintf(study->statements->stream, "%s\t%.17g\t%s\t%s\t%s\n", name, value, *unit ? unit : "–",
-            words[verdict], text);
-    printf("  %-13s  %s\n", verdict == NO_CLAIM ? "" : words[verdict], text);
+    if (!row.figure)
+        row.figure = row.tables = "series";
+    statements_add(study->statements, row, "%s", text);
+}
+
+enum claim_verdict hair_seen(const struct hair_study *study, int seen) {
+    return seen ? HOLDS : study->cut ? NOT_REACHED : HOLDS_NOT;
 }
 
 /* Of the timed run, or of the watched one where only that did not reach its end. */
 static void state_failure(struct hair_study *study, const struct hair_run *run) {
     const int timed = run->cost.outcome != FINISHED;
-    hair_state(study, run->variant->label,
-               timed ? run->cost.failure_time : run_number(&run->files, "failure_time"), "s",
-               NO_CLAIM, "%s: the run did not reach its end (%s), so nothing is stated",
-               run->variant->label, outcome_name(timed ? run->cost.outcome : run->files.outcome));
+    const double t = timed ? run->cost.failure_time : run_number(&run->files, "failure_time");
+    hair_state(study,
+               (struct statement){
+                   .key = run->variant->label, .verdict = NOT_REACHED, .value = t, .unit = "s"},
+               "Nothing is stated, for the run %s did not reach its end: %s at %.3g s.",
+               run->variant->label, outcome_name(timed ? run->cost.outcome : run->files.outcome),
+               t);
 }
 
-static int write_statements(struct plan *plan, const char *folder, struct hair_study *study) {
-    struct atomic_file file;
-    char what[128] = "what the thesis states of its figure, measured";
+/* Of the frames that are to be shown, those that were computed. */
+static void state_pictures(struct hair_study *study, const char *figure, const char *tables,
+                           const char *how) {
+    int wanted = 0, shown = 0;
+    for (int i = 0; i < study->count; i++) {
+        const int *number = study->runs[i].variant->pictures;
+        for (int k = 0; k < HAIR_PICTURES && number[k]; k++) {
+            wanted++;
+            shown += hair_frame_at(&study->runs[i].hair, (number[k] - 1) / 30.) >= 0;
+        }
+    }
+    const struct statement row = {.key = figure,
+                                  .figure = figure,
+                                  .tables = tables,
+                                  .verdict = shown == wanted ? HOLDS : NOT_REACHED,
+                                  .value = shown,
+                                  .unit = "1"};
+    if (shown == wanted)
+        hair_state(study, row, "All %d pictures are drawn %s.", wanted, how);
+    else
+        hair_state(study, row, "Of %d pictures %d are drawn %s; the runs do not reach the others.",
+                   wanted, shown, how);
+}
+
+static void state_all(struct hair_study *study) {
     int finished = 1;
-    if (plan->quick)
-        snprintf(what, sizeof what,
-                 "what the thesis states of its figure, measured; --quick: in the first %g s only",
-                 quick_duration(study->question));
-    if (open_table(&file, folder, "statement", what, study->subject->scene,
-                   "name\tvalue\tunit\tverdict\tsentence", plan->reason))
-        return -1;
-    study->statements = &file;
     for (int i = 0; i < study->count; i++)
         if (!study->runs[i].finished) {
             state_failure(study, &study->runs[i]);
@@ -249,7 +262,9 @@ static int write_statements(struct plan *plan, const char *folder, struct hair_s
         }
     if (finished)
         study->question->state(study);
-    return atomic_commit(&file, plan->reason);
+    state_pictures(study, "frames", "strip-cells strip", "in lines");
+    if (study->subject->scene->wisps[0].samples > 0) /* hair fills the envelope */
+        state_pictures(study, "hair", "strip-cells", "as hair");
 }
 
 static int write_series(struct plan *plan, const char *folder, const struct hair_study *study) {
@@ -276,25 +291,48 @@ static int write_series(struct plan *plan, const char *folder, const struct hair
     return atomic_commit(&file, plan->reason);
 }
 
-int hair_tabulate(struct plan *plan, const char *folder, const struct hair_question *question) {
-    struct hair_study study = {.question = question, .subject = &plan->subjects[0]};
+static int read_runs(struct plan *plan, struct hair_study *study) {
     int code = 0;
-    for (int i = 0; i < variant_count(question) && !code; i++) {
-        code = read_run(plan, &study, i);
-        if (!code)
-            code = keep_diagnostics(&study.runs[i].watched->run, folder,
-                                    question->variants[i].label, plan->reason);
-    }
+    for (int i = 0; i < variant_count(study->question) && !code; i++)
+        code = read_run(plan, study, i);
+    return code;
+}
+
+static int keep_diagnoses(struct plan *plan, const char *folder, struct hair_study *study) {
+    int code = 0;
+    for (int i = 0; i < study->count && !code; i++)
+        code = keep_diagnostics(&study->runs[i].watched->run, folder, study->runs[i].variant->label,
+                                study->statements, plan->reason);
+    return code;
+}
+
+/* The tables with what is to be stated of them. Returns 0, or -1 with plan->reason. */
+static int write_tables(struct plan *plan, const char *folder, struct hair_study *study) {
+    if (write_series(plan, folder, study))
+        return -1;
+    state_all(study);
+    return hair_cost_tables(plan, folder, study) || keep_diagnoses(plan, folder, study) ? -1 : 0;
+}
+
+int hair_tabulate(struct plan *plan, const char *folder, const struct hair_question *question) {
+    const double until = quick_duration(question);
+    struct statements statements;
+    struct hair_study study = {.question = question,
+                               .subject = &plan->subjects[0],
+                               .cut = plan->quick && until < plan->subjects[0].scene->duration,
+                               .statements = &statements};
+    if (study.cut)
+        snprintf(study.span, sizeof study.span, " in the first %.3g s", until);
+    if (statements_open(&statements, folder, study.subject->scene,
+                        study.cut ? "--quick: the runs are cut" : NULL, plan->reason))
+        return -1;
+    int code = read_runs(plan, &study);
     if (!code)
-        code = hair_cost_tables(plan, folder, &study);
-    if (!code)
-        code = write_series(plan, folder, &study);
-    if (!code)
-        code = write_statements(plan, folder, &study);
+        code = write_tables(plan, folder, &study);
     if (!code)
         code = hair_pictures(plan, folder, &study);
     if (!code)
         code = hair_strip(plan, folder, &study);
     free_study(&study);
-    return code;
+    return statements_close(&statements, code, plan->reason);
 }

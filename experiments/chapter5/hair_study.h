@@ -7,6 +7,7 @@
 
 #include "base/files.h"
 #include "experiments/common/measure.h"
+#include "experiments/common/statements.h"
 #include "hair_frames.h"
 
 enum { HAIR_VARIANTS = 4, HAIR_SETS = 3, HAIR_SERIES = 3, HAIR_PICTURES = 12 };
@@ -56,15 +57,17 @@ struct hair_study {
     const struct subject *subject;
     struct hair_run runs[HAIR_VARIANTS];
     int count;
-    struct atomic_file *statements;
+    int cut;       /* --quick: the runs end before their scene */
+    char span[40]; /* how far they go where they are cut, as " in the first 0.4 s"; else empty */
+    struct statements *statements;
 };
 
-/* Writes a statement into the table and prints it (printf): a value, and whether the thesis's claim
- * holds on it. */
-enum hair_verdict { HOLDS_NOT, HOLDS, NO_CLAIM };
-void hair_state(struct hair_study *study, const char *name, double value, const char *unit,
-                enum hair_verdict verdict, const char *sentence, ...)
-    __attribute__((format(printf, 6, 7)));
+/* Adds a statement (printf) to figure `series` where the row names none. */
+void hair_state(struct hair_study *study, struct statement row, const char *sentence, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/* Of what is to be seen at some time: where it is not, a run that is cut may not have got there. */
+enum claim_verdict hair_seen(const struct hair_study *study, int seen);
 
 /* CPU time per frame, s; NaN where a run has no frames. */
 struct spread hair_cpu_per_frame(const struct hair_run *run);
@@ -82,14 +85,15 @@ int hair_tabulate(struct plan *plan, const char *folder, const struct hair_quest
 
 /* --- its parts --- */
 
-/* The request for a run by a stepper: the thesis's recipe for explicit Euler (9000 Hz), for other
+/* The request for a run by a stepper: the thesis's recipe for explicit Euler, for other
  * explicit methods a quarter more than the least rate, in hundreds of Hz, that linear theory calls
- * stable, for implicit ones with fixed steps 300 Hz, and for adaptive ones a relative tolerance of
- * 1e-4; `reference` is what it is, and on large scenes goes only so far as its time allows. All
- * with the treatment `projection`, so that they solve the same equations. */
+ * stable, and their usual rate where theory says nothing, as for implicit ones; for adaptive ones a
+ * relative tolerance of 1e-4; the reference is what it is, and on large scenes goes only so far as
+ * its time allows. All with the treatment `projection`, so that they solve the same equations. */
 struct run_request hair_request(const struct scene *scene, const struct stepper_method *method);
 
-/* The tables of what variants and steppers cost. Return 0, or -1 with a reason. */
+/* The tables of what variants and steppers cost, and the statements on it. Returns 0, or -1 with a
+ * reason. */
 int hair_cost_tables(struct plan *plan, const char *folder, struct hair_study *study);
 
 /* The pictures' lines, seen from the question's eye. Returns 0, or -1 with a reason. */

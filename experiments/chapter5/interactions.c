@@ -17,42 +17,55 @@ static int measure(struct hair *hair, double *const *series) {
     return hair_crossings(hair, series[CROSSINGS], series[NET]);
 }
 
+/* The variants in words, in their order. */
+static const char *const with[] = {"Without interaction", "With interpenetration alone",
+                                   "With collision alone", "With both"};
+
 /* Net crossings tell wisps that have passed each other from those that hang where they came from:
  * what crosses and comes back the same way counts twice in all, and net not at all. */
-static void state_crossings(struct hair_study *study, const struct hair_run *run, int free) {
-    const int frames = run->hair.frame_count;
+static void state_crossings(struct hair_study *study, int variant) {
+    const struct hair_run *run = &study->runs[variant];
+    const int frames = run->hair.frame_count, is_free = variant == 0;
     int first = 0;
     while (first < frames - 1 && run->series[CROSSINGS][first] == 0)
         first++;
     const double count = run->series[CROSSINGS][frames - 1], net = run->series[NET][frames - 1];
-    const int crosses = count > 0;
-    char name[64];
-    snprintf(name, sizeof name, "crossings, %.50s", run->variant->label);
-    if (crosses)
-        hair_state(study, name, count, "", free ? HOLDS : HOLDS_NOT,
-                   "%s: the wisps pass through each other: %.0f crossings, net %.0f, the first at "
-                   "%.2f s",
-                   run->variant->label, count, net, run->hair.frames[first].t);
+    char key[64];
+    snprintf(key, sizeof key, "crossings, %.50s", run->variant->label);
+    const struct statement row = {.key = key,
+                                  .by = is_free ? THESIS : OURS,
+                                  .verdict =
+                                      is_free ? hair_seen(study, count > 0) : holds_if(count == 0),
+                                  .value = count,
+                                  .unit = "1"};
+    if (count > 0)
+        hair_state(study, row,
+                   "%s the wisps pass through each other: %.0f crossings, net %.0f, the first at "
+                   "%.2f s.",
+                   with[variant], count, net, run->hair.frames[first].t);
     else
-        hair_state(study, name, count, "", free ? HOLDS_NOT : HOLDS,
-                   "%s: the wisps do not pass through each other", run->variant->label);
+        hair_state(study, row, "%s the wisps do not pass through each other%s.", with[variant],
+                   study->span);
 }
 
 /* How far a response takes the wisps from where they would be without any. */
-static void state_influence(struct hair_study *study, const struct hair_run *run) {
+static void state_influence(struct hair_study *study, int variant) {
+    const struct hair_run *run = &study->runs[variant];
     const struct hair *free = &study->runs[0].hair;
     double most = 0, t = 0;
-    char name[64];
-    snprintf(name, sizeof name, "influence, %.50s", run->variant->label);
+    char key[64];
+    snprintf(key, sizeof key, "influence, %.50s", run->variant->label);
     for (int f = 0; f < run->hair.frame_count; f++) {
         const double here = 1e3 * hair_distance(&run->hair, free, f);
         t = here > most ? run->hair.frames[f].t : t;
         most = here > most ? here : most;
     }
-    hair_state(study, name, most, "mm", NO_CLAIM,
-               "%s: nodes are %.1f mm (rms) from where they are without interaction, at most, at "
-               "%.2f s",
-               run->variant->label, most, t);
+    hair_state(
+        study,
+        (struct statement){
+            .key = key, .by = THESIS, .verdict = holds_if(most > 0), .value = most, .unit = "mm"},
+        "%s nodes are up to %.1f mm (rms) from where they are without interaction%s, at %.2f s.",
+        with[variant], most, study->span, t);
 }
 
 static void state_cost(struct hair_study *study) {
@@ -64,16 +77,25 @@ static void state_cost(struct hair_study *study) {
         dearer &= here.least > first.greatest;
         most = here.median > most ? here.median : most;
     }
-    hair_state(study, "cost", most / first.median, "", dearer ? HOLDS : HOLDS_NOT,
-               "every interaction costs time, beyond the spreads; the dearest %.2f times none",
-               most / first.median);
+    hair_state(
+        study,
+        (struct statement){.key = "cost",
+                           .figure = "cost",
+                           .tables = "table",
+                           .by = THESIS,
+                           .verdict = holds_if(dearer),
+                           .value = most / first.median,
+                           .unit = "1"},
+        "Every interaction costs time, beyond the spreads: the dearest takes %.2f times what "
+        "none does.",
+        most / first.median);
 }
 
 static void state(struct hair_study *study) {
     for (int i = 0; i < study->count; i++)
-        state_crossings(study, &study->runs[i], i == 0);
+        state_crossings(study, i);
     for (int i = 1; i < study->count; i++)
-        state_influence(study, &study->runs[i]);
+        state_influence(study, i);
     state_cost(study);
 }
 
@@ -122,7 +144,12 @@ static int interactions_tabulate(struct plan *plan, const char *folder) {
 
 const struct experiment interactions_experiment = {
     .name = "interactions",
-    .question = "thesis 5.2: what do wisps do to each other when they meet?",
+    .question = "what do wisps do to each other when they meet?",
+    .thesis = "section 5.2",
+    .place = 8,
+    .quick = {.seconds = 3},
+    .full = {.seconds = 15},
+    .answers = 1u << ANSWERS_CHOICE,
     .plan = interactions_plan,
     .tabulate = interactions_tabulate,
     .caption = caption_hair,

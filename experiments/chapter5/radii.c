@@ -19,30 +19,44 @@ static int measure(struct hair *hair, double *const *series) {
 /* A tip then moves by a twentieth of a wisp: less is hardly seen. */
 static const double visible = 3; /* degrees */
 
+static const char *const inclinations[] = {[LARGEST] = "largest", [MEAN] = "mean"};
+
+static void state_radius(struct hair_study *study, int series, const struct hair_run *run) {
+    const int frame = hair_largest(run, series);
+    const double most = run->series[series][frame];
+    char key[64];
+    snprintf(key, sizeof key, "%s, %.40s", inclinations[series], run->variant->label);
+    hair_state(study, (struct statement){.key = key, .value = most, .unit = "deg"},
+               "With %s the %s inclination is at most %.1f degrees%s, at %.2f s.",
+               run->variant->label, inclinations[series], most, study->span,
+               run->hair.frames[frame].t);
+}
+
 /* The thesis: "bien inférieure à celle des deux autres". */
-static void state_inclination(struct hair_study *study, int series, const char *name) {
+static void state_inclination(struct hair_study *study, int series) {
+    const char *name = inclinations[series];
     double least = INFINITY, widest = INFINITY;
     int falls = 1;
     for (int i = 0; i < study->count; i++) {
         const struct hair_run *run = &study->runs[i];
-        const int frame = hair_largest(run, series);
+        state_radius(study, series, run);
         least = fmin(least, widest);
-        falls &= run->series[series][frame] < widest;
-        widest = run->series[series][frame];
-        char label[64];
-        snprintf(label, sizeof label, "%s, %.40s", name, run->variant->label);
-        hair_state(study, label, widest, "deg", NO_CLAIM,
-                   "%s inclination %.1f degrees at most, at %.2f s", label, widest,
-                   run->hair.frames[frame].t);
+        falls &= run->series[series][hair_largest(run, series)] < widest;
+        widest = run->series[series][hair_largest(run, series)];
     }
-    char label[64];
-    snprintf(label, sizeof label, "%s falls", name);
-    hair_state(study, label, falls, "", falls ? HOLDS : HOLDS_NOT,
-               "the %s inclination %s from each radius to the next", name,
+    char key[64];
+    snprintf(key, sizeof key, "%s falls", name);
+    hair_state(study, (struct statement){.key = key, .verdict = holds_if(falls)},
+               "The %s inclination %s from each radius to the next.", name,
                falls ? "falls" : "does not fall");
-    hair_state(study, name, least - widest, "deg", least - widest > visible ? HOLDS : HOLDS_NOT,
-               "the widest wisps have the least of the %s inclinations: %.1f degrees, by %.1f less "
-               "than the others (%.0f would be seen)",
+    hair_state(study,
+               (struct statement){.key = name,
+                                  .by = THESIS,
+                                  .verdict = holds_if(least - widest > visible),
+                                  .value = least - widest,
+                                  .unit = "deg"},
+               "The widest wisps have far the least %s inclination: %.1f degrees, %.1f less than "
+               "the others (%.0f would be seen).",
                name, widest, least - widest, visible);
 }
 
@@ -59,17 +73,23 @@ static void state_cost(struct hair_study *study) {
     const struct hair_run *first = &study->runs[0], *last = &study->runs[study->count - 1];
     const double ratio = hair_cpu_per_frame(last).median / hair_cpu_per_frame(first).median;
     const double few = hair_contacts_per_frame(first), many = hair_contacts_per_frame(last);
-    hair_state(study, "contacts", many - few, "per frame", contacts ? HOLDS : HOLDS_NOT,
-               "wider wisps have more contacts: from %.1f to %.1f a frame", few, many);
-    hair_state(study, "cost", ratio, "", costs ? HOLDS : HOLDS_NOT,
-               "each radius costs more than the one before, beyond the spreads; the widest %.2f "
-               "times the thinnest",
+    struct statement row = {.figure = "cost", .tables = "table", .by = THESIS, .unit = "1"};
+    row.key = "contacts";
+    row.verdict = holds_if(contacts);
+    row.value = many - few;
+    hair_state(study, row, "Wider wisps have more contacts: from %.1f to %.1f a frame.", few, many);
+    row.key = "cost";
+    row.verdict = holds_if(costs);
+    row.value = ratio;
+    hair_state(study, row,
+               "Each radius costs more than the one before, beyond the spreads: the widest %.2f "
+               "times the thinnest.",
                ratio);
 }
 
 static void state(struct hair_study *study) {
-    state_inclination(study, LARGEST, "largest");
-    state_inclination(study, MEAN, "mean");
+    state_inclination(study, LARGEST);
+    state_inclination(study, MEAN);
     state_cost(study);
 }
 
@@ -112,7 +132,12 @@ static int radii_tabulate(struct plan *plan, const char *folder) {
 
 const struct experiment radii_experiment = {
     .name = "radii",
-    .question = "thesis 5.1: what does the radius of wisps do to motion and cost?",
+    .question = "what does the radius of wisps do to motion and cost?",
+    .thesis = "section 5.1",
+    .place = 7,
+    .quick = {.seconds = 8},
+    .full = {.seconds = 30},
+    .answers = 1u << ANSWERS_CHOICE,
     .plan = radii_plan,
     .tabulate = radii_tabulate,
     .caption = caption_hair,

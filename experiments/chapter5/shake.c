@@ -74,17 +74,25 @@ static void state(struct hair_study *study) {
     const int frame = hair_largest(run, BEHIND), last = run->hair.frame_count - 1;
     const double lag = lag_of(run), most = run->series[BEHIND][frame],
                  end = run->series[BEHIND][last];
-    hair_state(study, "lag", lag, "s", lag > 0 ? HOLDS : HOLDS_NOT,
-               "the hair lags the head: its turn fits best the head's of %.3f s before "
-               "(correlation %.2f)",
-               lag, correlation(run, lag));
-    hair_state(study, "behind", most, "deg", NO_CLAIM,
-               "they are %.1f degrees apart at most, at %.2f s", most, run->hair.frames[frame].t);
-    hair_state(
-        study, "returned", end, "deg", most > 0 && end < left_over * most ? HOLDS : HOLDS_NOT,
-        "the hair returns: at the end, %.2f s, they are %.1f degrees apart, %.0f %% (returned: "
-        "less than %.0f %%)",
-        run->hair.frames[last].t, end, most > 0 ? 100 * end / most : 0, 100 * left_over);
+    hair_state(study,
+               (struct statement){
+                   .key = "lag", .verdict = hair_seen(study, lag > 0), .value = lag, .unit = "s"},
+               "The hair lags the head%s: its turn fits best the head's of %.3f s before "
+               "(correlation %.2f).",
+               study->span, lag, correlation(run, lag));
+    hair_state(study, (struct statement){.key = "behind", .value = most, .unit = "deg"},
+               "Hair and head are at most %.1f degrees apart%s, at %.2f s.", most, study->span,
+               run->hair.frames[frame].t);
+    hair_state(study,
+               (struct statement){.key = "returned",
+                                  .verdict = study->cut
+                                                 ? NOT_REACHED
+                                                 : holds_if(most > 0 && end < left_over * most),
+                                  .value = end,
+                                  .unit = "deg"},
+               "The hair returns: at %.2f s they are %.1f degrees apart, %.0f %% of the most (less "
+               "than %.0f %% is returned).",
+               run->hair.frames[last].t, end, most > 0 ? 100 * end / most : 0, 100 * left_over);
 }
 
 static const struct hair_question question = {
@@ -108,6 +116,10 @@ static int shake_tabulate(struct plan *plan, const char *folder) {
 const struct experiment shake_experiment = {
     .name = "shake",
     .question = "does hair lag behind the head, and does it return?",
+    .place = 13,
+    .quick = {.seconds = 12},
+    .full = {.seconds = 60},
+    .answers = 1u << ANSWERS_CHOICE,
     .plan = shake_plan,
     .tabulate = shake_tabulate,
     .caption = caption_hair,

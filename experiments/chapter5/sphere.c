@@ -26,30 +26,57 @@ static double sample_margin(const struct scene *scene) {
     return 1e3 * 1e-3 * radius;
 }
 
+static void state_depths(struct hair_study *study, const struct hair_run *run) {
+    const int segments = hair_largest(run, SEGMENTS);
+    const double inside = run_number(&run->files, "counters.nodes_left_inside"),
+                 points = run->series[POINTS][hair_largest(run, POINTS)],
+                 deepest = run->series[SEGMENTS][segments], margin = sample_margin(run->hair.scene);
+    hair_state(study,
+               (struct statement){.key = "nodes left inside",
+                                  .verdict = holds_if(inside == 0),
+                                  .value = inside,
+                                  .unit = "1"},
+               "After a tick %.0f nodes are still inside%s.", inside, study->span);
+    hair_state(study,
+               (struct statement){.key = "deepest point",
+                                  .verdict = holds_if(points <= margin),
+                                  .value = points,
+                                  .unit = "mm"},
+               "At the frames nodes and samples are at most %.2g mm inside (%.2g mm are allowed: a "
+               "sample whose node is at the surface).",
+               points, margin);
+    hair_state(study, (struct statement){.key = "deepest segment", .value = deepest, .unit = "mm"},
+               "The straight lines between nodes cut into it by at most %.2g mm, at %.2f s.",
+               deepest, run->hair.frames[segments].t);
+}
+
 static void state(struct hair_study *study) {
     const struct hair_run *run = &study->runs[0];
-    const int points = hair_largest(run, POINTS), segments = hair_largest(run, SEGMENTS),
-              strain = hair_largest(run, STRAIN);
-    const double inside = run_number(&run->files, "counters.nodes_left_inside"),
-                 contacts = run_number(&run->files, "counters.body_contacts"),
-                 hanging = run->series[STRAIN][0], most = run->series[STRAIN][strain],
-                 margin = sample_margin(run->hair.scene);
-    hair_state(study, "touched", contacts, "contacts", contacts > 0 ? HOLDS : HOLDS_NOT,
-               "the hair meets the body: %.0f times a node or sample was put outside", contacts);
-    hair_state(study, "nodes left inside", inside, "nodes", inside == 0 ? HOLDS : HOLDS_NOT,
-               "after a tick %.0f nodes were still inside", inside);
-    hair_state(study, "deepest point", run->series[POINTS][points], "mm",
-               run->series[POINTS][points] <= margin ? HOLDS : HOLDS_NOT,
-               "at the frames no node or sample is inside: %.2g mm at most (a sample may be, by "
-               "%.2g mm, where its node is at the surface)",
-               run->series[POINTS][points], margin);
-    hair_state(study, "deepest segment", run->series[SEGMENTS][segments], "mm", NO_CLAIM,
-               "the straight lines between nodes cut into it by %.2g mm at most, at %.2f s",
-               run->series[SEGMENTS][segments], run->hair.frames[segments].t);
-    hair_state(study, "strain", most, "%", most < 1 ? HOLDS : HOLDS_NOT,
-               "no spring is stretched by the push: %.2f %% at most, at %.2f s (%.2f %% at the "
-               "start; stable runs without bodies stay below 1 %%)",
-               most, run->hair.frames[strain].t, hanging);
+    const int strain = hair_largest(run, STRAIN);
+    const double contacts = run_number(&run->files, "counters.body_contacts"),
+                 most = run->series[STRAIN][strain];
+    const struct statement touched = {.key = "touched",
+                                      .verdict = hair_seen(study, contacts > 0),
+                                      .value = contacts,
+                                      .unit = "1"};
+    if (contacts == 0) {
+        hair_state(study, touched, "The hair does not meet the body%s, which shows nothing.",
+                   study->span);
+        return;
+    }
+    hair_state(study, touched,
+               "The hair meets the body%s: %.0f times a node or sample is put outside.",
+               study->span, contacts);
+    state_depths(study, run);
+    hair_state(study,
+               (struct statement){.key = "strain",
+                                  .by = THESIS,
+                                  .verdict = holds_if(most < 1),
+                                  .value = most,
+                                  .unit = "%"},
+               "The push lengthens no spring: at most %.2f %%, at %.2f s (at the start %.2f %%; "
+               "stable runs without bodies stay below 1 %%).",
+               most, run->hair.frames[strain].t, run->series[STRAIN][0]);
 }
 
 static const struct hair_question question = {
@@ -73,7 +100,12 @@ static int sphere_tabulate(struct plan *plan, const char *folder) {
 
 const struct experiment sphere_experiment = {
     .name = "sphere",
-    .question = "thesis 5.4: does a moving body keep hair outside without stretching it?",
+    .question = "does a moving body keep hair outside without stretching it?",
+    .thesis = "section 5.4",
+    .place = 10,
+    .quick = {.seconds = 3},
+    .full = {.seconds = 30},
+    .answers = 1u << ANSWERS_CHOICE,
     .plan = sphere_plan,
     .tabulate = sphere_tabulate,
     .caption = caption_hair,

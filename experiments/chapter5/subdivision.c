@@ -18,13 +18,31 @@ static void state_count(struct hair_study *study, const struct hair_run *whole,
     const int last = split->hair.frame_count - 1;
     const double first = split->series[WISPS][0], end = split->series[WISPS][last];
     const double without = whole->series[WISPS][whole->hair.frame_count - 1];
-    hair_state(study, "wisps, without", without, "wisps",
-               without == whole->series[WISPS][0] ? HOLDS : HOLDS_NOT,
-               "%s: %.0f wisps at the start and %.0f at the end", whole->variant->label,
+    hair_state(study,
+               (struct statement){.key = "wisps, without",
+                                  .by = THESIS,
+                                  .verdict = holds_if(without == whole->series[WISPS][0]),
+                                  .value = without,
+                                  .unit = "1"},
+               "Without subdivision there are %.0f wisps at the start and %.0f at the end.",
                whole->series[WISPS][0], without);
-    hair_state(study, "wisps", end, "wisps", end == 2 * first ? HOLDS : HOLDS_NOT,
-               "%s: the count doubles: %.0f wisps at the start and %.0f at the end",
-               split->variant->label, first, end);
+    hair_state(study,
+               (struct statement){.key = "wisps",
+                                  .by = THESIS,
+                                  .verdict = hair_seen(study, end == 2 * first),
+                                  .value = end,
+                                  .unit = "1"},
+               "With subdivision the wisps double%s: from %.0f to %.0f.", study->span, first, end);
+}
+
+/* In how many numbers the free nodes of a frame differ, of the wisps that both runs have. */
+static double numbers_apart(const struct hair *whole, const struct hair *split, int frame) {
+    double apart = 0;
+    for (int w = 0; w < whole->frames[frame].wisps; w++)
+        for (int i = 2; i < hair_nodes(split, frame, w); i++)
+            for (int k = 0; k < 6; k++)
+                apart += hair_node(split, frame, w, i)[k] != hair_node(whole, frame, w, i)[k];
+    return apart;
 }
 
 /* Before the first split both runs are the same; from it on the motions differ. */
@@ -36,35 +54,47 @@ static void state_motion(struct hair_study *study, const struct hair_run *whole,
         divided++;
     while (same < divided && hair_same(&whole->hair, hair, same))
         same++;
-    hair_state(study, "the same until", same, "frames", same == divided ? HOLDS : HOLDS_NOT,
-               "of %d frames before the first split %d are the same in both runs, bit for bit",
+    hair_state(study,
+               (struct statement){.key = "the same until",
+                                  .verdict = holds_if(same == divided),
+                                  .value = same,
+                                  .unit = "frame"},
+               "Of the %d frames before the first split %d are the same in both runs, bit for bit.",
                divided, same);
     if (divided == hair->frame_count) {
-        hair_state(study, "split", -1, "frame", HOLDS_NOT, "no wisp was ever split");
+        hair_state(study,
+                   (struct statement){.key = "split", .by = THESIS, .verdict = hair_seen(study, 0)},
+                   "No wisp splits%s.", study->span);
         return;
     }
-    hair_state(study, "split", hair->frames[divided].t * 30 + 1, "frame", NO_CLAIM,
-               "the first split shows at frame %.0f (the thesis: 8)",
-               hair->frames[divided].t * 30 + 1);
-    double apart = 0;
-    for (int w = 0; w < whole->hair.frames[divided].wisps; w++)
-        for (int i = 2; i < hair_nodes(hair, divided, w); i++)
-            for (int k = 0; k < 6; k++)
-                apart +=
-                    hair_node(hair, divided, w, i)[k] != hair_node(&whole->hair, divided, w, i)[k];
-    hair_state(study, "differs after", apart, "numbers", apart > 0 ? HOLDS : HOLDS_NOT,
-               "from the split on the motion differs: in %.0f numbers of the first frame", apart);
+    const double number = hair->frames[divided].t * 30 + 1,
+                 apart = numbers_apart(&whole->hair, hair, divided);
+    hair_state(study, (struct statement){.key = "split", .value = number, .unit = "frame"},
+               "The first split shows at frame %.0f (thesis: 8).", number);
+    hair_state(study,
+               (struct statement){.key = "differs after",
+                                  .by = THESIS,
+                                  .verdict = holds_if(apart > 0),
+                                  .value = apart,
+                                  .unit = "1"},
+               "From the split on the motion differs: in %.0f numbers of its first frame.", apart);
 }
 
 static void state_cost(struct hair_study *study, const struct hair_run *whole,
                        const struct hair_run *split) {
     const struct spread without = hair_cpu_per_frame(whole), with = hair_cpu_per_frame(split);
-    hair_state(
-        study, "cost", with.median / without.median, "",
-        with.least > without.greatest ? HOLDS : HOLDS_NOT,
-        "more wisps cost more, beyond the spreads: %.2f times as much (up to four are computed "
-        "side by side, for the price of one)",
-        with.median / without.median);
+    const double ratio = with.median / without.median;
+    hair_state(study,
+               (struct statement){.key = "cost",
+                                  .figure = "cost",
+                                  .tables = "table",
+                                  .by = THESIS,
+                                  .verdict = holds_if(with.least > without.greatest),
+                                  .value = ratio,
+                                  .unit = "1"},
+               "More wisps cost more, beyond the spreads: %.2f times as much (up to four are "
+               "computed side by side, for the price of one).",
+               ratio);
 }
 
 static void state(struct hair_study *study) {
@@ -101,7 +131,12 @@ static int subdivision_tabulate(struct plan *plan, const char *folder) {
 
 const struct experiment subdivision_experiment = {
     .name = "subdivision",
-    .question = "thesis 5.5: what does adaptive subdivision add, and what does it cost?",
+    .question = "what does adaptive subdivision add, and what does it cost?",
+    .thesis = "section 5.5",
+    .place = 11,
+    .quick = {.seconds = 2},
+    .full = {.seconds = 15},
+    .answers = 1u << ANSWERS_CHOICE,
     .plan = subdivision_plan,
     .tabulate = subdivision_tabulate,
     .caption = caption_hair,

@@ -35,46 +35,88 @@ static double number_of(const struct hair_run *run, int frame) {
     return run->hair.frames[frame].t * 30 + 1;
 }
 
+/* The last of the thesis's frames at which the wisps are looked at: parted, and together again. */
+enum { PARTED = 20, TOGETHER = 56 };
+
+static int is_there(const struct hair_run *run, int number) {
+    return hair_frame_at(&run->hair, (number - 1) / 30.) >= 0;
+}
+
 static int apart_at(const struct hair_run *run, int number) {
     const int frame = hair_frame_at(&run->hair, (number - 1) / 30.);
     return frame >= 0 && run->series[OVERLAP][frame] == 0;
 }
 
-static void state_thin(struct hair_study *study, const struct hair_run *run) {
-    const int parted = parting(run), stay = staying(run);
+static void state_parting(struct hair_study *study, const struct hair_run *run, int parted) {
     const char *label = run->variant->label;
-    hair_state(study, "overlap at the start", run->series[OVERLAP][0], "points",
-               run->series[OVERLAP][0] > 0 ? HOLDS : HOLDS_NOT,
-               "the wisps start in each other: %.0f points in sections", run->series[OVERLAP][0]);
+    const int there = is_there(run, PARTED), apart = apart_at(run, PARTED);
+    struct statement row = {
+        .key = "parted", .by = THESIS, .verdict = there ? HOLDS_NOT : NOT_REACHED, .unit = "frame"};
+    row.value = number_of(run, parted < 0 ? run->hair.frame_count - 1 : parted);
     if (parted < 0) {
-        hair_state(study, "parted", -1, "frame", HOLDS_NOT, "%s: the wisps never part", label);
-        return;
+        hair_state(study, row, "With %s the wisps have not parted by the last frame, %.0f.", label,
+                   row.value);
+    } else if (!there) {
+        hair_state(study, row,
+                   "With %s the wisps part at frame %.0f; frame %d, where the thesis has them "
+                   "parted, was not computed.",
+                   label, row.value, PARTED);
+    } else {
+        row.verdict = holds_if(row.value <= PARTED && apart);
+        hair_state(study, row,
+                   "With %s the wisps part at frame %.0f and are %s at frame %d (thesis: apart).",
+                   label, row.value, apart ? "apart" : "not apart", PARTED);
     }
-    hair_state(study, "parted", number_of(run, parted), "frame",
-               number_of(run, parted) <= 20 && apart_at(run, 20) ? HOLDS : HOLDS_NOT,
-               "%s: the wisps have parted at frame %.0f and are %s at frame 20 (the thesis: parted "
-               "at 20)",
-               label, number_of(run, parted), apart_at(run, 20) ? "apart" : "not apart");
-    if (stay > parted)
-        hair_state(study, "stay", number_of(run, stay), "frame",
-                   number_of(run, stay) <= 56 ? HOLDS : HOLDS_NOT,
-                   "%s: they swing back, and from frame %.0f on they stay together (the thesis: "
-                   "shortly before 56)",
-                   label, number_of(run, stay));
+}
+
+static void state_staying(struct hair_study *study, const struct hair_run *run, int parted) {
+    const char *label = run->variant->label;
+    const int stay = staying(run);
+    struct statement row = {.key = "stay", .by = THESIS, .unit = "frame"};
+    row.value = number_of(run, stay > parted ? stay : run->hair.frame_count - 1);
+    row.verdict =
+        !is_there(run, TOGETHER) ? NOT_REACHED : holds_if(stay > parted && row.value <= TOGETHER);
+    if (row.verdict == NOT_REACHED)
+        hair_state(study, row,
+                   "Frame %d, before which the thesis has them together again with %s, was not "
+                   "computed.",
+                   TOGETHER, label);
+    else if (stay > parted)
+        hair_state(study, row,
+                   "With %s they swing back and stay together from frame %.0f on (thesis: shortly "
+                   "before %d).",
+                   label, row.value, TOGETHER);
     else
-        hair_state(study, "stay", -1, "frame", HOLDS_NOT, "%s: they are apart at the end", label);
+        hair_state(study, row, "With %s they are apart at the last frame, %.0f.", label, row.value);
+}
+
+static void state_thin(struct hair_study *study, const struct hair_run *run) {
+    const double points = run->series[OVERLAP][0];
+    const int parted = parting(run);
+    hair_state(study,
+               (struct statement){.key = "overlap at the start",
+                                  .by = THESIS,
+                                  .verdict = holds_if(points > 0),
+                                  .value = points,
+                                  .unit = "1"},
+               "The wisps start in each other: %.0f points are in sections of the other one.",
+               points);
+    state_parting(study, run, parted);
+    if (parted >= 0)
+        state_staying(study, run, parted);
 }
 
 static void state_thick(struct hair_study *study, const struct hair_run *run) {
+    const char *label = run->variant->label;
     const int parted = parting(run);
+    struct statement row = {.key = "stuck", .by = THESIS, .unit = "frame"};
+    row.value = number_of(run, parted < 0 ? run->hair.frame_count - 1 : parted);
+    row.verdict = parted >= 0 ? HOLDS_NOT : is_there(run, TOGETHER) ? HOLDS : NOT_REACHED;
     if (parted < 0)
-        hair_state(study, "stuck", run->hair.frame_count, "frames",
-                   run->series[OVERLAP][0] > 0 ? HOLDS : HOLDS_NOT,
-                   "%s: the wisps are in each other at all %d frames", run->variant->label,
-                   run->hair.frame_count);
+        hair_state(study, row, "With %s the wisps are in each other up to the last frame, %.0f.",
+                   label, row.value);
     else
-        hair_state(study, "stuck", number_of(run, parted), "frame", HOLDS_NOT,
-                   "%s: the wisps part at frame %.0f", run->variant->label, number_of(run, parted));
+        hair_state(study, row, "With %s the wisps part at frame %.0f.", label, row.value);
 }
 
 static void state(struct hair_study *study) {
@@ -110,7 +152,12 @@ static int viscosity_tabulate(struct plan *plan, const char *folder) {
 
 const struct experiment viscosity_experiment = {
     .name = "viscosity",
-    .question = "thesis 5.3: how does viscosity hold wisps together?",
+    .question = "how does viscosity hold wisps together?",
+    .thesis = "section 5.3",
+    .place = 9,
+    .quick = {.seconds = 2},
+    .full = {.seconds = 15},
+    .answers = 1u << ANSWERS_CHOICE,
     .plan = viscosity_plan,
     .tabulate = viscosity_tabulate,
     .caption = caption_hair,

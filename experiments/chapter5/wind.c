@@ -38,18 +38,25 @@ static void state(struct hair_study *study) {
     const struct wind *wind = &run->hair.scene->around.wind;
     const int frame = hair_largest(run, DOWNWIND), last = run->hair.frame_count - 1;
     const double most = run->series[DOWNWIND][frame], end = run->series[DOWNWIND][last];
-    const double length = mean_length(run->hair.scene), t = run->hair.frames[frame].t;
-    hair_state(study, "laid over", most, "cm", most > laid_over * length ? HOLDS : HOLDS_NOT,
-               "the gust lays the hair over: its tips move downwind by %.1f cm in the mean, at "
-               "%.2f s (more than a tenth of its length would be %.1f)",
+    const double length = mean_length(run->hair.scene), t = run->hair.frames[frame].t,
+                 until = run->hair.frames[last].t, gust = wind->hold + 3 * wind->decay;
+    struct statement row = {.key = "laid over", .by = THESIS, .value = most, .unit = "cm"};
+    row.verdict = hair_seen(study, most > laid_over * length);
+    hair_state(study, row,
+               "The gust lays the hair over: its tips move downwind by %.1f cm in the mean, at "
+               "%.2f s (a tenth of its length is %.1f cm).",
                most, t, laid_over * length);
-    hair_state(study, "in the gust", t, "s", t <= wind->hold + 3 * wind->decay ? HOLDS : HOLDS_NOT,
-               "that is while the wind blows (%.1f s, then a decay of %.3f s)", wind->hold,
-               wind->decay);
-    hair_state(study, "fallen back", end, "cm", end < left_over * most ? HOLDS : HOLDS_NOT,
-               "at the end, %.2f s, %.1f cm of it are left, %.0f %% (fallen back: less than "
-               "%.0f %%)",
-               run->hair.frames[last].t, end, most > 0 ? 100 * end / most : 0, 100 * left_over);
+    row = (struct statement){.key = "in the gust", .value = t, .unit = "s"};
+    row.verdict = until < gust ? NOT_REACHED : holds_if(t <= gust);
+    hair_state(study, row,
+               "That is at %.2f s, while the wind blows (%.1f s, then a decay of %.3f s).", t,
+               wind->hold, wind->decay);
+    row = (struct statement){.key = "fallen back", .by = THESIS, .value = end, .unit = "cm"};
+    row.verdict = study->cut ? NOT_REACHED : holds_if(end < left_over * most);
+    hair_state(study, row,
+               "The hair falls back: at %.2f s %.1f cm are left, %.0f %% (less than %.0f %% is "
+               "fallen back).",
+               until, end, most > 0 ? 100 * end / most : 0, 100 * left_over);
 }
 
 static const struct hair_question question = {
@@ -74,7 +81,12 @@ static int wind_tabulate(struct plan *plan, const char *folder) {
 
 const struct experiment wind_experiment = {
     .name = "wind",
-    .question = "thesis 5.6: does a gust lay hair over, and does it fall back?",
+    .question = "does a gust lay hair over, and does it fall back?",
+    .thesis = "section 5.6",
+    .place = 12,
+    .quick = {.seconds = 10},
+    .full = {.seconds = 60},
+    .answers = 1u << ANSWERS_CHOICE,
     .plan = wind_plan,
     .tabulate = wind_tabulate,
     .caption = caption_hair,

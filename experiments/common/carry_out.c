@@ -5,6 +5,7 @@
 #include "picture/plot.h"
 #include "run/results.h"
 #include "run/runs.h"
+#include "statements.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -45,6 +46,7 @@ static int do_rounds(struct plan *plan, struct manner *manner, int *missing) {
     const struct experiment *experiment = plan->experiment;
     if (manner->limits.seconds == 0)
         manner->limits.seconds = plan->run_seconds > 0 ? plan->run_seconds : 60;
+    plan->limits = manner->limits;
     for (int first = 0, next; first < plan->case_count; first = next) {
         next = plan->case_count;
         const int code = do_runs(plan, first, manner, missing, plan->reason);
@@ -118,12 +120,20 @@ static int list_failures(const struct plan *plan) {
     return count < 0 ? -1 : 0;
 }
 
+/* Of experiments that have none yet. */
+static int has_statements(const char *folder) {
+    char path[PATH_SIZE];
+    return path_format(path, "%s/statements.tsv", folder) == 0 && file_exists(path);
+}
+
 static int tabulate_and_draw(struct plan *plan, struct manner *manner) {
     char folder[PATH_SIZE];
     const char *name = plan->experiment->name;
     if (path_format(folder, "%s/%s", plan->out, name) || make_folder(folder, plan->reason))
         return complain(2, "%s", plan->reason);
-    const int code = plan->experiment->tabulate(plan, folder);
+    int code = plan->experiment->tabulate(plan, folder);
+    if (!code && has_statements(folder))
+        code = statements_print(folder, plan->reason);
     const int undrawn = !code && !runs_interrupted() && plot_experiment(name, folder, plan->reason);
     if (runs_interrupted()) /* so may gnuplot have been, and what is measured in tabulate */
         return complain(3, "interrupted; the same command goes on from here");
@@ -136,7 +146,7 @@ static int tabulate_and_draw(struct plan *plan, struct manner *manner) {
 
 int carry_out(struct plan *plan, struct manner *manner) {
     int missing = 0;
-    if (plan->experiment->plan(plan))
+    if (plan->experiment->plan(plan) || plan_check(plan))
         return complain(1, "%s", plan->reason);
     const int code = do_rounds(plan, manner, &missing);
     if (code)

@@ -1,9 +1,11 @@
 #include "diagnostics.h"
 
 #include "base/files.h"
+#include "base/table.h"
 
 #include <ctype.h>
 #include <errno.h>
+#include <math.h>
 #include <string.h>
 
 /* Returns the number of rows, the columns' names among them, or -1. */
@@ -16,19 +18,10 @@ static int copy(FILE *from, struct atomic_file *to) {
     return ferror(from) ? -1 : rows;
 }
 
-int keep_diagnostics(const struct run_case *run, const char *folder, const char *variant,
-                     char *reason) {
-    char source[PATH_SIZE], target[PATH_SIZE], safe[64];
+/* Copies a file. Returns 1, or 0 where it is not there or has no second row, or -1 with a reason.
+ */
+static int copy_table(const char *source, const char *target, char *reason) {
     struct atomic_file file;
-    snprintf(safe, sizeof safe, "%s", variant);
-    for (char *c = safe; *c; c++)
-        if (!isalnum((unsigned char)*c) && !strchr("._", *c))
-            *c = '-';
-    if (path_format(source, "%s/diagnostics.tsv", run->folder) ||
-        path_format(target, "%s/diagnostics-%s.tsv", folder, safe)) {
-        snprintf(reason, REASON_SIZE, "%.150s: the path is too long", folder);
-        return -1;
-    }
     FILE *from = fopen(source, "r");
     if (!from && errno == ENOENT) /* the run died before it began the table */
         return 0;
@@ -42,10 +35,56 @@ int keep_diagnostics(const struct run_case *run, const char *folder, const char 
     const int rows = copy(from, &file);
     fclose(from);
     if (rows > 2)
-        return atomic_commit(&file, reason);
+        return atomic_commit(&file, reason) ? -1 : 1;
     atomic_discard(&file);
     if (rows >= 0) /* the run failed before there was a second frame: there is nothing to draw */
         return 0;
     snprintf(reason, REASON_SIZE, "%.150s: cannot be read to its end", source);
     return -1;
+}
+
+static double largest_of(const struct table *table, const char *name) {
+    const int column = table_column(table, name);
+    double largest = NAN;
+    for (int i = 0; i < table->row_count && column >= 0; i++)
+        largest = fmax(largest, fabs(table_value(table, i, column)));
+    return largest;
+}
+
+/* What is left over of the energy's change is the integrator's error, but for the works' own. */
+static int state_residual(const char *path, const char *variant, const char *figure,
+                          struct statements *statements, char *reason) {
+    struct table table;
+    if (table_read(&table, path, reason))
+        return -1;
+    const double residual = largest_of(&table, "residual"), kinetic = largest_of(&table, "kinetic");
+    statements_add(
+        statements,
+        (struct statement){.key = figure,
+                           .figure = figure,
+                           .tables = figure,
+                           .verdict = HOLDS,
+                           .value = residual,
+                           .unit = "J"},
+        "At most %.2g J of energy are accounted for by no work (%s); the largest kinetic "
+        "energy is %.2g J.",
+        residual, variant, kinetic);
+    table_free(&table);
+    return 0;
+}
+
+int keep_diagnostics(const struct run_case *run, const char *folder, const char *variant,
+                     struct statements *statements, char *reason) {
+    char source[PATH_SIZE], target[PATH_SIZE], figure[80];
+    snprintf(figure, sizeof figure, "diagnostics-%.60s", variant);
+    for (char *c = figure; *c; c++)
+        if (!isalnum((unsigned char)*c) && !strchr("._", *c))
+            *c = '-';
+    if (path_format(source, "%s/diagnostics.tsv", run->folder) ||
+        path_format(target, "%s/%s.tsv", folder, figure)) {
+        snprintf(reason, REASON_SIZE, "%.150s: the path is too long", folder);
+        return -1;
+    }
+    const int kept = copy_table(source, target, reason);
+    return kept > 0 ? state_residual(target, variant, figure, statements, reason) : kept;
 }

@@ -13,15 +13,15 @@
 
 /* --- contestants and cases --- */
 
-int contestant_is_adaptive(const struct contestant *contestant) {
-    return (stepper_find(contestant->stepper)->capabilities & STEPPER_ADAPTIVE) != 0;
+int contestant_is_adaptive(const struct configuration *contestant) {
+    return (contestant->method->capabilities & STEPPER_ADAPTIVE) != 0;
 }
 
-struct run_request contestant_request(const struct contestant *contestant, double setting,
+struct run_request contestant_request(const struct configuration *contestant, double setting,
                                       double atol_ratio) {
     const int adaptive = contestant_is_adaptive(contestant);
     int options = 0;
-    while (contestant->options[options])
+    while (contestant->options && contestant->options[options])
         options++;
     return (struct run_request){.stepper = contestant->stepper,
                                 .linear = contestant->linear,
@@ -394,7 +394,7 @@ void slope_add(struct slope *slope, double cost, double error) {
     slope->count++;
 }
 
-struct fit slope_fit(const struct slope *slope, const struct contestant *contestant) {
+struct fit slope_fit(const struct slope *slope, const struct configuration *contestant) {
     const int count = slope->count;
     const int used =
         contestant_is_adaptive(contestant) || count < SLOPE_FINEST ? count : SLOPE_FINEST;
@@ -427,24 +427,24 @@ struct mode stiffest_mode(const struct scene *scene) {
     return mode;
 }
 
-int is_stable(const struct butcher_table *table, const struct mode *mode, double h) {
+int is_stable(const struct stepper_method *method, const struct mode *mode, double h) {
     const double w = mode->frequency, half_rate = mode->damping_time * w * w / 2;
     const double complex root = csqrt(half_rate * half_rate - w * w);
-    return cabs(butcher_stability(table, h * (-half_rate + root))) <= 1 &&
-           cabs(butcher_stability(table, h * (-half_rate - root))) <= 1;
+    return cabs(stepper_amplification(method, h * (-half_rate + root), h * (-half_rate - root))) <=
+           1;
+}
+
+int seems_stable(const struct stepper_method *method, const struct scene *scene, double h) {
+    const struct mode mode = stiffest_mode(scene);
+    return stepper_is_predictable(method) ? is_stable(method, &mode, h)
+                                          : h <= usual_step(scene, method);
 }
 
 double usual_step(const struct scene *scene, const struct stepper_method *method) {
-    static const struct {
-        const char *stepper;
-        double rate; /* Hz where Runge-Kutta 4 has 4000 */
-    } usual[] = {{"euler", 9000}, {"midpoint", 6000}, {"implicit-euler", 300}};
-    if (method->capabilities & STEPPER_ADAPTIVE)
-        return 0;
-    for (size_t i = 0; i < sizeof usual / sizeof *usual; i++)
-        if (strcmp(usual[i].stepper, method->name) == 0)
-            return scene->run.step * 4000 / usual[i].rate;
-    return scene->run.step;
+    const double rate_of_rk4 = 4000; /* Hz */
+    return method->capabilities & STEPPER_ADAPTIVE
+               ? 0
+               : scene->run.step * (rate_of_rk4 / stepper_usual_rate(method));
 }
 
 double stop_rate(const struct scene *scene) {

@@ -7,22 +7,12 @@
 #include "plan.h"
 #include "run/results.h"
 
-/* A curve of a comparison: a stepper with its settings. */
-struct contestant {
-    const char *name;       /* in tables and legends; its first word gives the colour */
-    const char *stepper;    /* in the registry */
-    const char *linear;     /* solver, or NULL for the default */
-    const char *options[3]; /* "key=value"; NULL-terminated */
-    double finest;          /* tolerance of an adaptive method that is worth trying */
-    int order;              /* with which its steps follow the tolerance */
-    double cost;            /* CPU time of a fixed step, s per unknown, roughly */
-};
-
-int contestant_is_adaptive(const struct contestant *contestant);
+/* Those that are compared are configurations of integrators/configurations.h, the plan's. */
+int contestant_is_adaptive(const struct configuration *contestant);
 
 /* The request for a run of the contestant: `setting` is its step, s, or its rtol, with
  * atol = setting * atol_ratio. It points into the contestant. */
-struct run_request contestant_request(const struct contestant *contestant, double setting,
+struct run_request contestant_request(const struct configuration *contestant, double setting,
                                       double atol_ratio);
 
 /* The first case of the plan in a group with that label, or NULL. */
@@ -126,7 +116,7 @@ struct fit {
     double spread; /* largest less least of the slopes from point to point */
     int points;    /* 0, and no numbers: there were fewer than three */
 };
-struct fit slope_fit(const struct slope *slope, const struct contestant *contestant);
+struct fit slope_fit(const struct slope *slope, const struct configuration *contestant);
 
 /* The same for a table's first line. */
 #define SLOPE_RULE                                                                                 \
@@ -140,12 +130,17 @@ struct mode {
 };
 struct mode stiffest_mode(const struct scene *scene);
 
-/* Whether a Runge-Kutta method's steps of h are stable on that mode by linear theory. */
-int is_stable(const struct butcher_table *table, const struct mode *mode, double h);
+/* Whether steps of h are stable on that mode by linear theory; of methods that
+ * stepper_is_predictable. */
+int is_stable(const struct stepper_method *method, const struct mode *mode, double h);
 
-/* A step at which people would run a method on a scene, s. The scene's own is for Runge-Kutta 4; at
- * the default material others have 9000, 6000 and 300 Hz where that has 4000, and the same ratios
- * elsewhere. 0 where the method chooses its steps. */
+/* The same on the scene's stiffest mode; of which theory says nothing: whether it is no longer than
+ * usual. */
+int seems_stable(const struct stepper_method *method, const struct scene *scene, double h);
+
+/* A step at which people would run a method on a scene, s. The scene's own is for Runge-Kutta 4,
+ * which at the default material has 4000 Hz where the method has its usual rate, and the same
+ * ratios elsewhere. 0 where the method chooses its steps. */
 double usual_step(const struct scene *scene, const struct stepper_method *method);
 
 /* How often fixed steps are stopped on a scene's wisps, by ticks or frames, Hz: the rate of the

@@ -12,6 +12,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+void experiment_title(const struct experiment *experiment, char title[256]) {
+    if (experiment->thesis)
+        snprintf(title, 256, "thesis, %s: %s", experiment->thesis, experiment->question);
+    else
+        snprintf(title, 256, "%s", experiment->question);
+}
+
 /* Takes the scene over, NULL or not. */
 static const struct scene *keep_scene(struct plan *plan, struct scene *scene) {
     struct scene **loaded =
@@ -126,6 +133,78 @@ int plan_wants(const struct plan *plan, const char *stepper) {
     return plan->stepper_count == 0;
 }
 
+/* Says that the experiment does not take a stepper that the user asked for, and which it does.
+ * Returns -1. */
+static int refuse_stepper(struct plan *plan, const char *stepper) {
+    const char *before = "; it compares ";
+    int used = snprintf(plan->reason, REASON_SIZE, "experiment %s does not take stepper %s",
+                        plan->experiment->name, stepper);
+    if (plan->refused && strcmp(plan->refused->name, stepper) == 0) {
+        snprintf(plan->reason + used, REASON_SIZE - (size_t)used, ": %s", plan->refusal);
+        return -1;
+    }
+    for (int i = 0; plan->configurations && plan->configurations[i].name; i++) {
+        const struct configuration *one = &plan->configurations[i];
+        if (one->kind != CONFIGURATION_PLAIN || used >= REASON_SIZE)
+            continue;
+        used +=
+            snprintf(plan->reason + used, REASON_SIZE - (size_t)used, "%s%s", before, one->stepper);
+        before = ", ";
+    }
+    return -1;
+}
+
+int plan_configurations(struct plan *plan, unsigned kinds, unsigned capabilities) {
+    struct configuration *all = configurations_choose(kinds, capabilities);
+    if (!all) {
+        snprintf(plan->reason, REASON_SIZE, "out of memory");
+        return -1;
+    }
+    plan->configurations = all;
+    for (int k = 0; k < plan->stepper_count; k++) {
+        int found = 0;
+        for (int i = 0; all[i].name; i++)
+            found |= strcmp(all[i].stepper, plan->steppers[k]) == 0;
+        if (!found)
+            return refuse_stepper(plan, plan->steppers[k]);
+    }
+    for (int i = 0; all[i].name; i++)
+        if (plan_wants(plan, all[i].stepper))
+            all[plan->configuration_count++] = all[i];
+    return 0;
+}
+
+void plan_refuse(struct plan *plan, const struct stepper_method *method, const char *why) {
+    if (plan->refused)
+        return;
+    plan->refused = method;
+    snprintf(plan->refusal, sizeof plan->refusal, "%s", why);
+}
+
+int plan_takes(struct plan *plan, const struct scene *scene, const struct run_request *request,
+               char *reason) {
+    struct settings settings;
+    reason[0] = '\0';
+    if (settings_resolve(scene, request, &settings, reason) == 0)
+        return 1;
+    plan_refuse(plan, stepper_find(request->stepper), reason);
+    return 0;
+}
+
+static int has_run(const struct plan *plan, const struct stepper_method *method) {
+    for (int i = 0; i < plan->case_count; i++)
+        if (plan->cases[i].run.settings.method == method)
+            return 1;
+    return 0;
+}
+
+int plan_check(struct plan *plan) {
+    for (int k = 0; k < plan->stepper_count; k++)
+        if (!has_run(plan, stepper_find(plan->steppers[k])))
+            return refuse_stepper(plan, plan->steppers[k]);
+    return 0;
+}
+
 int plan_add(struct plan *plan, const struct scene *scene, const struct run_request *request,
              const char *group, const char *label, ...) {
     if (plan->case_count == plan->case_capacity) {
@@ -161,6 +240,7 @@ void plan_free(struct plan *plan) {
         scene_free(plan->loaded[i]);
     free(plan->loaded);
     free(plan->subjects);
+    free(plan->configurations);
     free(plan->cases);
     free(plan->memo);
 }

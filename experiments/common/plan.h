@@ -4,7 +4,9 @@
 #define WISPLAB_EXPERIMENT_H
 
 #include "base/files.h"
+#include "integrators/configurations.h"
 #include "run/runs.h"
+#include "statements.h"
 
 /* A run and what the tables call it. */
 struct labelled_case {
@@ -29,6 +31,7 @@ struct plan {
     int fresh;          /* what is there already does not count */
     double share;       /* of the experiment's own budget of time, where it has one; 0: all */
     double run_seconds; /* CPU time for a run where the user sets none; 0: the program's default */
+    struct run_limits limits;                    /* of what tabulate starts: carry_out's */
     const char *const *scenes, *const *steppers; /* chosen by the user; none: the experiment's */
     int scene_count, stepper_count;
 
@@ -38,6 +41,10 @@ struct plan {
     int loaded_count;
     struct subject *subjects; /* owned; see plan_subjects */
     int subject_count;
+    struct configuration *configurations; /* compared; owned; see plan_configurations */
+    int configuration_count;
+    const struct stepper_method *refused; /* the first method that could not be taken, or NULL */
+    char refusal[REASON_SIZE];            /* and why */
     void *memo;               /* the experiment's own, from round to round; freed with the plan */
     char reason[REASON_SIZE]; /* of a failure */
 };
@@ -48,9 +55,24 @@ struct caption {
     char text[1200];  /* a sentence or two, computed from them */
 };
 
+/* What a report allots to an experiment: the wall time that its runs, tables and figures take on
+ * two cores, s, and which share of its own budget of time it gets, where it has one, which it then
+ * fills; 0: all of it. */
+struct allotment {
+    double seconds, share;
+};
+
 struct experiment {
     const char *name;
     const char *question;
+    const char *thesis; /* where the thesis asks it, as "section 5.1"; NULL: it does not */
+
+    /* Its place in a report, from 1 on: what answers the report's questions first, and the dearest
+     * of the others last, so that a slow machine drops those. 0: after all that have one. */
+    int place;
+    struct allotment quick; /* in a report with --quick; 0 s: it is no part of that */
+    struct allotment full;  /* in a whole one; 0 s: nobody knows, and a minute is assumed */
+    unsigned answers;       /* 1 << enum question, of all questions that its statements answer */
 
     /* Fills the plan with plan_add. Returns 0, or -1 with plan->reason. */
     int (*plan)(struct plan *plan);
@@ -69,6 +91,9 @@ struct experiment {
      * empty, the report counts what the tables hold. Returns 0, or -1 with a reason. */
     int (*caption)(const char *folder, const char *figure, struct caption *caption, char *reason);
 };
+
+/* Its question as a title, with where the thesis asks it. */
+void experiment_title(const struct experiment *experiment, char title[256]);
 
 /* How much of `seconds`, an experiment's own budget, this plan may take, s. */
 double plan_budget(const struct plan *plan, double seconds);
@@ -100,6 +125,24 @@ const struct scene *plan_cut_scene(struct plan *plan, const struct subject *subj
 
 /* Whether the user's choice of steppers leaves this one in. */
 int plan_wants(const struct plan *plan, const char *stepper);
+
+/* Makes those configurations the plan's that configurations_choose gives and that are of steppers
+ * which the user's choice leaves in. Returns 0, or -1 with plan->reason: also where the user asks
+ * for a stepper that has none among them. */
+int plan_configurations(struct plan *plan, unsigned kinds, unsigned capabilities);
+
+/* Whether there can be such a run; else why not, in `reason` (REASON_SIZE). A problem that is not
+ * for a method is no failure of the experiment, unless the user asked for the method: plan_check.
+ */
+int plan_takes(struct plan *plan, const struct scene *scene, const struct run_request *request,
+               char *reason);
+
+/* Notes why a method is not taken. */
+void plan_refuse(struct plan *plan, const struct stepper_method *method, const char *why);
+
+/* When all is planned: 0, or -1 with plan->reason where a stepper that the user asked for has no
+ * run. */
+int plan_check(struct plan *plan);
 
 /* Adds a run, labelled (printf). Returns 0, or -1 with plan->reason. */
 int plan_add(struct plan *plan, const struct scene *scene, const struct run_request *request,

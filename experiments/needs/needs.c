@@ -171,10 +171,6 @@ static int share_budget(struct plan *plan, struct needs *needs) {
         const double frames = fmax(1, floor(part * own->duration * own->frame_rate + 1e-9));
         study->duration = fmin(frames / own->frame_rate, own->duration);
         left -= study->need * study->duration / own->duration;
-        if (study->duration < own->duration)
-            printf("  %s: only its first %.3g s of %.3g, for the budget of %g s\n",
-                   study->subject->name, study->duration, own->duration,
-                   plan->quick ? quick_seconds : seconds);
     }
     return 0;
 }
@@ -422,6 +418,10 @@ static int needs_refine(struct plan *plan) {
 const struct experiment needs_experiment = {
     .name = "needs",
     .question = "what must be modelled in a scene, and what does leaving out the rest save?",
+    .place = 3,
+    .quick = {.seconds = 5},
+    .full = {.seconds = 220},
+    .answers = 1u << ANSWERS_NEEDS,
     .plan = needs_plan,
     .refine = needs_refine,
     .tabulate = needs_tabulate,

@@ -187,7 +187,7 @@ const struct scene *choose_scene(struct plan *plan, const struct subject *subjec
  * chain of springs k, also for springs over every second node; a hinge of energy kappa/2 phi^2
  * pulls with at most 16 kappa/l^2. */
 double recipe_step(const struct scene *scene) {
-    const struct butcher_table *table = stepper_find("rk4")->table;
+    const struct stepper_method *rk4 = stepper_find("rk4");
     double step = 1 / scene->frame_rate;
     for (int w = 0; w < scene->wisp_count; w++) {
         const struct wisp *wisp = &scene->wisps[w];
@@ -201,7 +201,7 @@ double recipe_step(const struct scene *scene) {
         const struct mode mode = {
             sqrt(all / mass),
             all > 0 ? (stretch * wisp->stretch_time + bending * wisp->bending_time) / all : 0};
-        while (step > 1e-9 && !is_stable(table, &mode, step))
+        while (step > 1e-9 && !is_stable(rk4, &mode, step))
             step *= 0.99;
     }
     return STABILITY_SHARE * step;

@@ -1,5 +1,6 @@
 /* The tables and the answer of experiment needs. */
 #include "base/files.h"
+#include "experiments/common/statements.h"
 #include "needs.h"
 
 #include <math.h>
@@ -148,42 +149,111 @@ static int write_answers(const struct plan *plan, const char *folder, char *reas
 
 /* --- the answer --- */
 
-static void print_study(const struct study *study) {
-    const double error = fmax(study->check[HALF_STEP], study->check[SMALLEST_HALF_STEP]);
-    char needed[REASON_SIZE], enough[REASON_SIZE];
-    if (study->full.fate != CHANGED) {
-        printf("  %s: no answer; the full model's runs: %s\n", study->subject->name, study->note);
-        return;
-    }
-    if (study->note[0])
-        printf("  %s: its full model is no finer, for with %s\n", study->subject->name,
-               study->note);
+/* A row on a study: its key is that of the study with a word. */
+static struct statement row_of(const struct study *study, const char *word, char key[128]) {
+    snprintf(key, 128, "%.70s, %s", study->subject->name, word);
+    return (struct statement){
+        .key = key, .figure = study->subject->name, .tables = "smallest needs", .unit = "mm"};
+}
+
+static void state_smallest(struct statements *statements, const struct study *study) {
+    const char *scene = study->subject->name;
+    const double change = 1e3 * study->smallest.change.rms;
+    char key[128], needed[REASON_SIZE], enough[REASON_SIZE];
+    struct statement row = row_of(study, "smallest model", key);
+    row.answers = ANSWERS_NEEDS;
     describe(study, &study->smallest.choice, AS_IN_FULL, needed);
     describe(study, &study->smallest.choice, OTHER, enough);
+    row.value = study->tried ? change : NAN;
     if (study->tried == 0)
-        printf("  %s: nothing less is within %g mm of its full model: %s\n", study->subject->name,
-               1e3 * NEEDS_TARGET, needed);
+        statements_add(statements, row,
+                       "%s needs all of its full model: nothing less is within %g mm of it (%s).",
+                       scene, 1e3 * NEEDS_TARGET, needed);
     else
-        printf("  %s needs %s; otherwise enough: %s; %.2g times cheaper, within %.2g mm\n",
-               study->subject->name, needed, enough, 1 / cost_ratio(study, &study->smallest),
-               1e3 * study->smallest.change.rms);
-    printf("    as it is: %.2g times cheaper than the full model, %.2g mm from it\n",
-           1 / cost_ratio(study, &study->own), 1e3 * study->own.change.rms);
-    printf("    steps make %.1g mm of it; starts that differ by 1e-10 m %.1g mm, by 0.1 mm "
-           "%.1g mm\n",
-           1e3 * error, 1e3 * study->check[PERTURBED], 1e3 * study->check[SCATTERED]);
+        statements_add(statements, row,
+                       "%s needs %s, and does with %s: %.2g mm (rms) from its full model, "
+                       "for %.2g of its CPU time.",
+                       scene, needed, enough, change, cost_ratio(study, &study->smallest));
+    row = row_of(study, "as it is", key);
+    row.answers = ANSWERS_NEEDS;
+    row.value = 1e3 * study->own.change.rms;
+    row.verdict =
+        study->own.fate == CHANGED ? holds_if(needs_is_near(study, &study->own)) : NOT_REACHED;
+    if (row.verdict == NOT_REACHED)
+        statements_add(statements, row, "The scene %s as it is did not reach its end.", scene);
+    else
+        statements_add(statements, row,
+                       "%s as it is is near its full model: %.2g mm (rms) from it, for %.2g of its "
+                       "CPU time.",
+                       scene, row.value, cost_ratio(study, &study->own));
+}
+
+/* How far the differences between models can be trusted. */
+static void state_trust(struct statements *statements, const struct study *study) {
+    const double error = fmax(study->check[HALF_STEP], study->check[SMALLEST_HALF_STEP]);
+    const char *scene = study->subject->name;
+    char key[128];
+    struct statement row = row_of(study, "steps", key);
+    row.value = 1e3 * error;
     /* Steps that make less than perturbed starts do perturb like a start. */
-    if (!(error < fmax(0.1 * NEEDS_TARGET, needs_noise(study))))
-        printf("    its steps are too long for these differences to be the models' alone\n");
-    if (needs_noise(study) > NEEDS_TARGET)
-        printf("    after that there is no telling a model from another by a millimetre\n");
+    row.verdict =
+        isnan(error) ? NOT_REACHED : holds_if(error < fmax(0.1 * NEEDS_TARGET, needs_noise(study)));
+    if (isnan(error))
+        statements_add(statements, row, "What steps make of %s is not known: a run failed.", scene);
+    else
+        statements_add(statements, row,
+                       "On %s these differences are the models' alone: steps make %.1g mm.", scene,
+                       row.value);
+    row = row_of(study, "starts", key);
+    row.value = 1e3 * needs_noise(study);
+    row.verdict = isnan(row.value) ? NOT_REACHED : holds_if(row.value <= 1e3 * NEEDS_TARGET);
+    if (isnan(row.value))
+        statements_add(statements, row, "What starts make of %s is not known: a run failed.",
+                       scene);
+    else
+        statements_add(statements, row,
+                       "On %s models can be told apart by %g mm: starts that differ by 1e-10 m "
+                       "make %.1g mm, by 0.1 mm %.1g mm.",
+                       scene, 1e3 * NEEDS_TARGET, 1e3 * study->check[PERTURBED],
+                       1e3 * study->check[SCATTERED]);
+}
+
+static void state_study(struct statements *statements, const struct study *study) {
+    const char *scene = study->subject->name;
+    char key[128];
+    struct statement row = row_of(study, "full model", key);
+    row.unit = NULL;
+    row.verdict = NOT_REACHED;
+    if (study->full.fate != CHANGED) {
+        row.answers = ANSWERS_NEEDS;
+        statements_add(statements, row, "%s has no answer, for its full model's runs fail: %s.",
+                       scene, study->note);
+        return;
+    }
+    state_smallest(statements, study);
+    state_trust(statements, study);
+    if (study->note[0])
+        statements_add(statements, row, "%s has no finer full model, for with %s.", scene,
+                       study->note);
+    if (study->duration < study->subject->scene->duration) {
+        row = row_of(study, "cut", key);
+        row.verdict = NOT_REACHED;
+        row.value = study->duration;
+        row.unit = "s";
+        statements_add(statements, row, "The budget allows %s its first %.3g of %.3g s.", scene,
+                       study->duration, study->subject->scene->duration);
+    }
 }
 
 int needs_tabulate(struct plan *plan, const char *folder) {
     const struct needs *needs = plan->memo;
-    if (write_needs(plan, folder, plan->reason) || write_answers(plan, folder, plan->reason))
+    struct statements statements;
+    if (statements_open(&statements, folder, NULL, NULL, plan->reason))
         return -1;
-    for (int i = 0; i < needs->count; i++)
-        print_study(&needs->study[i]);
-    return 0;
+    const int code =
+        write_needs(plan, folder, plan->reason) || write_answers(plan, folder, plan->reason) ? -1
+                                                                                             : 0;
+    for (int i = 0; i < needs->count && !code; i++)
+        state_study(&statements, &needs->study[i]);
+    return statements_close(&statements, code, plan->reason);
 }

@@ -7,12 +7,24 @@
 #include "experiments/captions.h"
 
 static int stability_tabulate(struct plan *plan, const char *folder) {
-    return stability_maps(plan, folder) || limits_tabulate(plan, folder) ? -1 : 0;
+    struct statements statements;
+    if (statements_open(&statements, folder, NULL,
+                        plan->quick ? "--quick: coarser maps, brackets of 12 %" : NULL,
+                        plan->reason))
+        return -1;
+    const int code =
+        stability_maps(plan, folder, &statements) || limits_tabulate(plan, folder, &statements) ? -1
+                                                                                                : 0;
+    return statements_close(&statements, code, plan->reason);
 }
 
 const struct experiment stability_experiment = {
     .name = "stability",
     .question = "what is the longest stable step of each stepper, and how does it fail beyond?",
+    .place = 2,
+    .quick = {.seconds = 6},
+    .full = {.seconds = 120},
+    .answers = 1u << ANSWERS_FAILURES,
     .plan = limits_plan,
     .refine = limits_refine,
     .tabulate = stability_tabulate,

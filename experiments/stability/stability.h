@@ -3,6 +3,7 @@
 #define WISPLAB_STABILITY_H
 
 #include "experiments/common/search.h"
+#include "experiments/common/statements.h"
 
 #include <complex.h>
 
@@ -30,15 +31,17 @@ struct stepper *small_stepper(const struct stepper_method *method, double tolera
                               struct small_system *small);
 
 /* By what a step of h multiplies (q, v) in the long run: of fixed steps the spectral radius of the
- * step as it is done, of adaptive ones the growth over times of h. INFINITY where a step fails or
+ * step as it is done, or where a method has a history the growth over a train of them; of adaptive
+ * ones the growth over times of h. INFINITY where a step fails or
  * is not finite; NaN where the method refuses the system. Per step of h = 1 on u' = z u it is
  * |R(z)| of a Runge-Kutta method. */
 double measured_growth(const struct stepper_method *method, double tolerance,
                        struct small_system *small, double h);
 
-/* An undamped oscillator let go from q = 1: by least squares over a train of steps, what the
- * method's own damping is, of critical (negative: it grows), and by how much its frequency is off,
- * relative; NaN where it fails or turns by more than half a turn in a step. */
+/* An undamped oscillator let go: what the method's own damping is, of critical (negative: it
+ * grows), and by how much its frequency is off, relative; NaN where it fails or turns by nearly
+ * half a turn in a step. By the eigenvalue of the step as it is done, and where a method has a
+ * history or chooses its steps, by least squares over a train of them from q = 1. */
 struct ring_down {
     double damping, frequency_shift;
     double steps_per_period;
@@ -46,35 +49,43 @@ struct ring_down {
 struct ring_down measured_ring_down(const struct stepper_method *method, double tolerance,
                                     double h);
 
-/* The same of a stability function: |R(ih)| and arg R(ih). */
-struct ring_down predicted_ring_down(const struct butcher_table *table, double h);
+/* The same by linear theory, of a method that stepper_is_predictable. */
+struct ring_down predicted_ring_down(const struct stepper_method *method, double h);
 
 /* --- stability_modes.c: linear theory of a wisp --- */
 
-/* The eigenvalues of (q, v)' = (v, M^-1 (K q + D v)), where a system of one lane is linearised at
- * (t, q, v): 2 * size numbers for the caller to free, NULL where memory cannot be had or the model
- * fails. Dense: the work is the cube of the size. */
-double complex *system_modes(struct system *system, double t, const double *q, const double *v);
+/* A motion exp(rate t) of a system, 1/s, and the other rate of its mode: the mode is an oscillator
+ * q'' = (rate + partner) q' - rate partner q, swinging where they are conjugate, creeping where
+ * they are real. */
+struct mode_rate {
+    double complex rate, partner;
+};
 
-/* The longest step before the first that is not stable on modes lambda: |R(h lambda)| is 1 at most,
- * or |exp(h lambda)| where the mode itself grows. Growth below a millionth per step does not count:
- * runs have no millions of steps. INFINITY where there is none; 0 where no step is. */
-double stable_step(const struct butcher_table *table, const double complex *modes, int count);
+/* The eigenvalues of (q, v)' = (v, M^-1 (K q + D v)), where a system of one lane is linearised at
+ * (t, q, v): 2 * size rates for the caller to free, NULL where memory cannot be had or the model
+ * fails. Dense: the work is the cube of the size. */
+struct mode_rate *system_modes(struct system *system, double t, const double *q, const double *v);
+
+/* The longest step before the first that is not stable on all modes: its amplification is 1 at
+ * most, or as much as the mode itself grows. Growth below a millionth per step does not count: runs
+ * have no millions of steps. INFINITY where there is none; 0 where no step is. The method is one
+ * that stepper_is_predictable. */
+double stable_step(const struct stepper_method *method, const struct mode_rate *modes, int count);
 
 /* The modes of the scene's wisps at its start, of those alike once, for the caller to free. NULL
  * where a wisp has too many unknowns for dense eigenvalues, or memory cannot be had. */
-double complex *scene_modes(const struct scene *scene, enum wisp_treatment treatment, int *count);
+struct mode_rate *scene_modes(const struct scene *scene, enum wisp_treatment treatment, int *count);
 
 /* --- stability_maps.c --- */
 
-/* Writes the tables regions, oscillator and damping, measured here and now. 0, or -1 with
- * plan->reason. */
-int stability_maps(struct plan *plan, const char *folder);
+/* Writes the tables regions, oscillator and damping, measured here and now, and states how near
+ * they are to theory. 0, or -1 with plan->reason. */
+int stability_maps(struct plan *plan, const char *folder, struct statements *statements);
 
 /* --- stability_limits.c, stability_tables.c: the searches, stages of struct experiment --- */
 
 int limits_plan(struct plan *plan);
 int limits_refine(struct plan *plan);
-int limits_tabulate(struct plan *plan, const char *folder);
+int limits_tabulate(struct plan *plan, const char *folder, struct statements *statements);
 
 #endif

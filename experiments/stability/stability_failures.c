@@ -9,7 +9,7 @@
 
 /* A run that the table of failures is to have. */
 static int add_failure(struct plan *plan, const struct cell *cell,
-                       const struct contestant *contestant, double step) {
+                       const struct configuration *contestant, double step) {
     const struct run_request request = limits_request(cell, contestant, step);
     char group[128];
     snprintf(group, sizeof group, "failures, %s", cell->name);
@@ -30,15 +30,15 @@ int limits_plan_failures(struct plan *plan, const struct cell *cell, const struc
     return 0;
 }
 
-int limits_plan_known(struct plan *plan, const struct limits *limits, const struct cell *cell) {
+int limits_plan_known(struct plan *plan, const struct cell *cell) {
     static const struct {
         const char *stepper;
         double rate;
     } known[] = {{"euler", 9000}, {"euler", 8000}, {"euler", 7000}, {"rk4", 4000}, {"rk4", 3000}};
     for (size_t k = 0; k < sizeof known / sizeof *known; k++)
-        for (int i = 0; i < limits->contestant_count; i++)
-            if (strcmp(limits->contestants[i].stepper, known[k].stepper) == 0 &&
-                add_failure(plan, cell, &limits->contestants[i], 1 / known[k].rate))
+        for (int i = 0; i < plan->configuration_count; i++)
+            if (plan->configurations[i].method == stepper_find(known[k].stepper) &&
+                add_failure(plan, cell, &plan->configurations[i], 1 / known[k].rate))
                 return -1;
     return 0;
 }

@@ -39,33 +39,16 @@ const struct axis limits_axes[AXES] = {
 
 /* --- the plan --- */
 
-/* Every method of the registry as it is, implicit ones with the direct solver. */
-static void find_contestants(const struct plan *plan, struct limits *limits) {
-    for (int i = 0; stepper_methods[i] && limits->contestant_count < STEPPERS_MAX; i++) {
-        const struct stepper_method *method = stepper_methods[i];
-        if (plan_wants(plan, method->name))
-            limits->contestants[limits->contestant_count++] = (struct contestant){
-                .name = method->name,
-                .stepper = method->name,
-                .linear = method->capabilities & STEPPER_IMPLICIT ? "direct" : NULL,
-                .cost = method->capabilities & STEPPER_IMPLICIT ? 100e-9
-                        : method->table                         ? 11e-9 * method->table->stages
-                                                                : 40e-9,
-            };
-    }
-}
-
 static int begin_cell(struct plan *plan, struct cell *cell) {
-    struct limits *limits = plan->memo;
     const struct run_request tight = {.stepper = "reference", .treatment = limits_treatment(cell)};
     int mode_count = 0, code = 0;
     cell->tight = plan->case_count;
     if (plan_add(plan, cell->scene, &tight, cell->name, "tight"))
         return -1;
-    double complex *modes = scene_modes(cell->scene, cell->treatment, &mode_count);
-    for (int i = 0; i < limits->contestant_count && !code; i++)
-        if (!cell->axis || !contestant_is_adaptive(&limits->contestants[i]))
-            code = limits_begin(plan, cell, &limits->contestants[i], modes, mode_count);
+    struct mode_rate *modes = scene_modes(cell->scene, cell->treatment, &mode_count);
+    for (int i = 0; i < plan->configuration_count && !code; i++)
+        if (!cell->axis || !contestant_is_adaptive(&plan->configurations[i]))
+            code = limits_begin(plan, cell, &plan->configurations[i], modes, mode_count);
     free(modes);
     return code;
 }
@@ -104,7 +87,8 @@ static int plan_axes(struct plan *plan, struct limits *limits) {
             struct cell *cell = &limits->cells[limits->cell_count];
             if (!is_in(plan, a, k))
                 continue;
-            *cell = (struct cell){.axis = axis,
+            *cell = (struct cell){.trials = cell->trials,
+                                  .axis = axis,
                                   .value = axis->value[k],
                                   .treatment = axis->treatment,
                                   .scene = plan_axis_scene(plan, axis, axis->value[k])};
@@ -123,6 +107,10 @@ static double affordable(const struct plan *plan, const struct scene *scene) {
     return fmin(duration, seconds / (reference_cost(scene) * treatments));
 }
 
+int limits_is_cut(const struct plan *plan, const struct cell *cell) {
+    return affordable(plan, cell->scene) < duration;
+}
+
 static int plan_scenes(struct plan *plan, struct limits *limits) {
     for (int i = 0; i < plan->subject_count; i++) {
         const struct subject *subject = &plan->subjects[i];
@@ -131,18 +119,18 @@ static int plan_scenes(struct plan *plan, struct limits *limits) {
             plan_cut_scene(plan, subject, subject->scene->frame_rate, length, NULL);
         if (!scene)
             return -1;
-        if (length < duration)
-            printf("  %s: only its first %.3g s, for the budget\n", subject->name, scene->duration);
         for (int t = 0; wisp_problem.treatments[t].name; t++) {
             struct cell *cell = &limits->cells[limits->cell_count];
             if (scene->wisps[0].samples == 0 && t != WISP_GENERALISED)
                 continue; /* the same equations */
-            *cell = (struct cell){
-                .scene = scene, .treatment = (enum wisp_treatment)t, .subject = subject->name};
+            *cell = (struct cell){.trials = cell->trials,
+                                  .scene = scene,
+                                  .treatment = (enum wisp_treatment)t,
+                                  .subject = subject->name};
             snprintf(cell->name, sizeof cell->name, "%s %s", subject->name, limits_treatment(cell));
             limits->cell_count++;
             if (begin_cell(plan, cell) ||
-                (strcmp(subject->source, "swing") == 0 && limits_plan_known(plan, limits, cell)))
+                (strcmp(subject->source, "swing") == 0 && limits_plan_known(plan, cell)))
                 return -1;
         }
     }
@@ -152,15 +140,19 @@ static int plan_scenes(struct plan *plan, struct limits *limits) {
 int limits_plan(struct plan *plan) {
     static const char *const own[] = {"swing", "swing-envelope"};
     plan->run_seconds = 60;
-    if (plan_subjects(plan, own, plan->quick ? 1 : 2))
+    if (plan_configurations(plan, CONFIGURATION_PLAIN, 0) ||
+        plan_subjects(plan, own, plan->quick ? 1 : 2))
         return -1;
-    const size_t cells = AXES * VALUES_MAX + 3 * (size_t)plan->subject_count;
-    struct limits *limits = plan->memo = calloc(1, sizeof *limits + cells * sizeof *limits->cells);
+    const size_t cells = AXES * VALUES_MAX + 3 * (size_t)plan->subject_count,
+                 trials = (size_t)plan->configuration_count;
+    struct limits *limits = plan->memo = calloc(1, sizeof *limits + cells * sizeof *limits->cells +
+                                                       cells * trials * sizeof(struct trial));
     if (!limits) {
         snprintf(plan->reason, REASON_SIZE, "out of memory");
         return -1;
     }
-    find_contestants(plan, limits);
+    for (size_t i = 0; i < cells; i++) /* behind the cells */
+        limits->cells[i].trials = (struct trial *)(limits->cells + cells) + i * trials;
     if (plan_scenes(plan, limits))
         return -1;
     return plan->scene_count ? 0 : plan_axes(plan, limits);

@@ -5,7 +5,7 @@
 #include "base/files.h"
 #include "stability.h"
 
-enum { STEPPERS_MAX = 32, VALUES_MAX = 6, AXES = 4 };
+enum { VALUES_MAX = 6, AXES = 4 };
 
 /* What is varied, on which scene, and by which setting. */
 struct axis {
@@ -20,7 +20,7 @@ enum phase { ANCHORING, SEARCHING, TIMING, DONE };
 
 /* One method in one cell. */
 struct trial {
-    const struct contestant *contestant;
+    const struct configuration *contestant;
     double predicted; /* step, s; NaN: no prediction */
     enum phase phase;
     struct bracket place;
@@ -38,20 +38,27 @@ struct cell {
     enum wisp_treatment treatment;
     const struct axis *axis; /* NULL: a whole scene */
     double value;
-    const char *subject; /* its name; of a whole scene */
-    char name[96];       /* of its runs */
-    int tight;           /* its case in the plan */
-    struct trial trials[STEPPERS_MAX];
+    const char *subject;  /* its name; of a whole scene */
+    char name[96];        /* of its runs */
+    int tight;            /* its case in the plan */
+    struct trial *trials; /* at most one for each of the plan's configurations; in the memo */
     int trial_count;
 };
 
 /* The plan's memo. */
 struct limits {
-    struct contestant contestants[STEPPERS_MAX];
-    int contestant_count;
     int cell_count;
     struct cell cells[];
 };
+
+/* Whether the budget lets a whole scene run for less than the others. */
+int limits_is_cut(const struct plan *plan, const struct cell *cell);
+
+/* --- stability_tables.c --- */
+
+/* States how long a method's steps may be in a cell of a whole scene, and what happens beyond. */
+void limits_state_trial(struct statements *statements, const struct cell *cell,
+                        const struct trial *trial, enum question answers);
 
 /* --- stability_trial.c --- */
 
@@ -65,7 +72,7 @@ double limits_step(const struct cell *cell, int place);
 int limits_place(const struct cell *cell, double step);
 
 const char *limits_treatment(const struct cell *cell);
-struct run_request limits_request(const struct cell *cell, const struct contestant *contestant,
+struct run_request limits_request(const struct cell *cell, const struct configuration *contestant,
                                   double step);
 
 /* What the order of the method lets the error be at a step, m. */
@@ -77,8 +84,8 @@ double limits_first_wrong(const struct table *run, const struct table *tight, do
 /* Adds the trial of a method to a cell whose modes are these, or NULL, and its first run to
  * the plan. A method that refuses the scene is done, and the note says why. 0, or -1 with
  * plan->reason. */
-int limits_begin(struct plan *plan, struct cell *cell, const struct contestant *contestant,
-                 const double complex *modes, int mode_count);
+int limits_begin(struct plan *plan, struct cell *cell, const struct configuration *contestant,
+                 const struct mode_rate *modes, int mode_count);
 
 /* Takes what the trial's last run has shown, and plans its next one. 0, or -1 with plan->reason. */
 int limits_go_on(struct plan *plan, const struct cell *cell, struct trial *trial,
@@ -87,7 +94,7 @@ int limits_go_on(struct plan *plan, const struct cell *cell, struct trial *trial
 /* --- stability_failures.c: 0, or -1 with plan->reason --- */
 
 /* Plans runs on either side of the limits of `swing`, at round rates. */
-int limits_plan_known(struct plan *plan, const struct limits *limits, const struct cell *cell);
+int limits_plan_known(struct plan *plan, const struct cell *cell);
 
 /* Plans runs above the limit that a trial has found. */
 int limits_plan_failures(struct plan *plan, const struct cell *cell, const struct trial *trial);

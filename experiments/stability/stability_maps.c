@@ -18,9 +18,39 @@ static int open_map(struct plan *plan, struct atomic_file *file, const char *fol
     return open_table(file, folder, name, what, plan->loaded[0], columns, plan->reason);
 }
 
+/* How far what was measured is from theory, where there is one. */
+struct agreement {
+    double worst; /* |difference| over the larger of 1 and the theory */
+    int count, asked;
+};
+
+static void agree(struct agreement *agreement, double measured, double theory) {
+    agreement->asked++;
+    if (isnan(measured) || isnan(theory))
+        return;
+    agreement->worst = fmax(agreement->worst, fabs(measured - theory) / fmax(1, fabs(theory)));
+    agreement->count++;
+}
+
+/* `within`: what a long train of steps may be off. */
+static void state_agreement(struct statements *statements, const char *map, const char *what,
+                            const struct agreement *agreement, double within) {
+    struct statement row = {.key = map, .figure = map, .tables = map, .unit = "1"};
+    row.value = agreement->count ? agreement->worst : NAN;
+    row.verdict = !agreement->count ? NOT_ASKED : holds_if(agreement->worst < within);
+    if (agreement->count)
+        statements_add(statements, row,
+                       "The real code's %s is that of the stability function: at %d points they "
+                       "differ by at most %.2g.",
+                       what, agreement->count, agreement->worst);
+    else
+        statements_add(statements, row, "No method with a stability function was asked for.");
+}
+
 /* --- the regions --- */
 
-static void write_region(FILE *stream, const struct stepper_method *method, double spacing) {
+static void write_region(FILE *stream, const struct stepper_method *method, double spacing,
+                         struct agreement *agreement) {
     const double left = -4, right = 3, top = 3.5;
     const int columns = (int)round((right - left) / spacing), rows = (int)round(2 * top / spacing);
     struct small_system small;
@@ -28,16 +58,19 @@ static void write_region(FILE *stream, const struct stepper_method *method, doub
         for (int column = 0; column <= columns; column++) {
             const double complex z = left + column * spacing + I * (row * spacing - top);
             small_dahlquist(&small, z);
-            fprintf(stream, "%s\t%g\t%g\t%.9g\t%.9g\n", method->name, creal(z), cimag(z),
-                    measured_growth(method, loose, &small, 1),
-                    method->table ? cabs(butcher_stability(method->table, z)) : NAN);
+            const double growth = measured_growth(method, loose, &small, 1),
+                         theory = method->table ? cabs(butcher_stability(method->table, z)) : NAN;
+            fprintf(stream, "%s\t%g\t%g\t%.9g\t%.9g\n", method->name, creal(z), cimag(z), growth,
+                    theory);
+            agree(agreement, growth, theory);
         }
         fprintf(stream, "\n");
     }
     fprintf(stream, "\n");
 }
 
-static int write_regions(struct plan *plan, const char *folder) {
+static int write_regions(struct plan *plan, const char *folder, struct statements *statements) {
+    struct agreement agreement = {0};
     struct atomic_file file;
     if (open_map(plan, &file, folder, "regions",
                  "growth per step of u' = z u, h = 1, measured by stepping the real code (growth) "
@@ -51,21 +84,24 @@ static int write_regions(struct plan *plan, const char *folder) {
         const double fine = plan->quick ? 0.2 : 0.05, coarse = plan->quick ? 0.5 : 0.25;
         if (plan_wants(plan, stepper_methods[i]->name))
             write_region(file.stream, stepper_methods[i],
-                         is_fixed(stepper_methods[i]) ? fine : coarse);
+                         is_fixed(stepper_methods[i]) ? fine : coarse, &agreement);
     }
+    state_agreement(statements, "regions", "growth on u' = zu", &agreement, 1e-6);
     return atomic_commit(&file, plan->reason);
 }
 
 /* --- the damped oscillator --- */
 
-/* The larger of |R| on both modes of q'' = -q - 2 zeta q'. */
-static double oscillator_theory(const struct butcher_table *table, double h, double zeta) {
+/* On the modes of q'' = -q - 2 zeta q'; NaN where there is no theory. */
+static double oscillator_theory(const struct stepper_method *method, double h, double zeta) {
     const double complex root = csqrt(zeta * zeta - 1);
-    return fmax(cabs(butcher_stability(table, h * (-zeta + root))),
-                cabs(butcher_stability(table, h * (-zeta - root))));
+    return stepper_is_predictable(method)
+               ? cabs(stepper_amplification(method, h * (-zeta + root), h * (-zeta - root)))
+               : NAN;
 }
 
-static void write_oscillator(FILE *stream, const struct stepper_method *method, int quick) {
+static void write_oscillator(FILE *stream, const struct stepper_method *method, int quick,
+                             struct agreement *agreement) {
     const double h_step = quick ? 0.2 : 0.05, zeta_step = quick ? 0.25 : 0.05;
     const double h_last = 4, zeta_last = 2;
     struct small_system small;
@@ -73,52 +109,60 @@ static void write_oscillator(FILE *stream, const struct stepper_method *method, 
         for (int column = 1; column <= (int)round(h_last / h_step); column++) {
             const double zeta = row * zeta_step, h = column * h_step;
             small_oscillator(&small, zeta);
-            fprintf(stream, "%s\t%g\t%g\t%.9g\t%.9g\n", method->name, h, zeta,
-                    measured_growth(method, loose, &small, h),
-                    method->table ? oscillator_theory(method->table, h, zeta) : NAN);
+            const double growth = measured_growth(method, loose, &small, h),
+                         theory = oscillator_theory(method, h, zeta);
+            fprintf(stream, "%s\t%g\t%g\t%.9g\t%.9g\n", method->name, h, zeta, growth, theory);
+            agree(agreement, growth, theory);
         }
         fprintf(stream, "\n");
     }
     fprintf(stream, "\n");
 }
 
-static int write_oscillators(struct plan *plan, const char *folder) {
+static int write_oscillators(struct plan *plan, const char *folder, struct statements *statements) {
+    struct agreement agreement = {0};
     struct atomic_file file;
     if (open_map(plan, &file, folder, "oscillator",
                  "growth per step of q'' = -omega^2 q - 2 zeta omega q' with fixed steps h, "
-                 "measured by stepping the real code, and by the stability function where there "
-                 "is one; adaptive methods have no omega h; nan: of theory, there is no stability "
-                 "function; of growth, the method failed there",
+                 "measured by stepping the real code, and by linear theory where the method has "
+                 "one; adaptive methods have no omega h; nan: of theory, there is none; of "
+                 "growth, the method failed there",
                  "stepper\tomega_h\tzeta\tgrowth\ttheory"))
         return -1;
     for (int i = 0; stepper_methods[i]; i++)
         if (is_fixed(stepper_methods[i]) && plan_wants(plan, stepper_methods[i]->name))
-            write_oscillator(file.stream, stepper_methods[i], plan->quick);
+            write_oscillator(file.stream, stepper_methods[i], plan->quick, &agreement);
+    /* Where both modes are one, at critical damping, n steps also grow by a factor n: between the
+     * 100th and the 400th by 4^(1/300) = 1.0046 a step. */
+    state_agreement(statements, "oscillator", "growth on a damped oscillator", &agreement, 0.005);
     return atomic_commit(&file, plan->reason);
 }
 
 /* --- numerical damping --- */
 
-static void write_ring(FILE *stream, const struct stepper_method *method, double setting) {
+static void write_ring(FILE *stream, const struct stepper_method *method, double setting,
+                       struct agreement *agreement) {
     const int fixed = is_fixed(method);
     const struct ring_down m = measured_ring_down(method, fixed ? loose : setting, setting);
-    const struct ring_down p = method->table ? predicted_ring_down(method->table, setting)
-                                             : (struct ring_down){NAN, NAN, NAN};
+    const struct ring_down p = stepper_is_predictable(method) ? predicted_ring_down(method, setting)
+                                                              : (struct ring_down){NAN, NAN, NAN};
     if (isnan(m.damping))
         return;
     fprintf(stream, "%s\t%g\t%.9g\t%.9g\t%.9g\t%.9g\t%.9g\n", method->name, setting,
             m.steps_per_period, m.damping, m.frequency_shift, p.damping, p.frequency_shift);
+    agree(agreement, m.damping, p.damping);
 }
 
-static int write_damping(struct plan *plan, const char *folder) {
+static int write_damping(struct plan *plan, const char *folder, struct statements *statements) {
+    struct agreement agreement = {0};
     struct atomic_file file;
     if (open_map(
             plan, &file, folder, "damping",
             "an undamped oscillator let go: the damping that is the method's own (of "
             "critical; negative: it grows) and its relative shift of frequency, by ring-down "
-            "of the real code and by |R(i omega h)| and arg R; setting: omega h, or rtol of "
-            "adaptive methods, whose steps per period are the mean; nan: of theory, there is no "
-            "stability function; else the ring-down grew or died too fast to be read",
+            "of the real code and by |R(i omega h)| and arg R, R what linear theory multiplies by; "
+            "setting: omega h, or rtol of adaptive methods, whose steps per period are the mean; "
+            "nan: of theory, there is none; else the ring-down grew or died too fast to be read",
             "stepper\tsetting\tsteps_per_period\tdamping\tfrequency_shift\tdamping_theory\t"
             "frequency_shift_theory"))
         return -1;
@@ -130,16 +174,17 @@ static int write_damping(struct plan *plan, const char *folder) {
             const double setting = is_fixed(method) ? 2 * M_PI / 3 * exp(-k * log(200. / 3) / 18)
                                                     : pow(10, -2 - k / 3.);
             if (!plan->quick || k % 3 == 0)
-                write_ring(file.stream, method, setting);
+                write_ring(file.stream, method, setting, &agreement);
         }
         fprintf(file.stream, "\n\n");
     }
+    state_agreement(statements, "damping", "damping of its own", &agreement, 1e-6);
     return atomic_commit(&file, plan->reason);
 }
 
-int stability_maps(struct plan *plan, const char *folder) {
-    return write_regions(plan, folder) || write_oscillators(plan, folder) ||
-                   write_damping(plan, folder)
+int stability_maps(struct plan *plan, const char *folder, struct statements *statements) {
+    return write_regions(plan, folder, statements) || write_oscillators(plan, folder, statements) ||
+                   write_damping(plan, folder, statements)
                ? -1
                : 0;
 }

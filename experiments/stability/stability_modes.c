@@ -15,7 +15,8 @@ struct dense {
     gsl_matrix *mass, *companion;
     gsl_permutation *order;
     gsl_vector_complex *values;
-    gsl_eigen_nonsymm_workspace *work;
+    gsl_matrix_complex *vectors;
+    gsl_eigen_nonsymmv_workspace *work;
     double *unit, *column; /* vectors of the system */
 };
 
@@ -24,7 +25,8 @@ static void dense_free(struct dense *d) {
     gsl_matrix_free(d->companion);
     gsl_permutation_free(d->order);
     gsl_vector_complex_free(d->values);
-    gsl_eigen_nonsymm_free(d->work);
+    gsl_matrix_complex_free(d->vectors);
+    gsl_eigen_nonsymmv_free(d->work);
     free(d->unit);
     free(d->column);
 }
@@ -35,12 +37,15 @@ static int dense_make(struct dense *d, size_t n) {
         .companion = gsl_matrix_calloc(2 * n, 2 * n),
         .order = gsl_permutation_alloc(n),
         .values = gsl_vector_complex_alloc(2 * n),
-        .work = gsl_eigen_nonsymm_alloc(2 * n),
+        .vectors = gsl_matrix_complex_alloc(2 * n, 2 * n),
+        .work = gsl_eigen_nonsymmv_alloc(2 * n),
         .unit = calloc(n, sizeof(double)),
         .column = malloc(n * sizeof(double)),
     };
-    return d->mass && d->companion && d->order && d->values && d->work && d->unit && d->column ? 0
-                                                                                               : -1;
+    return d->mass && d->companion && d->order && d->values && d->vectors && d->work && d->unit &&
+                   d->column
+               ? 0
+               : -1;
 }
 
 /* Column j of m M + d D + k K becomes column `to` of `matrix`, from row `from` on. */
@@ -73,20 +78,45 @@ static int fill(struct system *system, struct dense *d) {
     return code;
 }
 
-double complex *system_modes(struct system *system, double t, const double *q, const double *v) {
+/* x' (m M + d D + k K) x */
+static double form(struct system *system, struct dense *d, const double mdk[3], const double *x) {
+    double sum = 0;
+    system_product(system, mdk[0], mdk[1], mdk[2], x, d->column);
+    for (int i = 0; i < system->size; i++)
+        sum += x[i] * d->column[i];
+    return sum;
+}
+
+/* The other rate of the mode that has the real i-th one. With its shape x, (l^2 M - l D - K) x = 0,
+ * and x' of it is the equation of the mode's two rates: they add up to x' D x / x' M x. */
+static double partner_of(struct system *system, struct dense *d, size_t i, double rate) {
+    double *x = d->unit;
+    for (int k = 0; k < system->size; k++) {
+        const gsl_complex entry = gsl_matrix_complex_get(d->vectors, (size_t)k, i);
+        x[k] = GSL_REAL(entry);
+    }
+    return form(system, d, (const double[]){0, 1, 0}, x) /
+               form(system, d, (const double[]){1, 0, 0}, x) -
+           rate;
+}
+
+struct mode_rate *system_modes(struct system *system, double t, const double *q, const double *v) {
     gsl_set_error_handler_off(); /* it would abort */
     struct dense dense;
     const size_t n = (size_t)system->size;
-    double complex *modes = malloc(2 * n * sizeof *modes);
+    struct mode_rate *modes = malloc(2 * n * sizeof *modes);
     int code = dense_make(&dense, n) || !modes ||
                system_linearise(system, JACOBIAN_EXACT, t, q, v) || fill(system, &dense);
     if (!code) {
-        gsl_eigen_nonsymm_params(0, 1, dense.work); /* balanced: rates differ by thousands */
-        code = gsl_eigen_nonsymm(dense.companion, dense.values, dense.work);
+        gsl_eigen_nonsymmv_params(1, dense.work); /* balanced: rates differ by thousands */
+        code = gsl_eigen_nonsymmv(dense.companion, dense.values, dense.vectors, dense.work);
     }
     for (size_t i = 0; i < 2 * n && !code; i++) {
         const gsl_complex z = gsl_vector_complex_get(dense.values, i);
-        modes[i] = GSL_REAL(z) + I * GSL_IMAG(z);
+        const double complex rate = GSL_REAL(z) + I * GSL_IMAG(z);
+        modes[i].rate = rate;
+        modes[i].partner =
+            GSL_IMAG(z) == 0 ? partner_of(system, &dense, i, creal(rate)) : conj(rate);
     }
     dense_free(&dense);
     if (code) {
@@ -98,25 +128,26 @@ double complex *system_modes(struct system *system, double t, const double *q, c
 
 /* --- the longest step --- */
 
-static int all_stable(const struct butcher_table *table, const double complex *modes, int count,
+static int all_stable(const struct stepper_method *method, const struct mode_rate *modes, int count,
                       double h) {
     for (int i = 0; i < count; i++) {
-        const double allowed = fmax(1, exp(h * creal(modes[i])));
-        if (!(cabs(butcher_stability(table, h * modes[i])) <= allowed * (1 + 1e-6)))
+        const double complex z = h * modes[i].rate, partner = h * modes[i].partner;
+        const double allowed = fmax(1, fmax(exp(creal(z)), exp(creal(partner))));
+        if (!(cabs(stepper_amplification(method, z, partner)) <= allowed * (1 + 1e-6)))
             return 0;
     }
     return 1;
 }
 
-double stable_step(const struct butcher_table *table, const double complex *modes, int count) {
+double stable_step(const struct stepper_method *method, const struct mode_rate *modes, int count) {
     const double first = 1e-4, last = 1e4, ratio = 1.02; /* of a turn or time constant */
     double fastest = 0;
     for (int i = 0; i < count; i++)
-        fastest = fmax(fastest, cabs(modes[i]));
+        fastest = fmax(fastest, cabs(modes[i].rate));
     if (fastest == 0)
         return INFINITY;
     double low = 0, high = first / fastest;
-    while (high < last / fastest && all_stable(table, modes, count, high)) {
+    while (high < last / fastest && all_stable(method, modes, count, high)) {
         low = high;
         high *= ratio;
     }
@@ -124,7 +155,7 @@ double stable_step(const struct butcher_table *table, const double complex *mode
         return INFINITY;
     for (int i = 0; i < 40 && low > 0; i++) {
         const double middle = (low + high) / 2;
-        *(all_stable(table, modes, count, middle) ? &low : &high) = middle;
+        *(all_stable(method, modes, count, middle) ? &low : &high) = middle;
     }
     return low;
 }
@@ -148,10 +179,10 @@ static int is_new(const struct scene *scene, int wisp) {
 }
 
 /* Appends a part's modes. 0, or -1. */
-static int add_modes(struct part *part, double complex **all, int *count) {
+static int add_modes(struct part *part, struct mode_rate **all, int *count) {
     const int more = 2 * part->system.size;
-    double complex *modes = system_modes(&part->system, 0, part->q, part->v);
-    double complex *longer = modes ? realloc(*all, (size_t)(*count + more) * sizeof **all) : NULL;
+    struct mode_rate *modes = system_modes(&part->system, 0, part->q, part->v);
+    struct mode_rate *longer = modes ? realloc(*all, (size_t)(*count + more) * sizeof **all) : NULL;
     if (longer) {
         memcpy(longer + *count, modes, (size_t)more * sizeof *modes);
         *all = longer;
@@ -161,9 +192,10 @@ static int add_modes(struct part *part, double complex **all, int *count) {
     return longer ? 0 : -1;
 }
 
-double complex *scene_modes(const struct scene *scene, enum wisp_treatment treatment, int *count) {
+struct mode_rate *scene_modes(const struct scene *scene, enum wisp_treatment treatment,
+                              int *count) {
     enum { MOST = 250 }; /* unknowns of a wisp: some seconds */
-    double complex *all = NULL;
+    struct mode_rate *all = NULL;
     struct model *model = scene->problem->create(scene, (int)treatment, 1);
     int code = model ? 0 : -1;
     *count = 0;

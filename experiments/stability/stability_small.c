@@ -112,8 +112,7 @@ void small_oscillator(struct small_system *s, double zeta) {
 struct stepper *small_stepper(const struct stepper_method *method, double tolerance,
                               struct small_system *small) {
     struct stepper_settings settings = {.rtol = tolerance, .atol = 1e-3 * tolerance};
-    options_defaults(method->options, settings.option);
-    if (method->capabilities & STEPPER_IMPLICIT)
+    if (method->capabilities & STEPPER_SOLVES)
         settings.linear = linear_find("direct");
     if (stepper_refuse(method, &settings, &small->system))
         return NULL;
@@ -149,6 +148,44 @@ static double norm(const struct small_system *s, const double *q, const double *
     return sqrt(square);
 }
 
+/* A fixed step of a method without a history is a linear map on these systems: it is known from
+ * what it makes of the ends of the plane, (q, v) of one unknown, or u of u' = z u. Row by row.
+ * Returns 0, or -1 where a step fails. */
+static int step_matrix(struct stepper *stepper, struct small_system *s, double h,
+                       double matrix[4]) {
+    const int first_order = is_first_order(s);
+    for (int j = 0; j < 2; j++) {
+        double q[2] = {!first_order && j == 0, 0}, v[2] = {j == (first_order ? 0 : 1), 0};
+        v[1] = first_order && j == 1;
+        if (go(stepper, 0, h, q, v))
+            return -1;
+        matrix[j] = first_order ? v[0] : q[0];
+        matrix[2 + j] = first_order ? v[1] : v[0];
+        if (!isfinite(matrix[j]) || !isfinite(matrix[2 + j]))
+            return -1;
+    }
+    return 0;
+}
+
+/* One eigenvalue, in the upper half plane where they are complex; the other is as far on the other
+ * side of half the trace. */
+static double complex eigenvalue(const double m[4]) {
+    const double half = (m[0] - m[3]) / 2;
+    return (m[0] + m[3]) / 2 + csqrt(half * half + m[1] * m[2]);
+}
+
+static int has_matrix(const struct stepper_method *method) {
+    return method->step && !method->reset;
+}
+
+static double matrix_growth(struct stepper *stepper, struct small_system *s, double h) {
+    double m[4];
+    if (step_matrix(stepper, s, h, m))
+        return INFINITY;
+    const double complex one = eigenvalue(m);
+    return fmax(cabs(one), cabs(m[0] + m[3] - one));
+}
+
 /* log of the growth over so many steps. Fixed steps are linear maps, so that the state may be
  * scaled before it overflows; an adaptive method would see another problem, and is not. */
 static int add_growth(struct stepper *stepper, struct small_system *s, double h, int steps,
@@ -182,8 +219,9 @@ static int add_growth(struct stepper *stepper, struct small_system *s, double h,
 
 enum { LEAD_IN = 100, STEPS = 300, ADAPTIVE_STEPS = 40 };
 
-double measured_growth(const struct stepper_method *method, double tolerance,
-                       struct small_system *s, double h) {
+/* Over a train of steps. */
+static double train_growth(const struct stepper_method *method, double tolerance,
+                           struct small_system *s, double h) {
     double largest = 0;
     /* From both ends of the plane: one start may lie in the mode that dies out. */
     for (int start = 0; start < (is_first_order(s) ? 1 : 2); start++) {
@@ -202,6 +240,18 @@ double measured_growth(const struct stepper_method *method, double tolerance,
         largest = fmax(largest, code ? INFINITY : exp(growth / steps));
     }
     return largest;
+}
+
+double measured_growth(const struct stepper_method *method, double tolerance,
+                       struct small_system *s, double h) {
+    if (!has_matrix(method))
+        return train_growth(method, tolerance, s, h);
+    struct stepper *stepper = small_stepper(method, tolerance, s);
+    if (!stepper)
+        return NAN;
+    const double growth = matrix_growth(stepper, s, h);
+    method->free(stepper);
+    return growth;
 }
 
 /* --- ringing down --- */
@@ -241,11 +291,25 @@ static int one_step(struct stepper *stepper, double *t, double h, double end, do
     return code;
 }
 
-struct ring_down measured_ring_down(const struct stepper_method *method, double tolerance,
-                                    double h) {
+static const struct ring_down unknown = {NAN, NAN, NAN};
+
+/* Of one step, by the eigenvalue that turns as the step turns y = 1. */
+static struct ring_down matrix_ring_down(struct stepper *stepper, struct small_system *s,
+                                         double h) {
+    double m[4];
+    if (step_matrix(stepper, s, h, m))
+        return unknown;
+    const double complex upper = eigenvalue(m), turn = m[2] <= 0 ? upper : conj(upper);
+    if (cimag(upper) == 0 || fabs(carg(turn)) > 0.9 * M_PI)
+        return unknown;
+    return ring_of(log(cabs(turn)) / h, carg(turn) / h, 2 * M_PI / h);
+}
+
+/* Of a train of steps. */
+static struct ring_down train_ring_down(const struct stepper_method *method, double tolerance,
+                                        double h) {
     struct small_system small;
     struct ring_fit f = {0};
-    const struct ring_down unknown = {NAN, NAN, NAN};
     const double end = 2 * M_PI * 30;
     double q = 1, v = 0, t = 0, phase = 0, largest = 0;
     int code = 0, steps = 0;
@@ -272,7 +336,21 @@ struct ring_down measured_ring_down(const struct stepper_method *method, double 
                    (f.n * f.t_phase - f.t * f.phase) / spread, 2 * M_PI * steps / t);
 }
 
-struct ring_down predicted_ring_down(const struct butcher_table *table, double h) {
-    const double complex r = butcher_stability(table, I * h);
+struct ring_down measured_ring_down(const struct stepper_method *method, double tolerance,
+                                    double h) {
+    if (!has_matrix(method))
+        return train_ring_down(method, tolerance, h);
+    struct small_system small;
+    small_oscillator(&small, 0);
+    struct stepper *stepper = small_stepper(method, tolerance, &small);
+    if (!stepper)
+        return unknown;
+    const struct ring_down ring = matrix_ring_down(stepper, &small, h);
+    method->free(stepper);
+    return ring;
+}
+
+struct ring_down predicted_ring_down(const struct stepper_method *method, double h) {
+    const double complex r = stepper_amplification(method, I * h, -I * h);
     return ring_of(log(cabs(r)) / h, carg(r) / h, 2 * M_PI / h);
 }

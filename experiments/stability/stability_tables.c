@@ -3,6 +3,7 @@
 #include "stability_limits.h"
 
 #include <math.h>
+#include <string.h>
 
 /* --- the tables --- */
 
@@ -21,17 +22,29 @@ static double largest_step(const struct cell *cell, const struct trial *trial) {
     return limits_step(cell, trial->place.reached);
 }
 
+/* A predicted step, s, in a table or to be read. */
+struct prediction {
+    char text[32];
+};
+
+static struct prediction prediction_of(const struct trial *trial, int digits) {
+    struct prediction said = {"no prediction"};
+    if (!isnan(trial->predicted))
+        snprintf(said.text, sizeof said.text, "%.*g", digits, trial->predicted);
+    return said;
+}
+
 /* Rows of a method along an axis; blocks are parted by two blank lines. */
 static void write_along(FILE *stream, const struct limits *limits, const struct axis *axis,
-                        const struct contestant *contestant) {
+                        const struct configuration *contestant) {
     for (int i = 0; i < limits->cell_count; i++) {
         const struct cell *cell = &limits->cells[i];
         for (int k = 0; cell->axis == axis && k < cell->trial_count; k++) {
             const struct trial *t = &cell->trials[k];
             if (t->contestant == contestant)
-                fprintf(stream, "%s\t%g\t%s\t%.9g\t%.9g\t%.9g\t%s\n", axis->name, cell->value,
+                fprintf(stream, "%s\t%g\t%s\t%.9g\t%.9g\t%s\t%s\n", axis->name, cell->value,
                         contestant->name, largest_step(cell, t), limits_step(cell, t->place.missed),
-                        t->predicted, kind_of(t));
+                        prediction_of(t, 9).text, kind_of(t));
         }
     }
     fprintf(stream, "\n\n");
@@ -43,27 +56,26 @@ static int write_limits(struct plan *plan, const char *folder) {
     if (open_table(
             &file, folder, "limits",
             "longest stable step, s, over 0.5 s of swing (penalty_ratio: of swing-envelope "
-            "with penalty), the next that is not, and the prediction by the stability "
-            "function at the eigenvalues of the wisp linearised at its start; nan: of step, none "
-            "that was tried is stable; of unstable_step, all are; of predicted, there is no "
-            "stability function or no bound",
+            "with penalty), the next that is not, and the prediction of linear theory "
+            "at the eigenvalues of the wisp linearised at its start (inf: any step; no prediction: "
+            "there is no theory of the method); nan: of step, none that was tried is stable; of "
+            "unstable_step, all are",
             plan->loaded[0], "axis\tvalue\tstepper\tstep\tunstable_step\tpredicted\tkind",
             plan->reason))
         return -1;
     for (int a = 0; a < AXES; a++)
-        for (int c = 0; c < limits->contestant_count; c++)
-            write_along(file.stream, limits, &limits_axes[a], &limits->contestants[c]);
+        for (int c = 0; c < plan->configuration_count; c++)
+            write_along(file.stream, limits, &limits_axes[a], &plan->configurations[c]);
     return atomic_commit(&file, plan->reason);
 }
 
 static void write_largest(FILE *stream, const struct cell *cell, const struct trial *t) {
     const double step = largest_step(cell, t);
     const int adaptive = contestant_is_adaptive(t->contestant);
-    fprintf(stream, "%s\t%s\t%s\t%.17g\t%.9g\t%.9g\t%.17g\t%s\t%.9g\t%.9g\t%.9g\t%s\n",
-            cell->subject, limits_treatment(cell), t->contestant->name, step, 1 / step,
-            t->predicted, limits_step(cell, t->place.missed),
-            adaptive ? "chooses its steps" : kind_of(t), t->missed.failure_time, t->error,
-            t->cost.cpu.median / cell->scene->duration,
+    fprintf(stream, "%s\t%s\t%s\t%.17g\t%.9g\t%s\t%.17g\t%s\t%.9g\t%.9g\t%.9g\t%s\n", cell->subject,
+            limits_treatment(cell), t->contestant->name, step, 1 / step, prediction_of(t, 9).text,
+            limits_step(cell, t->place.missed), adaptive ? "chooses its steps" : kind_of(t),
+            t->missed.failure_time, t->error, t->cost.cpu.median / cell->scene->duration,
             adaptive ? "mean step at rtol 1e-3" : t->note);
 }
 
@@ -75,9 +87,10 @@ static int write_scenes(struct plan *plan, const char *folder) {
             "the longest stable step of each stepper, s, on the first half second of scenes: what "
             "it is, its rate in Hz, the predicted one, the next that is not stable with how and "
             "when that fails, the error of the stable one, m, and its CPU time per simulated s; "
-            "steps divide the time between stops of the clock; nan: of step, none that was tried "
-            "is stable; of what fails, none does; of predicted, there is no stability function, no "
-            "bound, or there are too many unknowns for eigenvalues",
+            "steps divide the time between stops of the clock; predicted is inf where there is no "
+            "bound, and no prediction where there is no theory of the method, or too many unknowns "
+            "for eigenvalues; nan: of step, none that was tried is stable; of what fails, none "
+            "does",
             plan->subjects[0].scene,
             "scene\ttreatment\tstepper\tstep\trate\tpredicted\tunstable_step\tkind\ttime\terror\t"
             "cpu_per_second\tnote",
@@ -89,26 +102,75 @@ static int write_scenes(struct plan *plan, const char *folder) {
     return atomic_commit(&file, plan->reason);
 }
 
-/* --- the answer --- */
+/* --- statements --- */
 
-static void print_trial(const struct cell *cell, const struct trial *t) {
-    const double step = largest_step(cell, t);
-    printf("  %-28s %-15s %9.3g %9.0f %9.3g  ", cell->name, t->contestant->name, step, 1 / step,
-           t->predicted);
-    if (contestant_is_adaptive(t->contestant))
-        printf("chooses its steps: the mean at rtol %g", LIMITS_TOLERANCE);
-    else if (t->place.missed >= 0 && t->missed.outcome == FINISHED)
-        printf("finite and wrong by %.2g mm at the next", 1e3 * t->missed.error);
-    else if (t->place.missed >= 0)
-        printf("%s at %.3g s at the next", kind_of(t), t->missed.failure_time);
+/* How a fixed step fails that is longer than the longest stable one. */
+static void describe_miss(const struct trial *t, char text[96]) {
+    if (t->missed.outcome == FINISHED)
+        snprintf(text, 96, "is finite and wrong by %.2g mm", 1e3 * t->missed.error);
     else
-        printf("%s", t->note);
-    printf("\n");
+        snprintf(text, 96, "ends '%s' at %.3g s", outcome_name(t->missed.outcome),
+                 t->missed.failure_time);
+}
+
+static void state_fixed(struct statements *statements, struct statement row, const struct trial *t,
+                        const char *where) {
+    const char *name = t->contestant->name;
+    char miss[96];
+    describe_miss(t, miss);
+    if (t->place.reached < 0 && t->place.missed < 0)
+        statements_add(statements, row, "No step of %s was tried on %s: %s.", name, where, t->note);
+    else if (t->place.reached < 0)
+        statements_add(statements, row, "No step of %s that was tried on %s is stable: %s.", name,
+                       where, t->note);
+    else if (t->place.missed < 0)
+        statements_add(statements, row, "%s is stable on %s at every step tried, up to %.3g ms.",
+                       name, where, row.value);
+    else
+        statements_add(statements, row,
+                       "%s is stable on %s up to %.3g ms (%.0f Hz); the next step tried %s.", name,
+                       where, row.value, 1e3 / row.value, miss);
+}
+
+/* A method that chooses its steps has no longest one. */
+static void state_adaptive(struct statements *statements, struct statement row,
+                           const struct trial *t, const char *where) {
+    const char *name = t->contestant->name;
+    if (row.verdict == HOLDS)
+        statements_add(statements, row,
+                       "%s chooses its steps on %s, %.3g ms in the mean at rtol %g, and has no "
+                       "longest one.",
+                       name, where, row.value, LIMITS_TOLERANCE);
+    else
+        statements_add(statements, row,
+                       "%s chooses its steps, and its run on %s did not reach its end: %s.", name,
+                       where, t->note[0] ? t->note : outcome_name(t->cost.outcome));
+}
+
+void limits_state_trial(struct statements *statements, const struct cell *cell,
+                        const struct trial *trial, enum question answers) {
+    char key[160], where[128];
+    snprintf(key, sizeof key, "%.90s, %.60s", cell->name, trial->contestant->name);
+    snprintf(where, sizeof where, "%s (%s)", cell->subject, limits_treatment(cell));
+    const double step = 1e3 * largest_step(cell, trial);
+    const struct statement row = {.key = key,
+                                  .figure = "limits",
+                                  .tables = "largest-step failures",
+                                  .answers = answers,
+                                  .verdict = isnan(step) ? NOT_REACHED : HOLDS,
+                                  .value = step,
+                                  .unit = "ms"};
+    if (contestant_is_adaptive(trial->contestant))
+        state_adaptive(statements, row, trial, where);
+    else
+        state_fixed(statements, row, trial, where);
 }
 
 /* How far the measured limits of the axes are from the predicted ones. */
-static void print_agreement(const struct limits *limits) {
+static void state_prediction(struct statements *statements, const struct plan *plan) {
+    const struct limits *limits = plan->memo;
     double least = INFINITY, greatest = 0;
+    struct statement row = {.key = "prediction", .figure = "limits", .tables = "limits"};
     for (int i = 0; i < limits->cell_count; i++)
         for (int k = 0; limits->cells[i].axis && k < limits->cells[i].trial_count; k++) {
             const struct trial *t = &limits->cells[i].trials[k];
@@ -118,26 +180,70 @@ static void print_agreement(const struct limits *limits) {
                 greatest = fmax(greatest, ratio);
             }
         }
-    if (greatest > 0)
-        printf("  along EA, damping, nodes and penalty ratio: %.2f to %.2f of the predicted step\n",
-               least, greatest);
+    if (greatest > 0) {
+        row.value = fmax(greatest, 1 / least);
+        row.unit = "1";
+        row.verdict = holds_if(row.value < 1.25);
+        statements_add(statements, row,
+                       "Along EA, damping, nodes and penalty ratio linear theory foretells the "
+                       "longest steps: they are %.2f to %.2f of the predicted.",
+                       least, greatest);
+        return;
+    }
+    row.verdict = plan->scene_count ? NOT_ASKED : NOT_REACHED;
+    statements_add(statements, row, "The axes EA, damping, nodes and penalty ratio %s.",
+                   plan->scene_count ? "are those of swing, and are left out with --scene"
+                                     : "have no longest step beside a prediction");
 }
 
-int limits_tabulate(struct plan *plan, const char *folder) {
+static void state_cuts(struct statements *statements, const struct plan *plan) {
     const struct limits *limits = plan->memo;
+    const char *before = "";
+    for (int i = 0; i < limits->cell_count; i++) {
+        const struct cell *cell = &limits->cells[i];
+        char key[128];
+        if (cell->axis || strcmp(cell->subject, before) == 0 || !limits_is_cut(plan, cell))
+            continue;
+        before = cell->subject;
+        snprintf(key, sizeof key, "%.90s, cut", cell->subject);
+        statements_add(statements,
+                       (struct statement){.key = key,
+                                          .figure = "limits",
+                                          .verdict = NOT_REACHED,
+                                          .value = cell->scene->duration,
+                                          .unit = "s"},
+                       "The budget allows %s its first %.3g s.", cell->subject,
+                       cell->scene->duration);
+    }
+    if (plan->quick && plan->scene_count == 0)
+        statements_add(
+            statements,
+            (struct statement){.key = "left out", .figure = "limits", .verdict = NOT_REACHED},
+            "All but two values of EA and of nodes, the other axes and swing-envelope "
+            "are left out of --quick.");
+}
+
+/* The first treatment of a scene answers where a method fails on it. */
+static void state_trials(struct statements *statements, const struct limits *limits) {
+    const char *scene = "";
+    for (int i = 0; i < limits->cell_count; i++) {
+        const struct cell *cell = &limits->cells[i];
+        if (cell->axis)
+            continue;
+        const int first = strcmp(cell->subject, scene) != 0;
+        scene = cell->subject;
+        for (int k = 0; k < cell->trial_count; k++)
+            limits_state_trial(statements, cell, &cell->trials[k],
+                               first ? ANSWERS_FAILURES : ANSWERS_NONE);
+    }
+}
+
+int limits_tabulate(struct plan *plan, const char *folder, struct statements *statements) {
     if (write_limits(plan, folder) || write_scenes(plan, folder) ||
         limits_write_failures(plan, folder))
         return -1;
-    printf("  %-28s %-15s %9s %9s %9s  %s\n", "scene, treatment", "stepper", "step, s", "Hz",
-           "predicted", "a step longer");
-    for (int i = 0; i < limits->cell_count; i++)
-        for (int k = 0; !limits->cells[i].axis && k < limits->cells[i].trial_count; k++)
-            print_trial(&limits->cells[i], &limits->cells[i].trials[k]);
-    print_agreement(limits);
-    if (plan->scene_count)
-        printf(
-            "  the axes EA, damping, nodes, penalty ratio are those of swing: not with --scene\n");
-    else if (plan->quick)
-        printf("  --quick: two values of EA and of nodes only, no envelope, brackets of 12 %%\n");
+    state_trials(statements, plan->memo);
+    state_prediction(statements, plan);
+    state_cuts(statements, plan);
     return 0;
 }

@@ -30,7 +30,7 @@ static int resolution(const struct plan *plan) {
 }
 
 double limits_tolerated(const struct trial *trial, double step) {
-    const int order = stepper_find(trial->contestant->stepper)->order;
+    const int order = trial->contestant->method->order;
     const double by_order = trial->anchor_error * pow(step / trial->anchor_step, order);
     return fmax(never_wrong, beyond_order * by_order);
 }
@@ -53,7 +53,7 @@ const char *limits_treatment(const struct cell *cell) {
     return wisp_problem.treatments[cell->treatment].name;
 }
 
-struct run_request limits_request(const struct cell *cell, const struct contestant *contestant,
+struct run_request limits_request(const struct cell *cell, const struct configuration *contestant,
                                   double step) {
     struct run_request request =
         contestant_request(contestant, step, cell->scene->run.atol / cell->scene->run.rtol);
@@ -70,39 +70,39 @@ static int add_run(struct plan *plan, const struct cell *cell, struct trial *tri
                     contestant_is_adaptive(trial->contestant) ? "rtol" : "step", step);
 }
 
-static int is_beyond(const struct cell *cell, struct trial *trial) {
+static int is_beyond(struct plan *plan, const struct cell *cell, struct trial *trial) {
     const double step = limits_step(cell, trial->place.at);
     if (estimated_cost(cell->scene, cell->treatment, trial->contestant->cost, step) <= longest_run)
         return 0;
     snprintf(trial->note, sizeof trial->note, "a run of shorter steps would take more than %g s",
              longest_run);
     trial->phase = DONE;
+    plan_refuse(plan, trial->contestant->method, trial->note);
     return 1;
 }
 
 static int try_place(struct plan *plan, const struct cell *cell, struct trial *trial) {
-    return is_beyond(cell, trial)
+    return is_beyond(plan, cell, trial)
                ? 0
                : add_run(plan, cell, trial, limits_step(cell, trial->place.at), 0);
 }
 
-int limits_begin(struct plan *plan, struct cell *cell, const struct contestant *contestant,
-                 const double complex *modes, int mode_count) {
-    const struct stepper_method *method = stepper_find(contestant->stepper);
+int limits_begin(struct plan *plan, struct cell *cell, const struct configuration *contestant,
+                 const struct mode_rate *modes, int mode_count) {
+    const struct stepper_method *method = contestant->method;
     struct trial *trial = &cell->trials[cell->trial_count++];
     const struct run_request request = limits_request(cell, contestant, 1e-3);
-    struct settings settings;
-    *trial = (struct trial){
-        .contestant = contestant,
-        .predicted = modes && method->table ? stable_step(method->table, modes, mode_count) : NAN,
-        .phase = DONE,
-        .place = bracket_begin(-1, 0),
-        .missed = {NAN, FINISHED, NAN},
-        .error = NAN,
-        .cost = no_cost};
-    if (settings_resolve(cell->scene, &request, &settings, trial->note))
+    *trial = (struct trial){.contestant = contestant,
+                            .predicted = modes && stepper_is_predictable(method)
+                                             ? stable_step(method, modes, mode_count)
+                                             : NAN,
+                            .phase = DONE,
+                            .place = bracket_begin(-1, 0),
+                            .missed = {NAN, FINISHED, NAN},
+                            .error = NAN,
+                            .cost = no_cost};
+    if (!plan_takes(plan, cell->scene, &request, trial->note))
         return 0;
-    trial->note[0] = 0;
     if (contestant_is_adaptive(contestant)) {
         trial->phase = TIMING;
         return add_run(plan, cell, trial, LIMITS_TOLERANCE, 3);

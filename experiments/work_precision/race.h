@@ -11,18 +11,18 @@
 #include "base/files.h"
 #include "experiments/common/measure.h"
 
-enum { CONTESTANTS_MAX = 16, RUNGS_MAX = 48, TOLERANCES = 11, JITTERS = 9 };
+enum { RUNGS_MAX = 48, TOLERANCES = 11, JITTERS = 9 };
 
 struct race {
     const char *const *scenes, *const *quick_scenes; /* own ones; NULL-terminated */
-    const struct contestant *contestants;            /* ends with a name of NULL */
+    unsigned kinds, capabilities;                    /* of contestants: configurations_choose */
     const char *const *treatments;                   /* NULL-terminated; NULL: all */
     double seconds, quick_seconds;                   /* of wall time, on two cores */
 };
 
 /* One contestant in a field: the settings at which it runs. */
 struct entry {
-    const struct contestant *contestant;
+    const struct configuration *contestant; /* one of the plan's */
     double cost;               /* CPU s of its pilot per simulated second; NaN: it left no time */
     int rungs, jitters;        /* settings planned; runs of each adaptive one */
     int shortened, thinned;    /* the budget left out rungs; jittered runs */
@@ -60,8 +60,9 @@ struct field {
     double horizon; /* s; the duration where nothing parts within it; NaN: unknown */
     int has_reference;
     double bound;      /* of the reference, m; NaN: unknown */
-    double evaluation; /* CPU s of one force evaluation, by the pilot of rk4; NaN: unknown */
-    struct entry entries[CONTESTANTS_MAX];
+    double evaluation; /* CPU s of one force evaluation, by the explicit pilot with fixed steps that
+                          has the highest order; NaN: unknown */
+    struct entry *entries; /* one for each of the plan's configurations; in the notes */
     int entry_count;
     struct run_files reference; /* while points are read */
     struct point *points;       /* likewise; of who reads them */

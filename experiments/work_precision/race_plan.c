@@ -51,35 +51,30 @@ static struct run_request reference_request(const struct field *field) {
 }
 
 /* At the scene's own step, or a tolerance in the middle of the ladder. */
-static double pilot_setting(const struct field *field, const struct contestant *contestant) {
+static double pilot_setting(const struct field *field, const struct configuration *contestant) {
     return contestant_is_adaptive(contestant) ? 1e-4 : field->whole->run.step;
 }
 
-static int plan_pilots(struct plan *plan, struct field *field, const struct contestant *all) {
+static int plan_pilots(struct plan *plan, struct field *field) {
     const struct scene *scene = field->whole;
-    for (int c = 0; all[c].name; c++) {
-        if (!plan_wants(plan, all[c].stepper))
-            continue;
+    for (int c = 0; c < plan->configuration_count; c++) {
+        const struct configuration *contestant = &plan->configurations[c];
         struct entry *entry = &field->entries[field->entry_count++];
-        struct settings settings;
-        struct run_request request = contestant_request(&all[c], pilot_setting(field, &all[c]),
-                                                        scene->run.atol / scene->run.rtol);
+        struct run_request request = contestant_request(
+            contestant, pilot_setting(field, contestant), scene->run.atol / scene->run.rtol);
         char label[64];
-        *entry = (struct entry){.contestant = &all[c]};
+        *entry = (struct entry){.contestant = contestant};
         request.treatment = race_treatment(field->treatment);
-        snprintf(label, sizeof label, "pilot of %s", all[c].name);
-        if (settings_resolve(scene, &request, &settings, entry->refused))
-            continue;
-        entry->refused[0] = 0;
-        if (adds(plan, field, scene, &request, label))
+        snprintf(label, sizeof label, "pilot of %s", contestant->name);
+        if (plan_takes(plan, scene, &request, entry->refused) &&
+            adds(plan, field, scene, &request, label))
             return -1;
     }
     return 0;
 }
 
 /* `exact` is the scene whose penalty stands for the exact motion, or NULL. */
-static int plan_field(struct plan *plan, const struct race *race, struct field *field,
-                      const struct scene *exact) {
+static int plan_field(struct plan *plan, struct field *field, const struct scene *exact) {
     struct run_request request = reference_request(field);
     if (adds(plan, field, field->whole, &request, "tight"))
         return -1;
@@ -90,7 +85,7 @@ static int plan_field(struct plan *plan, const struct race *race, struct field *
     const struct run_request stiff = {.stepper = "reference", .treatment = "penalty"};
     if (exact && adds(plan, field, exact, &stiff, "exact"))
         return -1;
-    return plan_pilots(plan, field, race->contestants);
+    return plan_pilots(plan, field);
 }
 
 static double budget(const struct plan *plan, const struct race *race) {
@@ -132,7 +127,7 @@ static int plan_scenes(struct plan *plan, struct race_notes *notes) {
             field->treatment = t;
             field->touches = scene_has_contacts(scene);
             notes->field_count++;
-            if (plan_field(plan, notes->race, field, exact))
+            if (plan_field(plan, field, exact))
                 return -1;
         }
     }
@@ -149,16 +144,21 @@ static int list_length(const char *const *list) {
 int race_plan(struct plan *plan, const struct race *race) {
     const char *const *own = plan->quick ? race->quick_scenes : race->scenes;
     plan->run_seconds = 60;
-    if (plan_subjects(plan, own, list_length(own)))
+    if (plan_configurations(plan, race->kinds, race->capabilities) ||
+        plan_subjects(plan, own, list_length(own)))
         return -1;
-    const size_t fields = 3 * (size_t)plan->subject_count;
-    struct race_notes *notes = calloc(1, sizeof *notes + fields * sizeof *notes->fields);
+    const size_t fields = 3 * (size_t)plan->subject_count,
+                 entries = (size_t)plan->configuration_count;
+    struct race_notes *notes = calloc(1, sizeof *notes + fields * sizeof *notes->fields +
+                                             fields * entries * sizeof(struct entry));
     plan->memo = notes;
     if (!notes) {
         snprintf(plan->reason, REASON_SIZE, "out of memory");
         return -1;
     }
     notes->race = race;
+    for (size_t f = 0; f < fields; f++) /* behind the fields */
+        notes->fields[f].entries = (struct entry *)(notes->fields + fields) + f * entries;
     return plan_scenes(plan, notes);
 }
 
@@ -180,6 +180,20 @@ static int read_horizon(struct plan *plan, struct field *field) {
     return field->scene ? 0 : -1;
 }
 
+/* Whose pilot tells what a force evaluation costs, for it does little else: the explicit method
+ * with fixed steps that has the highest order. NULL: there is none. */
+static const struct entry *yardstick_of(const struct field *field) {
+    const struct entry *best = NULL;
+    for (int i = 0; i < field->entry_count; i++) {
+        const struct entry *entry = &field->entries[i];
+        const struct stepper_method *method = entry->contestant->method;
+        if (!entry->refused[0] && !(method->capabilities & (STEPPER_ADAPTIVE | STEPPER_IMPLICIT)) &&
+            (!best || method->order > best->contestant->method->order))
+            best = entry;
+    }
+    return best;
+}
+
 static int read_pilot(struct plan *plan, struct field *field, struct entry *entry) {
     char label[64];
     struct run_files run;
@@ -193,7 +207,7 @@ static int read_pilot(struct plan *plan, struct field *field, struct entry *entr
     const double time = run_number(&run, "simulated_time"), cpu = run_number(&run, "cpu_seconds");
     if (time > 0 && cpu > 0) {
         entry->cost = cpu / time;
-        if (strcmp(entry->contestant->stepper, "rk4") == 0)
+        if (entry == yardstick_of(field))
             field->evaluation = cpu / run_number(&run, "counters.force_evaluations");
     }
     run_free(&run);
@@ -236,13 +250,12 @@ static int wanted_rungs(const struct field *field, const struct entry *entry) {
         return 0;
     if (contestant_is_adaptive(entry->contestant))
         return TOLERANCES;
-    const struct mode mode = stiffest_mode(field->whole);
-    const struct butcher_table *table = stepper_find(entry->contestant->stepper)->table;
     int stable = 0, k = 0;
     for (; k < RUNGS_MAX; k++) {
         if (k >= 10 && stable >= 6 && run_cost_at(field, entry, k) > 0.05)
             break;
-        stable += !table || is_stable(table, &mode, race_setting(field, entry, k));
+        stable +=
+            seems_stable(entry->contestant->method, field->whole, race_setting(field, entry, k));
     }
     return k;
 }
@@ -327,8 +340,9 @@ static double field_need(const struct plan *plan, const struct field *field) {
     return sum;
 }
 
-static void fit_field(const struct plan *plan, struct field *field, double seconds) {
-    struct share shares[CONTESTANTS_MAX];
+/* `shares` has room for all entries. */
+static void fit_field(const struct plan *plan, struct field *field, double seconds,
+                      struct share *shares) {
     for (int i = 0; i < field->entry_count; i++)
         shares[i] = (struct share){entry_need(plan, field, &field->entries[i]), i};
     share_out(seconds, shares, field->entry_count);
@@ -401,7 +415,8 @@ static int read_first_stage(struct plan *plan, struct field *field) {
 
 /* A fifth of the budget is for tables, figures and what estimates are wrong by. */
 static int fit_fields(struct plan *plan, struct race_notes *notes) {
-    struct share *shares = calloc((size_t)notes->field_count + 1, sizeof *shares);
+    const int fields = notes->field_count;
+    struct share *shares = calloc((size_t)(fields + plan->configuration_count) + 1, sizeof *shares);
     double spent;
     if (!shares)
         snprintf(plan->reason, REASON_SIZE, "out of memory");
@@ -413,7 +428,8 @@ static int fit_fields(struct plan *plan, struct race_notes *notes) {
         shares[f] = (struct share){field_need(plan, &notes->fields[f]), f};
     share_out(0.8 * budget(plan, notes->race) - spent / 2, shares, notes->field_count);
     for (int i = 0; i < notes->field_count; i++)
-        fit_field(plan, &notes->fields[shares[i].index], shares[i].need * (1 + 1e-9));
+        fit_field(plan, &notes->fields[shares[i].index], shares[i].need * (1 + 1e-9),
+                  shares + fields);
     free(shares);
     return 0;
 }

@@ -21,7 +21,8 @@ static const struct {
          "the greatest; of the median one: largest, m; relative = rms over length; end = rms at "
          "the end, m; velocity = rms, m/s; radius = rms of the samples' distance from their node, "
          "m; mescd at the end; CPU time, s: of repeated, or of the jittered runs, alone on the "
-         "machine; equivalents: CPU time over that of a force evaluation of rk4's pilot; setting: "
+         "machine; equivalents: CPU time over that of a force evaluation of the pilot of the "
+         "explicit method of highest order; setting: "
          "step, s, or rtol; limited: within ten times the reference's bound, and so on no front; "
          "front: Pareto, by CPU time and by force evaluations; strain, penetration (m): largest at "
          "any frame; drift: largest energy that no work accounts for, over the largest kinetic "
@@ -74,8 +75,9 @@ static void write_point(FILE *stream, const struct field *field, const struct po
             p->limited, p->front[0], p->front[1], p->error_least, p->error_greatest, p->runs,
             p->failed, cost->cpu.median / field->evaluation, p->extent.strain,
             p->extent.penetration, p->extent.drift,
-            !*p->note && isnan(field->evaluation) ? "no pilot of rk4, and so no equivalents"
-                                                  : p->note);
+            !*p->note && isnan(field->evaluation)
+                ? "no pilot of an explicit method, and so no equivalents"
+                : p->note);
 }
 
 /* Rows of each contestant in the order of its settings; blocks are parted by two blank lines. */
@@ -89,7 +91,7 @@ static void write_points(FILE *stream, const struct field *field) {
 }
 
 static void write_slope(FILE *stream, const struct field *field,
-                        const struct contestant *contestant) {
+                        const struct configuration *contestant) {
     const double least = fmax(1e-13, 100 * field->bound);
     struct slope slope = {.count = 0};
     for (int i = 0; i < field->point_count; i++) {
@@ -132,7 +134,7 @@ static void write_front(FILE *stream, const struct field *field) {
 
 /* The cheapest run within the target, of another contestant than `besides`; or NULL. */
 static const struct point *cheapest(const struct field *field, double target,
-                                    const struct contestant *besides) {
+                                    const struct configuration *besides) {
     const struct point *best = NULL;
     for (int i = 0; i < field->point_count; i++) {
         const struct point *p = &field->points[i];
@@ -303,7 +305,8 @@ int race_tabulate(struct plan *plan, const char *folder) {
                                : "scenes drawn",
                    NULL, "file\tname\tsamples\tlength", plan->reason))
         return -1;
-    struct point *points = calloc((size_t)CONTESTANTS_MAX * (RUNGS_MAX + 1), sizeof *points);
+    struct point *points =
+        calloc((size_t)plan->configuration_count * (RUNGS_MAX + 1) + 1, sizeof *points);
     if (!points)
         snprintf(plan->reason, REASON_SIZE, "out of memory");
     const int code = points ? tabulate_all(plan, folder, list.stream, points) : -1;

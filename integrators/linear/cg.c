@@ -10,6 +10,22 @@
 
 enum { TOLERANCE, ITERATIONS };
 
+static const struct option_spec options[] = {
+    [TOLERANCE] = {.name = "cg.tolerance",
+                   .help = "residual at which to stop, over that of x = 0",
+                   .kind = OPTION_REAL,
+                   .initial = 1e-8,
+                   .least = 1e-15,
+                   .most = 0.9},
+    [ITERATIONS] = {.name = "cg.iterations",
+                    .help = "iterations at most",
+                    .kind = OPTION_COUNT,
+                    .initial = 1000,
+                    .least = 1,
+                    .most = 1e6},
+    {.name = NULL},
+};
+
 struct cg {
     struct linear_solver base;
     struct sundials sundials;
@@ -43,7 +59,7 @@ static void cg_free(struct linear_solver *solver) {
     free(cg);
 }
 
-static struct linear_solver *cg_create(struct system *system, const double *option) {
+static struct linear_solver *cg_create(struct system *system, const struct options *given) {
     struct cg *cg = calloc(1, sizeof *cg);
     if (!cg)
         return NULL;
@@ -51,12 +67,13 @@ static struct linear_solver *cg_create(struct system *system, const double *opti
         free(cg);
         return NULL;
     }
-    cg->tolerance = option[TOLERANCE];
+    cg->tolerance = option_value(given, &options[TOLERANCE]);
     cg->b = sundials_vector(&cg->sundials, system->size);
     cg->x = sundials_vector(&cg->sundials, system->size);
     if (cg->b && cg->x)
         cg->pcg =
-            SUNLinSol_PCG(cg->x, SUN_PREC_NONE, (int)option[ITERATIONS], cg->sundials.context);
+            SUNLinSol_PCG(cg->x, SUN_PREC_NONE, (int)option_value(given, &options[ITERATIONS]),
+                          cg->sundials.context);
     if (!cg->pcg || SUNLinSolSetATimes(cg->pcg, cg, times) < 0 ||
         SUNLinSolInitialize(cg->pcg) < 0 || SUNLinSolSetup(cg->pcg, NULL) < 0) {
         cg_free(&cg->base);
@@ -96,22 +113,6 @@ static int cg_solve(struct linear_solver *solver, const double *b, double *x) {
     memcpy(x, N_VGetArrayPointer(cg->x), bytes);
     return 0;
 }
-
-static const struct option_spec options[] = {
-    [TOLERANCE] = {.name = "cg.tolerance",
-                   .help = "residual at which to stop, over that of x = 0",
-                   .kind = OPTION_REAL,
-                   .initial = 1e-8,
-                   .least = 1e-15,
-                   .most = 0.9},
-    [ITERATIONS] = {.name = "cg.iterations",
-                    .help = "iterations at most",
-                    .kind = OPTION_COUNT,
-                    .initial = 1000,
-                    .least = 1,
-                    .most = 1e6},
-    {.name = NULL},
-};
 
 const struct linear_method conjugate_gradients = {
     .name = "cg",

@@ -46,8 +46,8 @@ static cholmod_sparse upper_triangle(const struct sparse_matrix *a, double *valu
     };
 }
 
-static struct linear_solver *cholesky_create(struct system *system, const double *option) {
-    (void)option;
+static struct linear_solver *cholesky_create(struct system *system, const struct options *options) {
+    (void)options;
     const struct sparse_matrix *a = system->pattern;
     struct cholesky *c = malloc(sizeof *c + (size_t)a->column_start[a->size] * sizeof(double));
     if (!c)

@@ -7,8 +7,8 @@ static int direct_supports(const struct system *system) {
     return system->ops->factor && system->ops->solve;
 }
 
-static struct linear_solver *direct_create(struct system *system, const double *option) {
-    (void)system, (void)option;
+static struct linear_solver *direct_create(struct system *system, const struct options *options) {
+    (void)system, (void)options;
     return malloc(sizeof(struct linear_solver));
 }
 

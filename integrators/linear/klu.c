@@ -21,8 +21,8 @@ static int lu_supports(const struct system *system) {
     return system->pattern && system->ops->assemble;
 }
 
-static struct linear_solver *lu_create(struct system *system, const double *option) {
-    (void)option;
+static struct linear_solver *lu_create(struct system *system, const struct options *options) {
+    (void)options;
     const struct sparse_matrix *a = system->pattern;
     struct lu *lu = malloc(sizeof *lu + (size_t)a->column_start[a->size] * sizeof(double));
     if (!lu)

@@ -45,8 +45,8 @@ int linear_choose(const struct linear_method *method, struct system *system, int
 }
 
 struct linear_solver *linear_create(const struct linear_method *method, struct system *system,
-                                    const double *option) {
-    struct linear_solver *solver = method->create(system, option);
+                                    const struct options *options) {
+    struct linear_solver *solver = method->create(system, options);
     if (solver) {
         solver->method = method;
         solver->system = system;

@@ -16,15 +16,14 @@ struct linear_method {
     const char *summary;
     const char *reference;
     unsigned needs; /* enum matrix_property, besides MATRIX_AVAILABLE */
-    int max_lanes;  /* widest part it can work on */
+    int max_lanes;  /* widest part in which it solves each lane as if it were alone */
     const struct option_spec *options;
 
     /* Whether the system has the operations it uses. */
     int (*supports)(const struct system *system);
 
-    /* A solver for `system`, to be freed with free; NULL where memory cannot be had. `option` has
-     * a value for each of `options`. */
-    struct linear_solver *(*create)(struct system *system, const double *option);
+    /* A solver for `system`, to be freed with free; NULL where memory cannot be had. */
+    struct linear_solver *(*create)(struct system *system, const struct options *options);
 
     /* Prepares M - alpha D - beta K of the last system_linearise. */
     int (*factor)(struct linear_solver *solver, double alpha, double beta);
@@ -50,7 +49,7 @@ int linear_choose(const struct linear_method *method, struct system *system, int
 
 /* create, factor and solve through the method's table; solves are counted. */
 struct linear_solver *linear_create(const struct linear_method *method, struct system *system,
-                                    const double *option);
+                                    const struct options *options);
 int linear_factor(struct linear_solver *solver, double alpha, double beta);
 int linear_solve(struct linear_solver *solver, const double *b, double *x);
 

@@ -67,22 +67,24 @@ char *file_text(const char *path) {
     return text;
 }
 
+int path_beside_program(const char *name, char *path) {
+    char program[PATH_SIZE];
+    const ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
+    if (length <= 0)
+        return -1;
+    program[length] = '\0';
+    char *slash = strrchr(program, '/');
+    if (slash)
+        *slash = '\0';
+    return path_format(path, "%s/%s", program, name);
+}
+
 const char *data_folder(void) {
     static char folder[PATH_SIZE];
     if (folder[0])
         return folder;
-
-    char program[PATH_SIZE];
-    const ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
-    if (length > 0) {
-        program[length] = '\0';
-        char *slash = strrchr(program, '/');
-        if (slash)
-            *slash = '\0';
-        if (path_format(folder, "%s/../share/wisplab", program) == 0 && file_exists(folder))
-            return folder;
-    }
-    path_format(folder, "%s", WISPLAB_SOURCE_DIR);
+    if (path_beside_program("../share/wisplab", folder) || !file_exists(folder))
+        path_format(folder, "%s", WISPLAB_SOURCE_DIR);
     return folder;
 }
 

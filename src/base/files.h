@@ -14,6 +14,10 @@ int path_format(char *path, const char *format, ...) __attribute__((format(print
  * by an underscore, and so is a dot in front. */
 void plain_name(const char *text, char *name, size_t size);
 
+/* A path from the folder of the program that runs, into `path` (PATH_SIZE). Returns 0, or -1 where
+ * the system does not say where that is. */
+int path_beside_program(const char *name, char *path);
+
 /* The folder that holds `experiments` and `plots`: beside an installed program, or the source. */
 const char *data_folder(void);
 

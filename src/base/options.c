@@ -6,11 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-void options_defaults(const struct option_spec *specs, double *values) {
-    for (int i = 0; specs && specs[i].name; i++)
-        values[i] = specs[i].initial;
-}
-
 int options_find(const struct option_spec *specs, const char *name, size_t length) {
     for (int i = 0; specs && specs[i].name; i++)
         if (strlen(specs[i].name) == length && strncmp(specs[i].name, name, length) == 0)
@@ -53,4 +48,16 @@ int options_parse(const struct option_spec *spec, const char *text, double *valu
         return -1;
     }
     return 0;
+}
+
+double option_value(const struct options *options, const struct option_spec *spec) {
+    const size_t length = strlen(spec->name);
+    double value = spec->initial;
+    char reason[256];
+    for (int i = 0; i < options->count; i++) {
+        const char *text = options->given[i];
+        if (strncmp(text, spec->name, length) == 0 && text[length] == '=')
+            options_parse(spec, text + length + 1, &value, reason, sizeof reason);
+    }
+    return value;
 }

@@ -5,8 +5,6 @@
 
 #include <stddef.h>
 
-enum { OPTIONS_MAX = 8 };
-
 enum option_kind { OPTION_REAL, OPTION_COUNT, OPTION_CHOICE };
 
 /* A list of these ends with a name of NULL. A value is a double: the number itself, or the index
@@ -20,8 +18,15 @@ struct option_spec {
     const char *const *choices; /* of OPTION_CHOICE, NULL-terminated */
 };
 
-/* Fills `values` with the defaults of `specs` (NULL: no options). */
-void options_defaults(const struct option_spec *specs, double *values);
+/* What was given of them, each as "key=value" that has been checked: the last one of a key counts.
+ * List and texts belong to who made them, and must stay as long as this is used. */
+struct options {
+    const char *const *given;
+    int count;
+};
+
+/* What was given of `spec`, or its default. */
+double option_value(const struct options *options, const struct option_spec *spec);
 
 /* Index of the option called `name` (its first `length` characters), or -1. */
 int options_find(const struct option_spec *specs, const char *name, size_t length);

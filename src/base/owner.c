@@ -81,3 +81,8 @@ enum owner_state owner_look(const struct owner *owner) {
         return OWNER_GONE;
     return owner->start == 0 || owner->start == start ? OWNER_THERE : OWNER_GONE;
 }
+
+void signal_process(long pid, int signal) {
+    if (pid > 0)
+        kill((pid_t)pid, signal);
+}

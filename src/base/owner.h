@@ -24,4 +24,8 @@ struct owner owner_self(void);
 enum owner_state { OWNER_GONE, OWNER_THERE, OWNER_ELSEWHERE };
 enum owner_state owner_look(const struct owner *owner);
 
+/* Sends a signal to a process. To numbers of 0 and below, which would be groups of processes or all
+ * that the user has, nothing is ever sent: this is the one place that does. */
+void signal_process(long pid, int signal);
+
 #endif

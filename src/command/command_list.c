@@ -56,8 +56,11 @@ static void list_treatments(int verbose) {
 
 static void list_experiments(int verbose) {
     (void)verbose;
-    for (int i = 0; experiments[i]; i++)
-        printf("%s\t%s\n", experiments[i]->name, experiments[i]->question);
+    for (int i = 0; experiments[i]; i++) {
+        char title[256];
+        experiment_title(experiments[i], title);
+        printf("%s\t%s\n", experiments[i]->name, title);
+    }
 }
 
 static int is_scene(const struct dirent *entry) {

@@ -16,36 +16,6 @@
  * machine may take. */
 static const double quick_seconds = 85, seconds = 1600;
 
-/* How long an experiment takes on two cores, s, and which share of its own budget it gets: those
- * that have one fill it. A time of 0: not with --quick. In this order: what answers the questions
- * first, and the dearest of the others last, so that a slow machine drops those. An experiment that
- * is not listed is in the full report. */
-struct need {
-    double seconds, share;
-};
-static const struct {
-    const char *name;
-    struct need quick, full;
-} needs[] = {
-    {"work-precision", {20, 0.6}, {300, 0.5}},
-    {"stability", {6, 0}, {120, 0}},
-    {"needs", {5, 0}, {220, 0}},
-    {"circle", {4, 0}, {10, 0}},
-    {"treatments", {2, 0}, {10, 0}},
-    {"ladder", {8, 0}, {130, 0}},
-    {"radii", {8, 0}, {30, 0}},
-    {"interactions", {3, 0}, {15, 0}},
-    {"viscosity", {2, 0}, {15, 0}},
-    {"sphere", {3, 0}, {30, 0}},
-    {"subdivision", {2, 0}, {15, 0}},
-    {"wind", {10, 0}, {60, 0}},
-    {"shake", {12, 0}, {60, 0}},
-    {"horizon", {0, 0}, {150, 0.5}},
-    {"solvers", {0, 0}, {150, 0.25}},
-    {"kernel", {0, 0}, {90, 0}},
-};
-enum { NEEDS = sizeof needs / sizeof *needs };
-
 static const struct cli_option options[] = {
     {"quick", NULL, "a small, stated subset, in less than two minutes on two cores", 0},
     {"fresh", NULL, "run again what is there already", 0},
@@ -71,28 +41,27 @@ static int read_manner(const struct arguments *arguments, struct manner *manner)
     return 0;
 }
 
-static struct need need_of(const char *name, int quick) {
-    for (int i = 0; i < NEEDS; i++)
-        if (strcmp(needs[i].name, name) == 0)
-            return quick ? needs[i].quick : needs[i].full;
-    return (struct need){quick ? 0 : 60, 0};
+static struct allotment allotment_of(const struct experiment *experiment, int quick) {
+    struct allotment allotment = quick ? experiment->quick : experiment->full;
+    if (!quick && allotment.seconds == 0)
+        allotment.seconds = 60;
+    return allotment;
 }
 
-static void add_part(struct report *report, const struct experiment *experiment) {
-    for (int i = 0; i < report->part_count; i++)
-        if (report->parts[i].experiment == experiment)
-            return;
-    if (report->part_count < REPORT_PARTS_MAX)
-        report->parts[report->part_count++] = (struct report_part){.experiment = experiment};
+/* Whether an experiment comes before another that is listed before it: it has a place, and the
+ * other one none or a later one. */
+static int comes_before(const struct experiment *experiment, const struct experiment *other) {
+    return experiment->place > 0 && (other->place == 0 || experiment->place < other->place);
 }
 
-/* All experiments, those that have a place in the list in its order. */
+/* All experiments, in the order of their places. */
 static void add_parts(struct report *report) {
-    for (int i = 0; i < NEEDS; i++)
-        if (experiment_find(needs[i].name))
-            add_part(report, experiment_find(needs[i].name));
-    for (int i = 0; experiments[i]; i++)
-        add_part(report, experiments[i]);
+    for (int i = 0; experiments[i] && report->part_count < REPORT_PARTS_MAX; i++) {
+        int at = report->part_count++;
+        for (; at > 0 && comes_before(experiments[i], report->parts[at - 1].experiment); at--)
+            report->parts[at] = report->parts[at - 1];
+        report->parts[at] = (struct report_part){.experiment = experiments[i]};
+    }
 }
 
 /* How many times longer than expected the parts before this one took; 1 if they did not. */
@@ -100,13 +69,13 @@ static double slowness(const struct report *report, const struct report_part *pa
     double expected = 0;
     for (const struct report_part *p = report->parts; p < part; p++)
         if (p->included)
-            expected += need_of(p->experiment->name, report->quick).seconds;
+            expected += allotment_of(p->experiment, report->quick).seconds;
     return expected > 0 ? fmax(1, spent / expected) : 1;
 }
 
 /* Says what the part must do without, or why it is left out. */
 static void plan_part(const struct report *report, struct report_part *part, double spent) {
-    struct need need = need_of(part->experiment->name, report->quick);
+    struct allotment need = allotment_of(part->experiment, report->quick);
     const double total = report->quick ? quick_seconds : seconds;
     need.seconds *= slowness(report, part, spent);
     part->included = need.seconds > 0 && spent + need.seconds <= total;
@@ -135,7 +104,7 @@ static int do_part(const struct report *report, struct report_part *part,
     struct plan plan = {.experiment = part->experiment,
                         .quick = report->quick,
                         .fresh = manner->fresh,
-                        .share = need_of(part->experiment->name, report->quick).share,
+                        .share = allotment_of(part->experiment, report->quick).share,
                         .out = report->root};
     int code = carry_out(&plan, &own);
     if (own.nothing_left) {
@@ -151,7 +120,7 @@ static int do_part(const struct report *report, struct report_part *part,
 static double done_before(const struct report *report, int i) {
     double before = 0, all = 0;
     for (int k = 0; k < report->part_count; k++) {
-        const double own = need_of(report->parts[k].experiment->name, report->quick).seconds;
+        const double own = allotment_of(report->parts[k].experiment, report->quick).seconds;
         before += k < i ? own : 0;
         all += own;
     }

@@ -32,7 +32,7 @@ SPECIALISED void look_at_distances(const struct kernel_part *part, const double 
 static void look_at_particles(struct kernel_part *part, const double *q, lane margin,
                               struct look *look) {
     const lane least = PARTICLES_LEAST * part->radius;
-    LANED(kernel_frames)(part, q);
+    LANED(kernel_frames)(part, q, part->frames);
     for (int i = 2; i < part->nodes; i++) {
         const int at = (i - 2) * part->node_unknowns;
         const struct vec p = vec_load(q, at);
@@ -250,7 +250,7 @@ unsigned LANED(kernel_pull)(void *ctx, double *q, double *v, const struct obstac
     const mask inside = nodes_inside(part, q, near, near_count), among = inside == 0;
     if (part->samples == 0 || mask_none(among) || near_count == 0)
         return mask_bits(inside);
-    LANED(kernel_frames)(part, q);
+    LANED(kernel_frames)(part, q, part->frames);
     for (int i = 2; i < part->nodes; i++) {
         double *qi = q + (i - 2) * part->node_unknowns * LANES;
         double *vi = v + (i - 2) * part->node_unknowns * LANES;

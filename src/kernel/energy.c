@@ -246,7 +246,7 @@ int LANED(kernel_energies)(void *ctx, double t, const double *q, const double *v
     struct kernel_part *part = &copy.part;
     memset(&sum, 0, sizeof sum);
     LANED(kernel_prescribe)(part, t);
-    LANED(kernel_frames)(part, q);
+    LANED(kernel_frames)(part, q, part->frames);
     spring_energies(part, q, v, &sum);
     for (int i = 2; i < part->nodes; i++) {
         const int at = (i - 2) * part->node_unknowns * LANES;

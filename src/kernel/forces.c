@@ -147,7 +147,7 @@ SPECIALISED void walk_nodes(struct kernel_part *part, double t, const double *q,
     if (around->style.knots > 0)
         add_style(&around->style, t, g);
     if (samples > 0)
-        plane_normals(part);
+        plane_normals(part, part->frames);
 
     for (int i = 2; i < part->nodes; i++) {
         const int at = (i - 2) * part->node_unknowns * LANES;
@@ -160,7 +160,7 @@ SPECIALISED void walk_nodes(struct kernel_part *part, double t, const double *q,
             const lane ratio = part->sample_mass[i] * part->inverse_mass[i];
             const double *qi = q + at, *vi = v + at;
             const struct frame *frame = &part->frames[i];
-            carry_frame(part, i);
+            carry_frame(part, part->frames, i);
             a = treatment == WISP_PROJECTION
                     ? move_projection(part, frame, samples, ratio, a, G, qi, vi, acceleration + at)
                 : treatment == WISP_PENALTY

@@ -18,12 +18,12 @@ static inline struct frame first_frame(const struct kernel_part *part) {
     return (struct frame){part->normal, cross(part->tangent, part->normal), part->tangent};
 }
 
-/* The plane normals w of all nodes from the tangents; and for each free node what the least
- * rotation from w_(i-1) to w_i adds to a normal u for each unit of u.w_i: -(w_(i-1) + w_i) over
- * 1 + w_(i-1).w_i, nothing where that vanishes. This much does not wait for the last node's u, so
- * that square roots and divisions of all nodes overlap. */
-static inline void plane_normals(struct kernel_part *part) {
-    part->frames[0] = part->frames[1] = first_frame(part);
+/* The plane normals w of all nodes from the tangents, into `frames`; and for each free node what
+ * the least rotation from w_(i-1) to w_i adds to a normal u for each unit of u.w_i:
+ * -(w_(i-1) + w_i) over 1 + w_(i-1).w_i, nothing where that vanishes. This much does not wait for
+ * the last node's u, so that square roots and divisions of all nodes overlap. */
+static inline void plane_normals(struct kernel_part *part, struct frame *frames) {
+    frames[0] = frames[1] = first_frame(part);
     struct vec last = part->tangent;
     for (int i = 2; i < part->nodes; i++) {
         const struct vec w =
@@ -31,14 +31,14 @@ static inline void plane_normals(struct kernel_part *part) {
         const lane denominator = 1 + dot(last, w);
         const lane factor = lane_select(denominator > 1e-9, -1 / denominator, lane_all(0));
         part->swing[i] = scale(factor, add(last, w));
-        part->frames[i].w = last = w;
+        frames[i].w = last = w;
     }
 }
 
 /* u and v of node i from u of node i - 1, after plane_normals. */
-static inline void carry_frame(struct kernel_part *part, int i) {
-    struct frame *frame = &part->frames[i];
-    const struct vec u = part->frames[i - 1].u;
+static inline void carry_frame(const struct kernel_part *part, struct frame *frames, int i) {
+    struct frame *frame = &frames[i];
+    const struct vec u = frames[i - 1].u;
     frame->u = add_scaled(u, dot(u, frame->w), part->swing[i]);
     frame->v = cross(frame->w, frame->u);
 }

@@ -7,8 +7,9 @@
 
 struct kernel_matrix *LANED(kernel_matrix_create)(const struct kernel_part *part) {
     const size_t f = (size_t)free_nodes(part), block = sizeof(struct block) / sizeof(lane);
+    const size_t frames = (f + 2) * sizeof(struct frame) / sizeof(lane);
     const size_t head = (sizeof(struct kernel_matrix) + sizeof(lane) - 1) / sizeof(lane);
-    const size_t lanes = head + f * block * 8 + (f + 2) * (3 * PANEL_ROWS + 3);
+    const size_t lanes = head + f * block * 8 + frames + (f + 2) * (3 * PANEL_ROWS + 3);
     struct kernel_matrix *matrix = aligned_alloc(64, (lanes * sizeof(lane) + 63) / 64 * 64);
     if (!matrix)
         return NULL;
@@ -17,7 +18,8 @@ struct kernel_matrix *LANED(kernel_matrix_create)(const struct kernel_part *part
     matrix->stiffness = (struct block(*)[3])at;
     matrix->damping = matrix->stiffness + f;
     matrix->stiffness_above = (struct block(*)[2])(matrix->damping + f);
-    matrix->panel = (struct panel *)(matrix->stiffness_above + f);
+    matrix->frames = (struct frame *)(matrix->stiffness_above + f);
+    matrix->panel = (struct panel *)(matrix->frames + f + 2);
     matrix->x = (lane *)(matrix->panel + f + 2);
     return matrix;
 }
@@ -291,7 +293,7 @@ int LANED(kernel_linearise)(void *ctx, enum jacobian kind, double t, const doubl
         clear_all(m, free_nodes(part));
     mask sound = walk(part, q, v);
     if (part->samples > 0)
-        sound &= LANED(kernel_frames)(part, q);
+        sound &= LANED(kernel_frames)(part, q, m->frames);
     if (!mask_all(sound))
         return system_fail(part->system, MODEL_FAILED,
                            "two nodes that a spring joins coincide: it has no direction");

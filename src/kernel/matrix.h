@@ -38,6 +38,10 @@ struct kernel_matrix {
      * its blocks (i - 1, i) and (i - 2, i) are apart */
     struct block (*stiffness)[3], (*damping)[3], (*stiffness_above)[2];
 
+    /* by node, of the state linearised at: with stiffness and damping they are all that products
+     * and factors are made of, so these hold whatever the part is asked in between */
+    struct frame *frames;
+
     /* The matrix of the nodes after the samples are eliminated, factorised as L D L': 1 / D on the
      * diagonal, L below; two panels of zeros behind the last */
     struct panel *panel;

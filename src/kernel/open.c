@@ -137,7 +137,7 @@ void LANED(kernel_open)(void *ctx, const double *q, const double *v,
                         struct strand *const *strands) {
     struct kernel_part *part = ctx;
     struct ring ring;
-    LANED(kernel_frames)(part, q);
+    LANED(kernel_frames)(part, q, part->frames);
     for (int i = 0; i < 2; i++) {
         ring.p = part->p[i];
         ring.v = part->v[i];

@@ -256,7 +256,7 @@ void LANED(kernel_restore)(void *ctx, int which, const double *rows, int stride,
     }
 }
 
-mask LANED(kernel_frames)(struct kernel_part *part, const double *q) {
+mask LANED(kernel_frames)(struct kernel_part *part, const double *q, struct frame *frames) {
     mask sound = lane_all(0) == 0;
     struct vec before = part->p[1];
     part->t[0] = part->tangent;
@@ -267,9 +267,9 @@ mask LANED(kernel_frames)(struct kernel_part *part, const double *q) {
         part->t[i - 1] = scale(1 / lane_sqrt(square), d);
         before = p;
     }
-    plane_normals(part);
+    plane_normals(part, frames);
     for (int i = 2; i < part->nodes; i++)
-        carry_frame(part, i);
+        carry_frame(part, frames, i);
     return sound;
 }
 
@@ -308,7 +308,7 @@ static int clamp_distances(const struct kernel_part *part, double *q, double *v)
 
 static int clamp_particles(struct kernel_part *part, double *q, double *v) {
     int changed = 0;
-    LANED(kernel_frames)(part, q);
+    LANED(kernel_frames)(part, q, part->frames);
     for (int i = 2; i < part->nodes; i++) {
         double *qi = q + (i - 2) * part->node_unknowns * LANES;
         double *vi = v + (i - 2) * part->node_unknowns * LANES;

@@ -51,7 +51,7 @@ struct kernel_part {
     struct vec *t;        /* unit tangents of the segments (i, i + 1) */
     struct vec *force;    /* springs on a node, N */
     struct vec *swing;    /* what carries u from one node to the next, see frames.h */
-    struct frame *frames; /* of the last acceleration or linearisation */
+    struct frame *frames; /* of the last acceleration or tick; those of Jacobians are theirs */
     void *spare;          /* the same for who measures; made by the first energies or powers */
 
     struct kernel_matrix *matrix; /* Jacobians and factors; made by the first linearisation */
@@ -79,9 +79,9 @@ KERNEL_OPERATIONS(X)
  */
 struct vec LANED(kernel_turning)(const struct kernel_part *part, struct vec rest);
 
-/* Tangents and frames of a state, into part->t and part->frames; the lanes in which every segment
- * has a direction. */
-mask LANED(kernel_frames)(struct kernel_part *part, const double *q);
+/* Tangents and frames of a state, into part->t and `frames`, which has one for each node; the lanes
+ * in which every segment has a direction. */
+mask LANED(kernel_frames)(struct kernel_part *part, const double *q, struct frame *frames);
 
 /* Room for Jacobians and factors; NULL where memory cannot be had. */
 struct kernel_matrix *LANED(kernel_matrix_create)(const struct kernel_part *part);

@@ -79,7 +79,7 @@ static void skeleton_times(const struct kernel_part *part, lane d, lane k, const
 /* The rows of a node's samples, and what they add to the node's: y = (m M + d C + k S) x. */
 static struct vec samples_times(const struct kernel_part *part, int i, lane m, lane d, lane k,
                                 const double *x, double *y) {
-    const struct frame *frame = &part->frames[i];
+    const struct frame *frame = &part->matrix->frames[i];
     const lane mu = part->sample_mass[i], h = d * part->spring_c + k * part->spring_k;
     const lane g = m + d * part->drag;
     const struct vec node = vec_load(x, 0);
@@ -153,7 +153,7 @@ SPECIALISED void add_own(const struct kernel_part *part, const struct eliminatio
                          lane air, struct panel *panel) {
     lane diagonal = part->mass[i + 2] * (1 + air);
     if (part->samples > 0) {
-        const struct vec w = part->frames[i + 2].w;
+        const struct vec w = part->matrix->frames[i + 2].w;
         const lane mu = part->sample_mass[i + 2], ww[3] = {w.x, w.y, w.z};
         const lane factor = mu * e->diagonal_ww;
         diagonal += mu * e->diagonal;
@@ -314,7 +314,7 @@ static void scatter_samples(const struct kernel_part *part, const struct elimina
                             const double *b, struct vec node, double *x) {
     const lane inverse_mass = 1 / part->sample_mass[i];
     for (int j = 0; j < part->samples; j++) {
-        const struct vec a = half_line(part, &part->frames[i], j, part->samples);
+        const struct vec a = half_line(part, &part->matrix->frames[i], j, part->samples);
         if (part->treatment == WISP_PENALTY) {
             const struct vec own =
                 split(e->inverse_along * inverse_mass, e->inverse_across * inverse_mass, a,
@@ -338,7 +338,7 @@ void LANED(kernel_solve)(void *ctx, const double *b, double *x) {
     for (int i = 0; i < f; i++) {
         struct vec rhs = vec_load(b + i * stride, 0);
         if (part->samples > 0)
-            rhs = add(rhs, gather_samples(part, &e, &part->frames[i + 2], b + i * stride));
+            rhs = add(rhs, gather_samples(part, &e, &part->matrix->frames[i + 2], b + i * stride));
         m->x[3 * i] = rhs.x, m->x[3 * i + 1] = rhs.y, m->x[3 * i + 2] = rhs.z;
     }
     for (int j = 0; j < 6; j++) /* the window reaches two nodes beyond the tip */

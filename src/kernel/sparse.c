@@ -78,7 +78,7 @@ static lane node_entry(const struct kernel_part *part, lane alpha, lane beta, st
  * for the node. */
 static lane sample_entry(const struct kernel_part *part, lane alpha, lane beta, struct place row,
                          struct place column, int j) {
-    const struct frame *frame = &part->frames[row.node + 2];
+    const struct frame *frame = &part->matrix->frames[row.node + 2];
     const struct vec a = half_line(part, frame, j, part->samples);
     const int row_node = row.unknown < 3, column_node = column.unknown < 3;
     const lane g = 1 + alpha * part->drag, h = alpha * part->spring_c + beta * part->spring_k;

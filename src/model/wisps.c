@@ -158,16 +158,13 @@ static enum outcome wisps_check(const struct model *model, char *reason, int rea
 
 /* --- the problem --- */
 
-/* The thesis's pairs: its explicit Euler with projection, and Baraff & Witkin's implicit Euler with
- * penalty springs and conjugate gradients. */
 static int wisps_default_treatment(const struct stepper_method *method) {
-    return strcmp(method->name, "euler") == 0            ? WISP_PROJECTION
-           : strcmp(method->name, "implicit-euler") == 0 ? WISP_PENALTY
-                                                         : WISP_GENERALISED;
+    const char *treatment = method->on_wisps.treatment;
+    return treatment ? treatment_find(&wisp_problem, treatment) : WISP_GENERALISED;
 }
 
 static const char *wisps_default_linear(const struct stepper_method *method) {
-    return strcmp(method->name, "implicit-euler") == 0 ? "cg" : "direct";
+    return method->on_wisps.linear ? method->on_wisps.linear : "direct";
 }
 
 static void wisps_free(struct model *model) {

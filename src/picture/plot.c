@@ -1,8 +1,11 @@
 #include "plot.h"
 
+#include "integrators/configurations.h"
+
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <math.h>
 #include <pthread.h>
 #include <spawn.h>
 #include <stdlib.h>
@@ -13,17 +16,79 @@
 
 extern char **environ;
 
+/* --- what a script is told --- */
+
 /* name = 'value', quoted for gnuplot: a quote inside is doubled. */
-static void assign(char *text, size_t size, const char *name, const char *value) {
-    size_t used = strlen(text);
-    used += (size_t)snprintf(text + used, size - used, "%s='", name);
-    for (; *value && used + 4 < size; value++) {
-        if (*value == '\'')
-            text[used++] = '\'';
-        text[used++] = *value;
-    }
-    snprintf(text + used, size - used, "'; ");
+static void assign(FILE *stream, const char *name, const char *value) {
+    fprintf(stream, "%s='", name);
+    for (; *value; value++)
+        fprintf(stream, *value == '\'' ? "''" : "%c", *value);
+    fputs("'; ", stream);
 }
+
+static double linear_light(double part) {
+    return part <= 0.04045 ? part / 12.92 : pow((part + 0.055) / 1.055, 2.4);
+}
+
+/* The colour, or where that is too pale for words on white, a darker one of the same hue. Letters
+ * need a contrast of 4.5 (WCAG 2.1, 1.4.3): white's light is 1, and 0.05 is added to both. */
+static void write_ink(FILE *stream, const char *colour) {
+    unsigned red, green, blue;
+    double dark = 1, light;
+    if (sscanf(colour, "#%2x%2x%2x", &red, &green, &blue) != 3)
+        return;
+    do {
+        light = 0.2126 * linear_light(dark * red / 255) +
+                0.7152 * linear_light(dark * green / 255) +
+                0.0722 * linear_light(dark * blue / 255);
+        dark *= 0.98;
+    } while ((1 + 0.05) / (light + 0.05) < 4.7);
+    dark /= 0.98;
+    fprintf(stream, "#%02X%02X%02X ", (unsigned)(dark * red), (unsigned)(dark * green),
+            (unsigned)(dark * blue));
+}
+
+/* How the program's configurations are drawn: lists of words, a word for each. */
+static void write_styles(FILE *stream, const struct configuration *all) {
+    fputs("CONFIGURATIONS='", stream);
+    for (int i = 0; all[i].name; i++)
+        fprintf(stream, "\"%s\" ", all[i].name);
+    fputs("'; COLOURS='", stream);
+    for (int i = 0; all[i].name; i++)
+        fprintf(stream, "%s ", all[i].colour);
+    fputs("'; INKS='", stream);
+    for (int i = 0; all[i].name; i++)
+        write_ink(stream, all[i].colour);
+    fputs("'; MARKS='", stream);
+    for (int i = 0; all[i].name; i++)
+        fprintf(stream, "%d ", all[i].mark);
+    fputs("'; ADAPTIVE='", stream);
+    for (int i = 0; all[i].name; i++)
+        if (all[i].method->capabilities & STEPPER_ADAPTIVE)
+            fprintf(stream, "\"%s\" ", all[i].name);
+    fputs("'", stream);
+}
+
+/* To be freed; NULL where memory cannot be had. */
+static char *variables_of(const char *plots, const char *folder, const char *to,
+                          const char *format) {
+    struct configuration *all = configurations_choose(CONFIGURATION_ANY, 0);
+    char *text = NULL;
+    size_t size;
+    FILE *stream = all ? open_memstream(&text, &size) : NULL;
+    if (stream) {
+        assign(stream, "plots", plots);
+        assign(stream, "data", folder);
+        assign(stream, "out", to);
+        assign(stream, "format", format);
+        write_styles(stream, all);
+        fclose(stream);
+    }
+    free(all);
+    return text;
+}
+
+/* --- one drawing --- */
 
 /* gnuplot's own words, the last line of what it said, without the place in the script. */
 static void say_error(const char *errors, const char *name, char *reason) {
@@ -49,17 +114,18 @@ static void set_locale(void) {
 int plot_draw(const char *name, const char *folder, const char *to, const char *format,
               char *reason) {
     static pthread_once_t once = PTHREAD_ONCE_INIT;
-    char variables[4 * PATH_SIZE] = "", plots[PATH_SIZE], script[PATH_SIZE];
+    char plots[PATH_SIZE], script[PATH_SIZE];
     path_format(plots, "%s/plots", data_folder());
     path_format(script, "%s/%s.gp", plots, name);
     if (!file_exists(script)) {
         snprintf(reason, REASON_SIZE, "%.150s: no such script", script);
         return -1;
     }
-    assign(variables, sizeof variables, "plots", plots);
-    assign(variables, sizeof variables, "data", folder);
-    assign(variables, sizeof variables, "out", to);
-    assign(variables, sizeof variables, "format", format);
+    char *variables = variables_of(plots, folder, to, format);
+    if (!variables) {
+        snprintf(reason, REASON_SIZE, "out of memory");
+        return -1;
+    }
     char *const argv[] = {(char *)"gnuplot", (char *)"-d", (char *)"-e", variables, script, NULL};
 
     char errors[PATH_SIZE];
@@ -72,6 +138,7 @@ int plot_draw(const char *name, const char *folder, const char *to, const char *
     pthread_once(&once, set_locale);
     const int error = posix_spawnp(&pid, argv[0], &actions, NULL, argv, environ);
     posix_spawn_file_actions_destroy(&actions);
+    free(variables);
     if (error) {
         snprintf(reason, REASON_SIZE, "gnuplot cannot be started (%s); Debian: gnuplot-nox",
                  strerror(error));

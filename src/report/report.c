@@ -275,9 +275,11 @@ static int write_parts(FILE *stream, const struct report *report, char *reason) 
     int code = 0;
     for (int i = 0; i < report->part_count && !code; i++) {
         const struct report_part *part = &report->parts[i];
+        char title[256];
         fprintf(stream, "<section id=\"%s\"%s><h2>%s: ", part->experiment->name,
                 part->included ? " class=\"there\"" : "", part->experiment->name);
-        html_text(stream, part->experiment->question);
+        experiment_title(part->experiment, title);
+        html_text(stream, title);
         fputs("</h2>\n", stream);
         if (part->note[0]) {
             fprintf(stream, "<p class=\"small\">%s", part->included ? "" : "Not in this report: ");

@@ -1,5 +1,6 @@
 #include "child.h"
 
+#include "base/owner.h"
 #include "base/progress.h"
 #include "record.h"
 #include "stop.h"
@@ -59,7 +60,7 @@ static void watch_fatal_signals(void) {
         sigaction(fatal[i], &action, &usual[i]);
 }
 
-static void limit_memory(double bytes) {
+void limit_memory(double bytes) {
 #ifndef __SANITIZE_ADDRESS__ /* its shadow memory alone is terabytes */
     long pages = 0;
     FILE *file = fopen("/proc/self/statm", "r");
@@ -201,13 +202,6 @@ int child_start(struct child *child, const struct run_case *run, const struct ru
     return -1;
 }
 
-/* The one place that signals: a number of 0 or below would not be a process, but a group of them or
- * all that the user has. */
-static void signal_child(const struct child *child, int signal) {
-    if (child->pid > 0)
-        kill(child->pid, signal);
-}
-
 static int is_crash(int signal) {
     for (int i = 0; i < FATAL; i++)
         if (fatal[i] == signal)
@@ -279,12 +273,12 @@ enum child_state child_poll(struct child *child, enum outcome *outcome, char *re
     }
     if (stop_request && !child->asked) {
         child->asked = 1;
-        signal_child(child, SIGTERM);
+        signal_process(child->pid, SIGTERM);
         child->deadline = fmin(child->deadline, monotonic_seconds() + grace_seconds);
     }
     if (monotonic_seconds() > child->deadline && !child->killed) {
         child->killed = 1;
-        signal_child(child, SIGKILL);
+        signal_process(child->pid, SIGKILL);
     }
     return CHILD_RUNS;
 }
@@ -294,7 +288,7 @@ double child_reached(const struct child *child) {
 }
 
 void child_abandon(struct child *child) {
-    signal_child(child, SIGKILL);
+    signal_process(child->pid, SIGKILL);
     while (waitpid(child->pid, NULL, 0) < 0 && errno == EINTR)
         ;
     static const char *const files[] = {"states.tsv", "diagnostics.tsv", "run.json"};

@@ -44,6 +44,9 @@ enum child_state child_poll(struct child *child, enum outcome *outcome, char *re
 /* How far it has come, simulated s. */
 double child_reached(const struct child *child);
 
+/* Lets a process that is a child have no more address space than that on top of what it has. */
+void limit_memory(double bytes);
+
 /* Kills it and forgets it, and its unfinished files: the folder is another process's by now. */
 void child_abandon(struct child *child);
 

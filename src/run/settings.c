@@ -14,7 +14,7 @@ static int refuse_name(char *reason, const char *what, const char *name, const c
 
 static int resolve_linear(const struct scene *scene, const struct run_request *request,
                           struct settings *settings, char *reason) {
-    if (!(settings->method->capabilities & STEPPER_IMPLICIT)) {
+    if (!(settings->method->capabilities & STEPPER_SOLVES)) {
         if (!request->linear)
             return 0;
         snprintf(reason, REASON_SIZE, "%s solves no linear systems; leave out --linear",
@@ -26,7 +26,6 @@ static int resolve_linear(const struct scene *scene, const struct run_request *r
     settings->stepper.linear = linear_find(name);
     if (!settings->stepper.linear)
         return refuse_name(reason, "linear solver", name, "linear");
-    options_defaults(settings->stepper.linear->options, settings->stepper.linear_option);
     return 0;
 }
 
@@ -44,17 +43,16 @@ static int resolve_treatment(const struct scene *scene, const struct run_request
     return -1;
 }
 
-static int resolve_option(const char *option, struct settings *settings, char *reason) {
+static int check_option(const char *option, const struct settings *settings, char *reason) {
     const char *equals = strchr(option, '=');
     const size_t length = equals ? (size_t)(equals - option) : strlen(option);
     const struct linear_method *linear = settings->stepper.linear;
     const struct option_spec *specs = settings->method->options;
-    double *values = settings->stepper.option;
+    double value;
     int i = options_find(specs, option, length);
 
     if (i < 0 && linear) {
         specs = linear->options;
-        values = settings->stepper.linear_option;
         i = options_find(specs, option, length);
     }
     if (i < 0) {
@@ -69,7 +67,7 @@ static int resolve_option(const char *option, struct settings *settings, char *r
                  specs[i].name, specs[i].name);
         return -1;
     }
-    return options_parse(&specs[i], equals + 1, &values[i], reason, REASON_SIZE);
+    return options_parse(&specs[i], equals + 1, &value, reason, REASON_SIZE);
 }
 
 static int refuse_number(char *reason, const char *option, double value, const char *why) {
@@ -151,7 +149,7 @@ int settings_resolve(const struct scene *scene, const struct run_request *reques
     settings->method = stepper_find(name);
     if (!settings->method)
         return refuse_name(reason, "stepper", name, "steppers") ? REFUSED : 0;
-    options_defaults(settings->method->options, settings->stepper.option);
+    settings->stepper.options = (struct options){request->options, request->option_count};
     if (settings->diagnostics && !scene->problem->extremes) {
         snprintf(reason, REASON_SIZE, "--diagnostics is of wisps, and scene %s has none",
                  scene->name);
@@ -162,7 +160,7 @@ int settings_resolve(const struct scene *scene, const struct run_request *reques
         resolve_steps(scene, request, settings, reason) || check_perturbation(settings, reason))
         return REFUSED;
     for (int i = 0; i < request->option_count; i++)
-        if (resolve_option(request->options[i], settings, reason))
+        if (check_option(request->options[i], settings, reason))
             return REFUSED;
     return refuse_combination(scene, settings, reason);
 }
@@ -188,18 +186,24 @@ int settings_second_opinion(const struct scene *scene, const struct settings *se
 }
 
 int settings_lanes(const struct settings *settings) {
-    const int most = settings->method->capabilities & STEPPER_ADAPTIVE ? 1 : 4;
+    enum { KERNEL_LANES = 4 };
+    const struct stepper_method *method = settings->method;
     const struct linear_method *linear = settings->stepper.linear;
+    const int most = method->lanes > 0                         ? method->lanes
+                     : method->capabilities & STEPPER_ADAPTIVE ? 1
+                                                               : KERNEL_LANES;
     return linear && linear->max_lanes < most ? linear->max_lanes : most;
 }
 
-static json_t *options_to_json(const struct option_spec *specs, const double *values) {
+static json_t *options_to_json(const struct option_spec *specs, const struct options *given) {
     json_t *json = json_object();
-    for (int i = 0; specs && specs[i].name; i++)
+    for (int i = 0; specs && specs[i].name; i++) {
+        const double value = option_value(given, &specs[i]);
         json_object_set_new(json, specs[i].name,
                             specs[i].kind == OPTION_CHOICE
-                                ? json_string(specs[i].choices[(int)values[i]])
-                                : json_real(values[i]));
+                                ? json_string(specs[i].choices[(int)value])
+                                : json_real(value));
+    }
     return json;
 }
 
@@ -217,12 +221,12 @@ json_t *settings_to_json(const struct scene *scene, const struct settings *setti
     if (scene->frame_rate == 0)
         json_object_set_new(json, "frame_interval", json_real(settings->frame_interval));
     json_object_set_new(json, "options",
-                        options_to_json(settings->method->options, settings->stepper.option));
+                        options_to_json(settings->method->options, &settings->stepper.options));
     if (settings->stepper.linear) {
         json_object_set_new(json, "linear", json_string(settings->stepper.linear->name));
         json_object_set_new(
             json, "linear_options",
-            options_to_json(settings->stepper.linear->options, settings->stepper.linear_option));
+            options_to_json(settings->stepper.linear->options, &settings->stepper.options));
     }
     if (settings->perturbation > 0) {
         json_object_set_new(json, "perturbation", json_real(settings->perturbation));

@@ -11,7 +11,7 @@
 struct run_request {
     const char *stepper, *treatment, *linear;
     double step, rtol, atol;    /* s; relative; m and m/s */
-    const char *const *options; /* "key=value" */
+    const char *const *options; /* "key=value"; the settings go on to use list and texts */
     int option_count;
     int timings;         /* how often the run is repeated for its CPU time */
     int threads;         /* that share out a scene's parts; 0: one */

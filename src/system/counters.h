@@ -15,7 +15,7 @@
     X(factorisations, "combinations of M, D and K factorised")                              \
     X(linear_solves, "linear systems solved")                                               \
     X(linear_iterations, "iterations of an iterative linear solver")                        \
-    X(newton_iterations, "iterations of a nonlinear solver")                                \
+    X(newton_iterations, "iterations of a nonlinear solver, of a wisp until it converges")  \
     X(projections, "states put back onto their constraint")                                 \
     X(restarts, "times a stepper began anew after an event")                                \
     X(body_contacts, "times a node or sample was inside a body and was put outside")        \

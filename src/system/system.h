@@ -46,7 +46,8 @@ struct system_ops {
     /* Puts (q, v) onto the constraint, keeping what the treatment says is kept. */
     int (*project)(void *ctx, double t, double *q, double *v);
 
-    /* Computes M, D = df/dv and K = df/dq at (t, q, v); they hold until the next call. */
+    /* Computes M, D = df/dv and K = df/dq at (t, q, v). They, and what factor makes of them, hold
+     * until the next linearise, whatever else is asked for in between. */
     int (*linearise)(void *ctx, enum jacobian kind, double t, const double *q, const double *v);
 
     /* y <- (m M + d D + k K) x, after linearise. */

@@ -1,6 +1,6 @@
 /* The contest: all contestants in turn, again and again, a short sample each time, so that what the
  * machine does to one it does to its neighbours too; ratios are formed round by round. */
-#include "kernel_measure.h"
+#include "measure.h"
 
 #include <gsl/gsl_sort.h>
 #include <gsl/gsl_statistics_double.h>

@@ -1,5 +1,5 @@
 /* Evaluations of the accelerations: the kernel with 4 lanes and with 1, and its plain twin. */
-#include "kernel_measure.h"
+#include "measure.h"
 
 #include <math.h>
 

@@ -1,5 +1,5 @@
 /* The linear solvers of the implicit step on wisps: Jacobians, factors and solutions. */
-#include "kernel_measure.h"
+#include "measure.h"
 
 #include <math.h>
 
@@ -85,10 +85,9 @@ static struct solving *solving_of(struct model *model, double h, int stay) {
 }
 
 static void create_solvers(struct solving *s, const struct linear_method *method) {
-    double option[OPTIONS_MAX];
-    options_defaults(method->options, option);
+    const struct options defaults = {0};
     for (int i = 0; i < s->model->part_count; i++) {
-        s->solver[i] = linear_create(method, &s->model->parts[i].system, option);
+        s->solver[i] = linear_create(method, &s->model->parts[i].system, &defaults);
         if (!s->solver[i])
             out_of_memory();
     }

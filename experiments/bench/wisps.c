@@ -1,5 +1,5 @@
-/* Wisps for the experiment `kernel`: the scene's first wisp many times, bent and in motion. */
-#include "kernel_measure.h"
+/* Wisps to measure on: the scene's first wisp many times, bent and in motion. */
+#include "measure.h"
 #include "model/problems.h"
 
 #include <math.h>
@@ -12,12 +12,13 @@ void give_up(const char *format, ...) {
     va_start(arguments, format);
     fputs("kernel: ", stderr);
     vfprintf(stderr, format, arguments);
+    fputc('\n', stderr);
     va_end(arguments);
-    _Exit(1);
+    _Exit(3);
 }
 
 void out_of_memory(void) {
-    fputs("out of memory", stderr);
+    fputs("kernel: out of memory\n", stderr);
     _Exit(2);
 }
 

@@ -1,7 +1,7 @@
 /* What contact costs, per point and tick, in evaluations of the forces on a node; whether it grows
  * in proportion with the wisps; and what a second thread gains. */
 #include "base/files.h"
-#include "kernel_measure.h"
+#include "measure.h"
 #include "model/clock.h"
 #include "model/problems.h"
 #include "run/settings.h"

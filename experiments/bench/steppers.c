@@ -3,7 +3,8 @@
 #include "base/files.h"
 #include "integrators/first_order.h"
 #include "integrators/linear/sundials_support.h"
-#include "kernel_measure.h"
+#include "measure.h"
+#include "run/settings.h"
 
 #include <cvode/cvode.h>
 #include <cvode/cvode_ls.h>

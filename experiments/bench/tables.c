@@ -1,6 +1,6 @@
-/* Tables of the experiment `kernel`, and its answer in a few lines, from the samples alone. */
+/* Tables, and the answer in a few lines, from the samples alone. */
 #include "base/files.h"
-#include "kernel_measure.h"
+#include "measure.h"
 #include "run/record.h"
 
 #include <math.h>
@@ -11,18 +11,19 @@ static const int batches[] = {4, 64, 256};
 enum { BATCHES = 3, SHOWN_BATCH = 64 };
 
 struct tables {
-    struct plan *plan;
+    const struct scene *scene;
     const struct samples *samples;
     const char *folder;
+    char *reason;
 };
 
 static int open_table(struct atomic_file *file, const struct tables *tables, const char *name,
                       const char *what, const char *columns) {
     char path[PATH_SIZE];
     path_format(path, "%s/%s.tsv", tables->folder, name);
-    if (atomic_open(file, path, tables->plan->reason))
+    if (atomic_open(file, path, tables->reason))
         return -1;
-    write_provenance(file->stream, what, tables->plan->loaded[0]);
+    write_provenance(file->stream, what, tables->scene);
     fprintf(file->stream, "%s\n", columns);
     return 0;
 }
@@ -101,7 +102,7 @@ static int write_evaluations(const struct tables *tables) {
                 print_evaluation(&sets[i], &e);
         }
     }
-    return atomic_commit(&file, tables->plan->reason);
+    return atomic_commit(&file, tables->reason);
 }
 
 /* --- operations --- */
@@ -162,7 +163,7 @@ static int write_operations(const struct tables *tables) {
     }
     if (!doubts)
         printf("  the kernel executes at least the operations that the floor is made of\n");
-    return atomic_commit(&file, tables->plan->reason);
+    return atomic_commit(&file, tables->reason);
 }
 
 static int write_rates(const struct tables *tables) {
@@ -181,7 +182,7 @@ static int write_rates(const struct tables *tables) {
         fputc('\n', file.stream);
         printf(" %s %.3g ns%s", names[i], q.median, i < 2 ? "," : "\n");
     }
-    return atomic_commit(&file, tables->plan->reason);
+    return atomic_commit(&file, tables->reason);
 }
 
 /* --- goals --- */
@@ -286,7 +287,7 @@ static int write_solvers(const struct tables *tables) {
                 const struct wisp_set set = {WISP_GENERALISED, BENDING_SKIP, samples, wisps};
                 write_solver(file.stream, tables->samples, &set, &solver_rows[i]);
             }
-    return atomic_commit(&file, tables->plan->reason);
+    return atomic_commit(&file, tables->reason);
 }
 
 /* --- seam and CVODE --- */
@@ -326,7 +327,7 @@ static int write_steppers(const struct tables *tables) {
         write_pair(file.stream, s, "cvode", rtol[i], "stock", "ours");
         write_pair(file.stream, s, "cvode", rtol[i], "stock, our settings", "ours");
     }
-    return atomic_commit(&file, tables->plan->reason);
+    return atomic_commit(&file, tables->reason);
 }
 
 /* --- contacts and threads --- */
@@ -372,7 +373,7 @@ static int write_contacts(const struct tables *tables) {
     for (int m = 0; m < MATS; m++)
         for (int i = 0; i < MAT_SIZES; i++)
             write_contact(file.stream, tables->samples, &mats[m], mat_sizes[i]);
-    return atomic_commit(&file, tables->plan->reason);
+    return atomic_commit(&file, tables->reason);
 }
 
 static const char *const threaded[] = {"registers", "euler 9000 Hz", "rk4 4000 Hz"};
@@ -412,7 +413,7 @@ static int write_threads(const struct tables *tables) {
         printf("  second thread, %s: %.2f (%.2f to %.2f) times as fast\n", threaded[i], q.median,
                q.lower, q.upper);
     }
-    return atomic_commit(&file, tables->plan->reason);
+    return atomic_commit(&file, tables->reason);
 }
 
 static void write_contact_goals(FILE *stream, const struct samples *s) {
@@ -473,11 +474,12 @@ static int write_goals(const struct tables *tables) {
                    ">=", 3);
     }
     write_contact_goals(file.stream, s);
-    return atomic_commit(&file, tables->plan->reason);
+    return atomic_commit(&file, tables->reason);
 }
 
-int kernel_tables(struct plan *plan, const struct samples *samples, const char *folder) {
-    const struct tables tables = {plan, samples, folder};
+int write_tables(const struct scene *scene, const struct samples *samples, const char *folder,
+                 char *reason) {
+    const struct tables tables = {scene, samples, folder, reason};
     const struct series *first = series_find(samples, "rate", "rates skip 64", "division");
     printf("  %d rounds\n", first ? first->count : 0);
     return write_rates(&tables) || write_evaluations(&tables) || write_operations(&tables) ||

@@ -1,7 +1,7 @@
 /* The arithmetic floor of an evaluation: the operations that the model needs, at the rates at which
  * this machine does nothing else. A kernel whose operations are all independent and whose numbers
  * are all at hand would take that long. */
-#include "kernel_measure.h"
+#include "measure.h"
 
 #include <math.h>
 

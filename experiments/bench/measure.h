@@ -1,14 +1,17 @@
-/* What the files of the experiment `kernel` share: contestants that are timed in turn, the raw
+/* What the files of wisplab-bench share: contestants that are timed in turn, the raw
  * samples they leave, and statistics of those. */
 #ifndef WISPLAB_KERNEL_MEASURE_H
 #define WISPLAB_KERNEL_MEASURE_H
 
-#include "experiments/common/plan.h"
+#include "model/model.h"
+#include "model/scene.h"
 #include "wisp_twin.h"
+
+#include <stdio.h>
 
 enum { KERNEL_NODES = 12, KERNEL_ROUNDS_MAX = 4000 };
 
-/* --- wisps to measure on (kernel_wisps.c) --- */
+/* --- wisps to measure on (wisps.c) --- */
 
 struct wisp_set {
     enum wisp_treatment treatment;
@@ -45,12 +48,12 @@ struct twins *moving_twins(const struct scene *scene, const struct wisp_set *set
 /* Zeros on a boundary of 64 bytes; the measurement ends where they cannot be had. */
 void *zeros(size_t bytes);
 
-/* Ends the measuring process, whose standard error is the reason: of an integration that failed,
- * and of the machine. */
+/* Ends the program with a line on standard error: exit code 3, an integration failed; and 2, the
+ * machine did. */
 void give_up(const char *format, ...) __attribute__((format(printf, 1, 2), noreturn));
 void out_of_memory(void) __attribute__((noreturn));
 
-/* --- the contest (kernel_contest.c) --- */
+/* --- the contest (contest.c) --- */
 
 /* `run` does its work once: `units` of whatever is counted (node evaluations, wisps, steps). */
 struct contestant {
@@ -87,7 +90,7 @@ void enter_solvers(struct contest *contest, const struct scene *scene);
 void enter_steppers(struct contest *contest, const struct scene *scene);
 void enter_contacts(struct contest *contest, const struct scene *scene);
 
-/* --- wisps that touch (kernel_contacts.c) --- */
+/* --- wisps that touch (contacts.c) --- */
 
 /* Hanging wisps, roots about `spacing` apart. */
 struct mat {
@@ -133,14 +136,14 @@ struct quartiles series_quartiles(const struct series *a);
 struct quartiles ratio_quartiles(const struct series *a, const struct series *b);
 struct quartiles quartiles(const double *value, int count);
 
-/* --- the arithmetic of an evaluation (kernel_floor.c, kernel_trace.c) --- */
+/* --- the arithmetic of an evaluation (floor.c, trace.c) --- */
 
 /* Per free node and wisp. */
 struct operations {
     double square_roots, divisions, others; /* others: additions and multiplications */
 };
 
-/* What the model needs, by the table in kernel_floor.c. */
+/* What the model needs, by the table in floor.c. */
 struct operations needed_operations(const struct wisp_set *set);
 
 /* The time of that at the machine's rates, ns per free node of one wisp among four, by round;
@@ -166,8 +169,11 @@ extern const char *const executed_names[EXECUTED_KINDS];
 int trace_evaluation(struct system *system, const double *q, const double *v, double *a,
                      double executed[EXECUTED_KINDS]);
 
-/* --- tables (kernel_tables.c) --- */
+/* --- tables (tables.c) --- */
 
-int kernel_tables(struct plan *plan, const struct samples *samples, const char *folder);
+/* Writes all tables of the samples into a folder and prints what they say. Returns 0, or -1 with
+ * one line in `reason` (REASON_SIZE). */
+int write_tables(const struct scene *scene, const struct samples *samples, const char *folder,
+                 char *reason);
 
 #endif

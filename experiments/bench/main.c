@@ -1,0 +1,134 @@
+/* wisplab-bench: evaluations against a plain twin and against the machine's own rates, linear
+ * solvers, the seam, CVODE, contacts. Absolute times mean little, so all contestants are timed in
+ * turn and ratios count. */
+#include "base/files.h"
+#include "experiments/kernel.h"
+#include "measure.h"
+#include "run/record.h"
+#include "scene/scene_load.h"
+
+#include <gsl/gsl_errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct bench {
+    const char *scene_name, *folder;
+    int quick, fresh;
+    struct scene *scene;
+    char reason[REASON_SIZE];
+};
+
+/* What the file of samples begins with: program, scene and how long was measured. Samples with the
+ * same heading need not be taken again. */
+static char *heading_of(const struct bench *bench) {
+    char *text = NULL;
+    size_t size;
+    FILE *stream = open_memstream(&text, &size);
+    if (!stream)
+        out_of_memory();
+    write_provenance(stream,
+                     bench->quick ? "samples of a quick measurement, ns per unit by round"
+                                  : "samples of a full measurement, ns per unit by round",
+                     bench->scene);
+    fputs("group\tsubject\tcontestant\tvalues\n", stream);
+    fclose(stream);
+    return text;
+}
+
+/* Enters everybody and lets them run. The samples are in memory until all are taken: who is stopped
+ * leaves no file. */
+static char *measure(const struct bench *bench) {
+    struct contest contest = {0};
+    char *text = NULL;
+    size_t size;
+    contest.notes = open_memstream(&text, &size);
+    if (!contest.notes)
+        out_of_memory();
+    enter_evaluations(&contest, bench->scene);
+    enter_solvers(&contest, bench->scene);
+    enter_steppers(&contest, bench->scene);
+    enter_contacts(&contest, bench->scene);
+    contest_run(&contest, bench->quick ? 6 : 60, contest.notes);
+    if (fclose(contest.notes))
+        out_of_memory();
+    return text;
+}
+
+static int take_samples(struct bench *bench, const char *path, const char *heading) {
+    struct atomic_file file;
+    char *values = measure(bench);
+    int code = atomic_open(&file, path, bench->reason);
+    if (!code) {
+        fprintf(file.stream, "%s%s", heading, values);
+        code = atomic_commit(&file, bench->reason);
+    }
+    free(values);
+    return code;
+}
+
+/* Reads the samples, after measuring where they are not there. */
+static int obtain(struct bench *bench, struct samples *samples) {
+    char path[PATH_SIZE];
+    char *heading = heading_of(bench);
+    int code = path_format(path, "%s/samples.tsv", bench->folder);
+    if (code) {
+        snprintf(bench->reason, REASON_SIZE, "%.150s: too long a path", bench->folder);
+    } else if (bench->fresh || !samples_read(samples, path, heading)) {
+        code = take_samples(bench, path, heading);
+        if (!code && !samples_read(samples, path, heading)) {
+            snprintf(bench->reason, REASON_SIZE, "%.150s: cannot be read back", path);
+            code = -1;
+        }
+    } else {
+        printf(
+            "kernel: the samples of this program are there already (--fresh takes them again)\n");
+    }
+    free(heading);
+    return code;
+}
+
+static int measure_and_tabulate(struct bench *bench) {
+    struct samples samples;
+    if (obtain(bench, &samples))
+        return -1;
+    const int code = write_tables(bench->scene, &samples, bench->folder, bench->reason);
+    samples_free(&samples);
+    return code;
+}
+
+static int read_arguments(int argc, char **argv, struct bench *bench) {
+    if (argc < 3)
+        return -1;
+    *bench = (struct bench){.scene_name = argv[1], .folder = argv[2]};
+    for (int i = 3; i < argc; i++) {
+        if (strcmp(argv[i], "--quick") == 0)
+            bench->quick = 1;
+        else if (strcmp(argv[i], "--fresh") == 0)
+            bench->fresh = 1;
+        else
+            return -1;
+    }
+    return 0;
+}
+
+static int fail(int code, const char *reason) {
+    fprintf(stderr, "kernel: %s\n", reason);
+    return code;
+}
+
+int main(int argc, char **argv) {
+    struct bench bench;
+    gsl_set_error_handler_off(); /* errors are return codes here, never aborts */
+    if (read_arguments(argc, argv, &bench))
+        return fail(1, "usage: wisplab-bench SCENE FOLDER [--quick] [--fresh]");
+    bench.scene = kernel_scene(bench.scene_name, bench.reason);
+    if (!bench.scene)
+        return fail(1, bench.reason);
+    const int code = make_folder(bench.folder, bench.reason) || measure_and_tabulate(&bench);
+    scene_free(bench.scene);
+    if (code)
+        return fail(2, bench.reason);
+    if (fflush(stdout) || ferror(stdout))
+        return fail(2, "standard output cannot be written");
+    return 0;
+}

@@ -1,0 +1,27 @@
+/* Inside experiment circle: the panels of the thesis's figures 2.4 and 2.5, and what it says of
+ * them. */
+#ifndef WISPLAB_CIRCLE_PANELS_H
+#define WISPLAB_CIRCLE_PANELS_H
+
+#include "base/table.h"
+#include "experiments/common/plan.h"
+#include "experiments/common/statements.h"
+
+/* Plans the panels' runs. Returns 0, or -1 with plan->reason. */
+int circle_plan_panels(struct plan *plan);
+
+/* Writes the tables orbits-30s, orbits-160s and table, and states what they show. Returns 0, or -1
+ * with plan->reason. */
+int circle_tabulate_panels(struct plan *plan, const char *folder, struct statements *statements);
+
+/* Of a row of states: the distance from where the particle should be, and from the circle's centre,
+ * m. */
+double circle_error(const struct table *states, int row);
+double circle_radius(const struct table *states, int row);
+
+/* A table of the plan's, whose scene is that of its first run. Returns 0, or -1 with plan->reason.
+ */
+int circle_open_table(struct atomic_file *file, struct plan *plan, const char *folder,
+                      const char *name, const char *what, const char *columns);
+
+#endif

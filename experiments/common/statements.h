@@ -1,0 +1,96 @@
+/* What an experiment found, in sentences: the rows of statements.tsv in its folder. Terminal,
+ * captions and report print these rows; whoever wants to say something of an experiment adds one.
+ */
+#ifndef WISPLAB_STATEMENTS_H
+#define WISPLAB_STATEMENTS_H
+
+#include "base/text_table.h"
+
+struct scene;
+
+/* What came of a claim. X(symbol, word in the table, meaning) */
+#define VERDICTS(X)                                                                              \
+    X(HOLDS, "holds", "the runs show what the sentence claims")                                  \
+    X(HOLDS_NOT, "does not hold", "they show otherwise, and the sentence says what")             \
+    X(NOT_REACHED, "not reached", "no run got there: it was cut, or failed before, or none can") \
+    X(NOT_ASKED, "not asked", "the runs that would tell were left out by the user's choice")
+
+enum claim_verdict {
+#define X(symbol, word, meaning) symbol,
+    VERDICTS(X)
+#undef X
+        VERDICT_COUNT
+};
+
+static inline enum claim_verdict holds_if(int shown) {
+    return shown ? HOLDS : HOLDS_NOT;
+}
+
+/* The questions that a report begins with. X(symbol, word in the table, question) */
+#define QUESTIONS(X)                                                                   \
+    X(ANSWERS_NONE, "-", "")                                                           \
+    X(ANSWERS_CHOICE, "choice",                                                        \
+      "Was explicit Euler with projection at 9000 Hz, the thesis's choice, right?")    \
+    X(ANSWERS_TARGETS, "targets", "What would one choose today for 10, 1 and 0.1 mm?") \
+    X(ANSWERS_FAILURES, "failures", "Where does each method fail?")                    \
+    X(ANSWERS_NEEDS, "needs", "What does each scene need?")
+
+enum question {
+#define X(symbol, word, text) symbol,
+    QUESTIONS(X)
+#undef X
+        QUESTION_COUNT
+};
+
+/* The word and the text of a question; static storage. */
+const char *question_word(enum question question);
+const char *question_text(enum question question);
+
+/* Whose claim it is. */
+enum whose { OURS, THESIS };
+
+/* A row but for its sentence. */
+struct statement {
+    const char *key;    /* names the row; no other row of the table has it */
+    const char *figure; /* under which it stands, without .svg; NULL: none */
+    const char *tables; /* that it follows from, without .tsv, parted by blanks; NULL: none */
+    enum question answers;
+    enum claim_verdict verdict;
+    enum whose by;
+    double value;     /* on which the verdict rests */
+    const char *unit; /* of it, as "mm" or "frame"; "1": a ratio or a number; NULL: no value */
+};
+
+/* --- the one writer --- */
+
+/* The table while it is written. */
+struct statements {
+    struct atomic_file file;
+};
+
+/* Opens folder/statements.tsv; `cut` is what --quick or a budget left out, or NULL. Returns 0, or
+ * -1 with one line in `reason`. */
+int statements_open(struct statements *statements, const char *folder, const struct scene *scene,
+                    const char *cut, char *reason);
+
+/* Adds a row with its sentence (printf): subject, verb, number with unit, a stop. It is one line:
+ * tabs and line ends in it become blanks. A value that is not finite is left out. */
+void statements_add(struct statements *statements, struct statement row, const char *sentence, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/* Ends the table: commits it, or where `code` is not 0 discards it and returns that. Returns 0, or
+ * -1 with one line in `reason`. */
+int statements_close(struct statements *statements, int code, char *reason);
+
+/* --- the one reader --- */
+
+/* Reads folder/statements.tsv as a table of the columns key, figure, question, statement, verdict,
+ * value, unit, by, tables, in which - stands for nothing. Returns 0, or -1 with one line in
+ * `reason`: it is not there, lacks a column, a cell is empty, a verdict is none of VERDICTS. */
+int statements_read(struct text_table *rows, const char *folder, char *reason);
+
+/* Prints the rows of folder/statements.tsv to the terminal: verdict, whose, sentence. Returns 0, or
+ * -1 with one line in `reason`. */
+int statements_print(const char *folder, char *reason);
+
+#endif

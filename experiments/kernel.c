@@ -1,0 +1,62 @@
+/* How near is the kernel to what the hardware can? Measured here and now, not by runs, by a program
+ * of its own, wisplab-bench: it writes the tables and prints what they say. */
+#include "kernel.h"
+
+#include "base/files.h"
+#include "captions.h"
+#include "model/problems.h"
+#include "run/program.h"
+#include "scene/scene_load.h"
+
+struct scene *kernel_scene(const char *name, char *reason) {
+    struct scene *scene = scene_load(name, NULL, 0, reason);
+    if (scene && (scene->problem != &wisp_problem || scene->wisps[0].samples == 0)) {
+        snprintf(reason, REASON_SIZE,
+                 "experiment kernel needs wisps with an envelope, scene %.60s has none",
+                 scene->name);
+        scene_free(scene);
+        return NULL;
+    }
+    return scene;
+}
+
+static const char *scene_of(const struct plan *plan) {
+    return plan->scene_count ? plan->scenes[0] : "swing-envelope";
+}
+
+static int kernel_plan(struct plan *plan) {
+    if (plan->scene_count > 1) {
+        snprintf(plan->reason, REASON_SIZE, "experiment kernel takes the material of one scene");
+        return -1;
+    }
+    struct scene *scene = kernel_scene(scene_of(plan), plan->reason);
+    scene_free(scene);
+    plan->run_seconds = plan->quick ? 300 : 900; /* ten times what it takes */
+    return scene ? 0 : -1;
+}
+
+static int kernel_tabulate(struct plan *plan, const char *folder) {
+    char program[PATH_SIZE];
+    const char *argv[] = {program, scene_of(plan), folder, NULL, NULL, NULL};
+    int argc = 3;
+    if (plan->quick)
+        argv[argc++] = "--quick";
+    if (plan->fresh)
+        argv[argc++] = "--fresh";
+    if (path_beside_program("wisplab-bench", program)) {
+        snprintf(plan->reason, REASON_SIZE, "wisplab-bench: not known where it is");
+        return -1;
+    }
+    const int code = program_run(argv, &plan->limits, plan->reason);
+    return code == 0 ? 0 : code == 3 ? 1 : -1;
+}
+
+const struct experiment kernel_experiment = {
+    .name = "kernel",
+    .question = "how near to the hardware are evaluations, linear solvers, the seam and contacts?",
+    .place = 16,
+    .full = {.seconds = 90},
+    .plan = kernel_plan,
+    .tabulate = kernel_tabulate,
+    .caption = caption_kernel,
+};

@@ -1,0 +1,249 @@
+#include "configurations.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define OPTIONS(...)        \
+    (const char *const[]) { \
+        __VA_ARGS__, NULL   \
+    }
+
+/* Colours are Okabe and Ito's (doi 10.1038/nmeth.1618); the marks of what differs in details are
+ * those of other methods, which are in no chart with them. */
+static const struct configuration table[] = {
+    {.name = "euler",
+     .stepper = "euler",
+     .kind = CONFIGURATION_PLAIN,
+     .cost = 12e-9,
+     .colour = "#D55E00",
+     .mark = 7},
+
+    {.name = "midpoint",
+     .stepper = "midpoint",
+     .kind = CONFIGURATION_PLAIN,
+     .cost = 24e-9,
+     .colour = "#E69F00",
+     .mark = 5},
+
+    {.name = "rk4",
+     .stepper = "rk4",
+     .kind = CONFIGURATION_PLAIN,
+     .cost = 40e-9,
+     .colour = "#0072B2",
+     .mark = 9},
+
+    {.name = "implicit-euler",
+     .stepper = "implicit-euler",
+     .linear = "direct",
+     .kind = CONFIGURATION_PLAIN,
+     .cost = 80e-9,
+     .colour = "#009E73",
+     .mark = 13},
+    {.name = "implicit-euler newton",
+     .stepper = "implicit-euler",
+     .linear = "direct",
+     .options = OPTIONS("newton.iterations=30"),
+     .kind = CONFIGURATION_ITERATED,
+     .cost = 400e-9,
+     .mark = 12},
+    {.name = "implicit-euler cg",
+     .stepper = "implicit-euler",
+     .linear = "cg",
+     .kind = CONFIGURATION_SOLVER,
+     .cost = 180e-9,
+     .mark = 1},
+    {.name = "implicit-euler cg newton",
+     .stepper = "implicit-euler",
+     .linear = "cg",
+     .options = OPTIONS("newton.iterations=30"),
+     .kind = CONFIGURATION_SOLVER_ITERATED,
+     .cost = 800e-9,
+     .mark = 3},
+    {.name = "implicit-euler klu",
+     .stepper = "implicit-euler",
+     .linear = "klu",
+     .options = OPTIONS("jacobian=exact"),
+     .kind = CONFIGURATION_SOLVER_DETAILS,
+     .mark = 4},
+    {.name = "implicit-euler klu newton",
+     .stepper = "implicit-euler",
+     .linear = "klu",
+     .options = OPTIONS("jacobian=exact", "newton.iterations=30"),
+     .kind = CONFIGURATION_SOLVER_DETAILS,
+     .mark = 5},
+    {.name = "implicit-euler cg 1e-2",
+     .stepper = "implicit-euler",
+     .linear = "cg",
+     .options = OPTIONS("cg.tolerance=1e-2"),
+     .kind = CONFIGURATION_SOLVER_DETAILS,
+     .mark = 6},
+    {.name = "implicit-euler cg 1e-4",
+     .stepper = "implicit-euler",
+     .linear = "cg",
+     .options = OPTIONS("cg.tolerance=1e-4"),
+     .kind = CONFIGURATION_SOLVER_DETAILS,
+     .mark = 7},
+
+    /* On wisps it is of order 2 where nothing is said. */
+    {.name = "cvode",
+     .stepper = "cvode",
+     .linear = "direct",
+     .kind = CONFIGURATION_PLAIN,
+     .finest = 1e-8,
+     .order = 2,
+     .colour = "#CC79A7",
+     .mark = 11},
+    {.name = "cvode order 5",
+     .stepper = "cvode",
+     .linear = "direct",
+     .options = OPTIONS("max_order=5"),
+     .kind = CONFIGURATION_ORDER,
+     .finest = 1e-11,
+     .order = 5,
+     .mark = 10},
+    {.name = "cvode adams",
+     .stepper = "cvode",
+     .linear = "direct",
+     .options = OPTIONS("method=adams"),
+     .kind = CONFIGURATION_FORMULA,
+     .finest = 1e-11,
+     .order = 12,
+     .mark = 3},
+    {.name = "cvode klu spd",
+     .stepper = "cvode",
+     .linear = "klu",
+     .options = OPTIONS("jacobian=spd"),
+     .kind = CONFIGURATION_SOLVER_DETAILS,
+     .finest = 1e-8,
+     .order = 2,
+     .mark = 8},
+    {.name = "cvode klu exact",
+     .stepper = "cvode",
+     .linear = "klu",
+     .options = OPTIONS("jacobian=exact"),
+     .kind = CONFIGURATION_SOLVER_DETAILS,
+     .finest = 1e-8,
+     .order = 2,
+     .mark = 9},
+    {.name = "cvode cg 1e-2",
+     .stepper = "cvode",
+     .linear = "cg",
+     .options = OPTIONS("cg.tolerance=1e-2"),
+     .kind = CONFIGURATION_SOLVER_DETAILS,
+     .finest = 1e-8,
+     .order = 2,
+     .mark = 14},
+    {.name = "cvode cg 1e-8",
+     .stepper = "cvode",
+     .linear = "cg",
+     .kind = CONFIGURATION_SOLVER_DETAILS,
+     .finest = 1e-8,
+     .order = 2,
+     .mark = 15},
+
+    {.name = "reference",
+     .stepper = "reference",
+     .kind = CONFIGURATION_PLAIN,
+     .finest = 1e-10,
+     .order = 8,
+     .colour = "#000000",
+     .mark = 15},
+};
+enum { ROWS = sizeof table / sizeof *table };
+
+const struct recipe thesis_recipe = {"euler", "projection", 9000};
+
+/* --- what has no row --- */
+
+/* The k-th colour that no row has: what is left of Okabe and Ito's, dark ones of Paul Tol's, and
+ * then colours that are far from those just before: hues in the golden section. */
+static void spare_colour(int k, char colour[8]) {
+    static const char *const spare[] = {"#56B4E9", "#8C8C00", "#882255", "#7A5230"};
+    enum { SPARE = sizeof spare / sizeof *spare };
+    if (k < SPARE) {
+        memcpy(colour, spare[k], 8);
+        return;
+    }
+    unsigned rgb[3];
+    for (int i = 0; i < 3; i++) {
+        const double hue = fmod(0.6180339887 * k + i / 3., 1);
+        rgb[i] = (unsigned)lround(200 * fmin(1, fmax(0, fabs(6 * hue - 3) - 1)) + 20);
+    }
+    snprintf(colour, 8, "#%02X%02X%02X", rgb[0], rgb[1], rgb[2]);
+}
+
+/* The k-th mark that no row has which may be in a chart with it; where they are used up, again. */
+static int spare_mark(int k) {
+    enum { MARKS = 15, CROSS = 2 };
+    int free[MARKS], count = 0;
+    for (int mark = 1; mark <= MARKS; mark++) {
+        int used = mark == CROSS;
+        for (int i = 0; i < ROWS; i++)
+            used |= table[i].mark == mark && table[i].kind != CONFIGURATION_SOLVER_DETAILS;
+        if (!used)
+            free[count++] = mark;
+    }
+    return free[k % count];
+}
+
+static struct configuration default_of(const struct stepper_method *method, int k) {
+    struct configuration made = {.name = method->name,
+                                 .stepper = method->name,
+                                 .linear = method->capabilities & STEPPER_SOLVES ? "direct" : NULL,
+                                 .kind = CONFIGURATION_PLAIN,
+                                 .mark = spare_mark(k)};
+    spare_colour(k, made.colour);
+    return made;
+}
+
+/* --- the list --- */
+
+/* What a row need not say: tolerances and order of adaptive methods; a step costs as many
+ * evaluations as the order of explicit ones, and several with their matrix of implicit ones. */
+static void complete(struct configuration *configuration, const struct stepper_method *method) {
+    configuration->method = method;
+    if (method->capabilities & STEPPER_ADAPTIVE) {
+        configuration->finest = configuration->finest > 0 ? configuration->finest : 1e-10;
+        configuration->order = configuration->order > 0 ? configuration->order : method->order;
+    } else if (!(configuration->cost > 0)) {
+        configuration->cost = method->capabilities & STEPPER_IMPLICIT ? 100e-9
+                              : method->order > 0                     ? 12e-9 * method->order
+                                                                      : 12e-9;
+    }
+}
+
+/* A method's rows, or its default, of all kinds, to `to`. Returns how many; `spare` counts methods
+ * without a row. */
+static int rows_of(const struct stepper_method *method, struct configuration *to, int *spare) {
+    int count = 0;
+    for (int i = 0; i < ROWS; i++)
+        if (strcmp(table[i].stepper, method->name) == 0)
+            to[count++] = table[i];
+    if (count == 0)
+        to[count++] = default_of(method, (*spare)++);
+    for (int i = 0; i < count; i++) {
+        complete(&to[i], method);
+        memcpy(to[i].colour, to[0].colour, sizeof to[i].colour);
+    }
+    return count;
+}
+
+struct configuration *configurations_choose(unsigned kinds, unsigned capabilities) {
+    size_t methods = 0;
+    int count = 0, spare = 0;
+    while (stepper_methods[methods])
+        methods++;
+    struct configuration *chosen = calloc(ROWS + methods + 1, sizeof *chosen);
+    for (size_t m = 0; m < methods && chosen; m++) {
+        const int fits = (stepper_methods[m]->capabilities & capabilities) == capabilities;
+        const int more = rows_of(stepper_methods[m], chosen + count, &spare), first = count;
+        for (int i = first; i < first + more; i++)
+            if (fits && (kinds & chosen[i].kind))
+                chosen[count++] = chosen[i];
+    }
+    if (chosen)
+        chosen[count] = (struct configuration){.name = NULL};
+    return chosen;
+}

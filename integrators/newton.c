@@ -1,0 +1,138 @@
+#include "newton.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+struct newton {
+    struct system *system; /* not owned */
+    struct linear_solver *linear;
+    enum jacobian kind;
+    int iterations;
+    double tolerance;
+    unsigned moving;      /* lanes that have not converged, bit k for lane k */
+    double *a;            /* the iterate's acceleration */
+    double *rhs, *change; /* of the linear system */
+    double *work;
+    double memory[];
+};
+
+/* The solver must fit the Jacobian, of which the default is the same for all methods. */
+static int choose(const struct stepper_settings *settings, struct system *system,
+                  enum jacobian *kind) {
+    static const struct option_spec specs[] = {NEWTON_OPTION_SPECS(1)};
+    const double jacobian = option_value(&settings->options, &specs[NEWTON_JACOBIAN]);
+    return linear_choose(settings->linear, system, (int)jacobian, kind);
+}
+
+int newton_refuse(const struct stepper_settings *settings, struct system *system) {
+    enum jacobian kind;
+    return choose(settings, system, &kind);
+}
+
+struct newton *newton_create(const struct stepper_settings *settings,
+                             const struct option_spec *options, struct system *system) {
+    const size_t n = (size_t)system->size;
+    const struct options *given = &settings->options;
+    struct newton *self = malloc(sizeof *self + 4 * n * sizeof(double));
+    if (!self)
+        return NULL;
+    *self = (struct newton){.system = system,
+                            .iterations = (int)option_value(given, &options[NEWTON_ITERATIONS]),
+                            .tolerance = option_value(given, &options[NEWTON_TOLERANCE]),
+                            .a = self->memory,
+                            .rhs = self->memory + n,
+                            .change = self->memory + 2 * n,
+                            .work = self->memory + 3 * n};
+    if (!choose(settings, system, &self->kind))
+        self->linear = linear_create(settings->linear, system, given);
+    if (!self->linear) {
+        free(self);
+        return NULL;
+    }
+    return self;
+}
+
+void newton_free(struct newton *self) {
+    if (self)
+        self->linear->method->free(self->linear);
+    free(self);
+}
+
+/* The linear system at (q, v), see newton.h, and its solution. */
+static int find_change(struct newton *self, const struct newton_equation *e, const double *q,
+                       const double *v) {
+    struct system *system = self->system;
+    const int n = system->size;
+    int code = system_linearise(system, self->kind, e->t, q, v);
+    if (!code)
+        code = linear_factor(self->linear, e->gamma, e->gamma * e->beta);
+    if (!code)
+        code = system_acceleration(system, e->t, q, v, self->a);
+    if (code)
+        return code;
+    for (int i = 0; i < n; i++)
+        self->work[i] = e->q0[i] + e->beta * v[i] - q[i];
+    system_product(system, 0, 0, e->gamma, self->work, self->change);
+    for (int i = 0; i < n; i++)
+        self->work[i] = e->v0[i] - v[i] + e->gamma * self->a[i];
+    system_product(system, 1, 0, 0, self->work, self->rhs);
+    for (int i = 0; i < n; i++)
+        self->rhs[i] += self->change[i];
+    return linear_solve(self->linear, self->rhs, self->change);
+}
+
+/* Changes v in one lane, which stops moving where that has hardly changed it. */
+static int move_lane(struct newton *self, int lane, double *v) {
+    struct system *system = self->system;
+    double change = 0, speed = 0;
+    int finite = 1;
+    for (int i = lane; i < system->size; i += system->lanes) {
+        v[i] += self->change[i];
+        const double by = fabs(self->change[i]), to = fabs(v[i]);
+        change = by > change ? by : change; /* fmax is a call */
+        speed = to > speed ? to : speed;
+        finite &= to < INFINITY;
+    }
+    if (!finite)
+        return system_fail(system, NOT_FINITE, "Newton's iterate overflowed or became NaN");
+    if (change <= self->tolerance * (1 + speed))
+        self->moving &= ~(1u << lane);
+    return 0;
+}
+
+static int move(struct newton *self, double *v) {
+    int code = 0;
+    for (int lane = 0; lane < self->system->lanes && !code; lane++)
+        if (self->moving >> lane & 1)
+            code = move_lane(self, lane, v);
+    return code;
+}
+
+/* The linearised step, unchecked: all lanes at once. */
+static int move_once(struct newton *self, double *v) {
+    for (int i = 0; i < self->system->size; i++)
+        v[i] += self->change[i];
+    self->moving = 0;
+    return 0;
+}
+
+int newton_solve(struct newton *self, const struct newton_equation *e, double *q, double *v) {
+    struct system *system = self->system;
+    const unsigned counted = ~(~0u << system->wisps); /* without the padding */
+    self->moving = ~(~0u << system->lanes);
+    for (int k = 0; k < self->iterations && self->moving; k++) {
+        system->counters.newton_iterations += __builtin_popcount(self->moving & counted);
+        int code = find_change(self, e, q, v);
+        if (!code)
+            code = self->iterations == 1 ? move_once(self, v) : move(self, v);
+        if (code)
+            return code;
+        for (int i = 0; i < system->size; i++)
+            q[i] = e->q0[i] + e->beta * v[i]; /* the same bits again where v has stopped */
+    }
+    if (self->moving)
+        return system_fail(system, SOLVER_STALLED,
+                           "Newton's iteration did not converge in %d iterations",
+                           self->iterations);
+    return 0;
+}

@@ -1,0 +1,40 @@
+#include "stepper.h"
+
+double stepper_usual_rate(const struct stepper_method *method) {
+    return method->usual_rate > 0                    ? method->usual_rate
+           : method->capabilities & STEPPER_IMPLICIT ? 300
+                                                     : 9000;
+}
+
+int stepper_is_predictable(const struct stepper_method *method) {
+    return method->amplification || method->table;
+}
+
+double complex stepper_amplification(const struct stepper_method *method, double complex z,
+                                     double complex partner) {
+    if (method->amplification)
+        return method->amplification(z, partner);
+    const double complex one = butcher_stability(method->table, z);
+    if (partner == conj(z))
+        return one;
+    const double complex other = butcher_stability(method->table, partner);
+    return cabs(other) > cabs(one) ? other : one;
+}
+
+int stepper_refuse(const struct stepper_method *method, const struct stepper_settings *settings,
+                   struct system *system) {
+    if (system_has_projection(system) && !(method->capabilities & STEPPER_PROJECTS))
+        return system_fail(system, REFUSED, "%s does not keep the constraint of %s", method->name,
+                           system->name);
+    return method->refuse ? method->refuse(settings, system) : 0;
+}
+
+struct stepper *stepper_create(const struct stepper_method *method,
+                               const struct stepper_settings *settings, struct system *system) {
+    struct stepper *stepper = method->create(settings, system);
+    if (stepper) {
+        stepper->method = method;
+        stepper->system = system;
+    }
+    return stepper;
+}

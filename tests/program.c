@@ -1,0 +1,3 @@
+#include "support.h"
+
+const char *const program_path = WISPLAB_PROGRAM;
