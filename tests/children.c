@@ -1,5 +1,5 @@
 /* Runs that hang, crash, leave or eat memory: each is a result with its kind and its time, and the
- * others go on. */
+ * others go on. Runs that are killed are none. */
 #include "base/table.h"
 #include "run/results.h"
 #include "run/runs.h"
@@ -10,9 +10,12 @@
 #include <dlfcn.h>
 #include <errno.h>
 #include <signal.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/syscall.h>
+#include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -81,10 +84,33 @@ static int hang(struct stepper *stepper, double t, double h, double *q, double *
     return 0;
 }
 
+static void sleep_for(double seconds) {
+    nanosleep(&(struct timespec){.tv_nsec = (long)(1e9 * seconds)}, NULL);
+}
+
+/* Takes 10 ms of CPU time for each step. */
+static int toil(struct stepper *stepper, double t, double h, double *q, double *v) {
+    (void)t, (void)h, (void)v;
+    const clock_t start = clock();
+    if (!good(stepper, q))
+        while (clock() - start < CLOCKS_PER_SEC / 100)
+            ;
+    return 0;
+}
+
+/* Does nothing for longer than the limit of CPU time, and goes on. */
+static int nap(struct stepper *stepper, double t, double h, double *q, double *v) {
+    (void)t, (void)h, (void)v;
+    const struct bad *bad = (struct bad *)stepper;
+    if (!good(stepper, q) && bad->steps <= 2 * GOOD_STEPS)
+        sleep_for(0.05);
+    return 0;
+}
+
 static int dawdle(struct stepper *stepper, double t, double h, double *q, double *v) {
     (void)t, (void)h, (void)v;
     if (!good(stepper, q))
-        nanosleep(&(struct timespec){.tv_nsec = 20000000}, NULL);
+        sleep_for(0.02);
     return 0;
 }
 
@@ -96,6 +122,35 @@ static int crash(struct stepper *stepper, double t, double h, double *q, double 
     }
     return 0;
 }
+
+static int abort_itself(struct stepper *stepper, double t, double h, double *q, double *v) {
+    (void)t, (void)h, (void)v;
+    if (!good(stepper, q))
+        abort();
+    return 0;
+}
+
+#ifndef __SANITIZE_ADDRESS__ /* which reports these its own way */
+static int read_nowhere(struct stepper *stepper, double t, double h, double *q, double *v) {
+    (void)t, (void)h, (void)v;
+    double *volatile nowhere = NULL;
+    if (!good(stepper, q))
+        q[0] = *nowhere;
+    return 0;
+}
+
+/* Ever deeper, until there is no room on the stack, not for a handler either. */
+static int deeper(volatile int *from) {
+    volatile int here = *from + 1;
+    return here > 0 ? deeper(&here) + here : 0;
+}
+
+static int sink(struct stepper *stepper, double t, double h, double *q, double *v) {
+    (void)t, (void)h, (void)v;
+    volatile int start = 0;
+    return good(stepper, q) ? 0 : deeper(&start);
+}
+#endif
 
 static int leave(struct stepper *stepper, double t, double h, double *q, double *v) {
     (void)t, (void)h, (void)v;
@@ -134,8 +189,28 @@ static int call_off(struct stepper *stepper, double t, double h, double *q, doub
     (void)t, (void)h, (void)v;
     if (!good(stepper, q)) {
         kill(getppid(), SIGINT);
-        nanosleep(&(struct timespec){.tv_nsec = 20000000}, NULL);
+        sleep_for(0.02);
     }
+    return 0;
+}
+
+static char lost_folder[PATH_SIZE];
+
+/* Is shot from outside, by another process, as often as is left; then it goes on. */
+static struct { atomic_int left, signal; } * shots; /* shared by all processes */
+
+static int get_shot(struct stepper *stepper, double t, double h, double *q, double *v) {
+    (void)t, (void)h, (void)v;
+    if (good(stepper, q) || shots->left == 0)
+        return 0;
+    shots->left--;
+    const pid_t other = fork();
+    if (other == 0) {
+        kill(getppid(), shots->signal);
+        _exit(0);
+    }
+    waitpid(other, NULL, 0);
+    sleep_for(0.2);
     return 0;
 }
 
@@ -155,9 +230,15 @@ static const struct bad_method {
         .name = called, .summary = "a test", .reference = "none", .order = 1, \
         .create = bad_create, .step = function, .free = bad_free              \
     }
-    {BAD("hangs", hang), "out of time", "killed", 0},
-    {BAD("dawdles", dawdle), "out of time", "stopped", 0},
+    {BAD("hangs", hang), "out of time", "did not answer", 0},
+    {BAD("toils", toil), "out of time", "limit of CPU time", 0},
+    {BAD("naps", nap), "finished", "", 0},
     {BAD("crashes", crash), "crashed", "signal 11", 0},
+    {BAD("aborts", abort_itself), "crashed", "signal 6", 0},
+#ifndef __SANITIZE_ADDRESS__
+    {BAD("reads-nowhere", read_nowhere), "crashed", "signal 11", 0},
+    {BAD("sinks", sink), "crashed", "signal 11", 0},
+#endif
     {BAD("leaves", leave), "crashed", "code 0", 0},
     {BAD("finishes", finish), "finished", "", 0},
     {BAD("eats", eat_and_say_so), "out of memory", "ate it all", 1},
@@ -201,7 +282,7 @@ static void check_result(const struct run_case *run, const struct bad_method *ba
     const int all = strcmp(bad->status, "finished") == 0;
     cr_assert(all ? reached == 100 : reached >= least && reached < 100, "%s: reached %g s", name,
               reached);
-    cr_assert(strcmp(name, "dawdles") == 0 || all || reached == least,
+    cr_assert(strcmp(name, "toils") == 0 || all || reached == least,
               "%s: reached %g s where it went wrong after %g", name, reached, least);
     cr_assert(files.states.row_count >= GOOD_STEPS + 1, "%s: %d rows are left", name,
               files.states.row_count);
@@ -259,6 +340,222 @@ Test(children, a_pool_completes_around_its_dead) {
     folder_remove(folder);
 }
 
+/* --- what is no result --- */
+
+static const struct bad_method dawdles = {BAD("dawdles", dawdle), "", "", 0},
+                               is_shot = {BAD("is-shot", get_shot), "finished", "", 0};
+
+static void make_shots(void) {
+    shots = mmap(NULL, sizeof *shots, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    cr_assert(shots != MAP_FAILED);
+}
+
+/* Nothing is left in the folder of a run that was killed, so that the next call does it. */
+static void check_nothing(const struct run_case *run) {
+    cr_assert_eq(run_is_complete(run->folder), 0, "a run that was killed is a result");
+    cr_assert_eq(count_files(run->folder, ""), 0, "something is left of it");
+}
+
+/* The clock on the wall tells how busy the machine is, nothing about a method. */
+Test(children, the_watchdog_leaves_no_result) {
+    static const struct run_limits watched = {.seconds = 0.3, .wall_seconds = 0.4};
+    char folder[PATH_SIZE], reason[REASON_SIZE] = "";
+    struct run_case runs[2];
+    folder_make(folder);
+    runs_catch_signals();
+    struct scene *scene = circle_scene(1000, 0);
+    make_case(&runs[0], scene, folder, &dawdles);
+    make_case(&runs[1], scene, folder, &is_shot);
+    make_shots();
+    cr_assert_eq(runs_do_one(&runs[0], &watched, 0, reason), OUTPUT_FAILED);
+    cr_assert(strstr(reason, "watchdog"), "%s", reason);
+    check_nothing(&runs[0]);
+    const int ran = runs_do_all(runs, 2, &watched, 2, 0, reason);
+    cr_assert_eq(ran, 1, "%d runs (%s)", ran, reason);
+    check_nothing(&runs[0]);
+    cr_assert(run_is_complete(runs[1].folder));
+    scene_free(scene);
+    folder_remove(folder);
+}
+
+/* Whatever signal it is, a method that did not raise it itself is not to blame. */
+Test(children, who_is_killed_from_outside_is_run_again) {
+    static const int signals[] = {SIGKILL, SIGTERM, SIGINT, SIGHUP, SIGSEGV, SIGFPE, SIGABRT};
+    enum { SIGNALS = sizeof signals / sizeof *signals };
+    char folder[PATH_SIZE], reason[REASON_SIZE] = "";
+    struct run_case run;
+    folder_make(folder);
+    runs_catch_signals();
+    make_shots();
+    struct scene *scene = circle_scene(100, 0);
+    make_case(&run, scene, folder, &is_shot);
+    for (int i = 0; i < SIGNALS; i++) {
+        shots->signal = signals[i];
+        shots->left = 1;
+        enum outcome outcome = runs_do_one(&run, &limits, 0, reason);
+        cr_assert_eq(outcome, FINISHED, "signal %d: %s (%s)", signals[i], outcome_name(outcome),
+                     reason);
+        check_result(&run, &is_shot);
+        run_remove(run.folder);
+        shots->left = 1;
+        const int ran = runs_do_all(&run, 1, &limits, 1, 0, reason);
+        cr_assert_eq(ran, 1, "signal %d: %d runs (%s)", signals[i], ran, reason);
+        check_result(&run, &is_shot);
+        cr_assert_eq(shots->left, 0);
+        run_remove(run.folder);
+    }
+    scene_free(scene);
+    folder_remove(folder);
+}
+
+/* One that is killed again and again is left out; the others are there, and so is it when it is
+ * left alone. */
+Test(children, who_is_killed_twice_is_left_out) {
+    char folder[PATH_SIZE], reason[REASON_SIZE] = "";
+    struct run_case runs[3];
+    folder_make(folder);
+    runs_catch_signals();
+    make_shots();
+    struct scene *scene = circle_scene(100, 0);
+    make_case(&runs[0], scene, folder, &is_shot);
+    make_case(&runs[1], scene, folder, &methods[2]);
+    runs[2] = runs[0]; /* asked for twice */
+    shots->signal = SIGKILL;
+    shots->left = 5;
+    const int ran = runs_do_all(runs, 3, &limits, 2, 0, reason);
+    cr_assert_eq(ran, 1, "%d runs (%s)", ran, reason);
+    cr_assert_eq(shots->left, 3, "%d shots are left", shots->left);
+    check_nothing(&runs[0]);
+    check_result(&runs[1], &methods[2]);
+    cr_assert_eq(runs_do_one(&runs[0], &limits, 0, reason), OUTPUT_FAILED);
+    cr_assert(strstr(reason, "from outside") && strstr(reason, "signal 9"), "%s", reason);
+    cr_assert_eq(shots->left, 1);
+    check_nothing(&runs[0]);
+    shots->left = 0;
+    cr_assert_eq(runs_do_all(runs, 3, &limits, 2, 0, reason), 1, "%s", reason);
+    check_result(&runs[0], &is_shot);
+    scene_free(scene);
+    folder_remove(folder);
+}
+
+/* --- locks --- */
+
+/* As if another host had taken the folder, for this one stood still, and done the run. */
+static int lose(struct stepper *stepper, double t, double h, double *q, double *v) {
+    (void)t, (void)h, (void)v;
+    if (good(stepper, q))
+        return 0;
+    file_write(lost_folder, ".lock", "elsewhere 1 1 1\n", NULL);
+    file_write(lost_folder, "run.json", "{}", NULL);
+    for (;;)
+        pause();
+}
+
+Test(children, slow_a_run_whose_lock_is_lost_is_left_to_others) {
+    static const struct bad_method loses = {BAD("loses", lose), "", "", 0};
+    char folder[PATH_SIZE], path[PATH_SIZE], reason[REASON_SIZE] = "";
+    struct run_case run;
+    folder_make(folder);
+    struct scene *scene = circle_scene(100, 0);
+    make_case(&run, scene, folder, &loses);
+    path_format(lost_folder, "%s", run.folder);
+    cr_assert_eq(runs_do_all(&run, 1, &limits, 1, 0, reason), 1, "%s", reason);
+    path_format(path, "%s/run.json", run.folder);
+    char *text = file_read(path);
+    cr_assert(text && strcmp(text, "{}") == 0, "it has been written: %s", text ? text : "gone");
+    free(text);
+    cr_assert_eq(count_files(run.folder, ".lock"), 1, "the other's lock is gone");
+    cr_assert_eq(count_files(run.folder, ".part"), 0);
+    scene_free(scene);
+    folder_remove(folder);
+}
+
+/* --- limits that are counted --- */
+
+/* A run that took more than its limit of CPU time is out of time, whether or not anybody has seen
+ * it before the end. */
+Test(children, a_limit_of_cpu_time_holds_to_the_end) {
+    char reason[REASON_SIZE];
+    struct settings settings;
+    struct run_result result;
+    struct scene *scene = circle_scene(10, 0.5);
+    cr_assert_eq(settings_resolve(scene, &(struct run_request){.step = 0.5}, &settings, reason), 0);
+    simulate(scene, &settings, NULL, &(struct watch){.cpu_seconds = 1e-9}, &result);
+    cr_assert_eq(result.outcome, OUT_OF_TIME);
+    cr_assert_eq(result.time, 10);
+    simulate(scene, &settings, NULL, &(struct watch){.cpu_seconds = 1e9}, &result);
+    cr_assert_eq(result.outcome, FINISHED);
+    scene_free(scene);
+}
+
+/* A run ends where it has taken more evaluations than it may, whatever stops it has. */
+Test(children, a_limit_of_evaluations_is_counted) {
+    const struct run_request request = {.stepper = "rk4", .step = 0.5};
+    const struct {
+        double frame_rate, limit, time;
+    } cases[] = {
+        {0, 100, 13},   {0.1, 100, 13}, {0.1, 103, 13}, {0.1, 104, 13.5},
+        {0.1, 400, 50}, {0.1, 399, 50}, {0, 399, 50},   {0, 0, 50},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char folder[PATH_SIZE], reason[REASON_SIZE];
+        struct run_case run;
+        struct run_files files;
+        folder_make(folder);
+        struct scene *scene = circle_scene(50, cases[i].frame_rate);
+        run = (struct run_case){.scene = scene};
+        cr_assert_eq(settings_resolve(scene, &request, &run.settings, reason), 0, "%s", reason);
+        path_format(run.folder, "%s", folder);
+        const enum outcome outcome =
+            runs_do_one(&run, &(struct run_limits){.evaluations = cases[i].limit}, 0, reason);
+        const int within = cases[i].limit == 0 || cases[i].limit == 400;
+        cr_assert_eq(outcome, within ? FINISHED : OUT_OF_TIME, "case %d: %s", (int)i,
+                     outcome_name(outcome));
+        cr_assert_eq(run_read(&files, folder, reason), 0, "%s", reason);
+        const double reached = run_number(&files, "simulated_time");
+        cr_assert_eq(reached, cases[i].time, "case %d: reached %g s", (int)i, reached);
+        cr_assert_eq(run_number(&files, "counters.force_evaluations"), 8 * cases[i].time);
+        run_free(&files);
+        scene_free(scene);
+        folder_remove(folder);
+    }
+}
+
+/* The same frames, end and counters for any number of threads. */
+Test(children, a_limit_of_evaluations_knows_no_threads) {
+    char folder[PATH_SIZE], path[PATH_SIZE], reason[REASON_SIZE], *states[2];
+    double evaluations[2], reached[2];
+    const char *const sets[] = {"duration=0.2"};
+    struct scene *scene = scene_load("wind", sets, 1, reason);
+    cr_assert(scene, "%s", reason);
+    for (int i = 0; i < 2; i++) {
+        const struct run_request request = {.stepper = "cvode", .threads = 1 + 2 * i};
+        struct run_case run = {.scene = scene};
+        struct run_files files;
+        folder_make(folder);
+        path_format(run.folder, "%s", folder);
+        cr_assert_eq(settings_resolve(scene, &request, &run.settings, reason), 0, "%s", reason);
+        cr_assert_eq(runs_do_one(&run, &(struct run_limits){.evaluations = 50000}, 0, reason),
+                     OUT_OF_TIME);
+        cr_assert_eq(run_read(&files, folder, reason), 0, "%s", reason);
+        evaluations[i] = run_number(&files, "counters.force_evaluations");
+        reached[i] = run_number(&files, "simulated_time");
+        run_free(&files);
+        path_format(path, "%s/states.tsv", folder);
+        states[i] = file_read(path);
+        folder_remove(folder);
+    }
+    cr_assert(evaluations[0] > 50000 && evaluations[0] < 100000, "%g evaluations", evaluations[0]);
+    cr_assert_eq(evaluations[0], evaluations[1]);
+    cr_assert_eq(reached[0], reached[1]);
+    cr_assert(states[0] && states[1] && strcmp(states[0], states[1]) == 0);
+    free(states[0]);
+    free(states[1]);
+    scene_free(scene);
+}
+
+/* --- a machine without room --- */
+
 /* A process that cannot be had is no process -1: nobody else is signalled when the user ends it. */
 Test(children, a_fork_that_fails_harms_nobody) {
     static const struct bad_method calls_off = {BAD("calls-off", call_off), "interrupted", "", 0};
@@ -278,6 +575,7 @@ Test(children, a_fork_that_fails_harms_nobody) {
         cr_assert_eq(ran, -OUTPUT_FAILED, "%d: %s", ran, reason);
         cr_assert(strstr(reason, "cannot start a process"), "%s", reason);
         cr_assert_eq(runs_interrupted(), room, "the user has ended it or not");
+        cr_assert(!run_is_complete(runs[0].folder), "what was called off is no result");
         cr_assert_eq(spread_signals, 0, "%d signals to more than one process", spread_signals);
     }
     scene_free(scene);

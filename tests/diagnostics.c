@@ -672,17 +672,26 @@ Test(diagnostics, runs_and_experiments_have_their_figures) {
 /* A process that died leaves its diagnoses up to the last complete line. */
 Test(diagnostics, a_dead_run_keeps_its_complete_lines) {
     const struct run_request request = {.diagnostics = 1};
-    char folder[PATH_SIZE], path[PATH_SIZE], reason[REASON_SIZE];
+    char folder[PATH_SIZE], path[PATH_SIZE], link[PATH_SIZE], reason[REASON_SIZE];
     struct scene *scene = lab_load("swing", NULL, 0);
     struct settings settings;
     cr_assert_eq(settings_resolve(scene, &request, &settings, reason), 0, "%s", reason);
     folder_make(folder);
     file_write(folder, "states.tsv.17.part", "t\n0\n0.1\n", NULL);
     file_write(folder, "diagnostics.tsv.17.part", "t\n0\n0.", NULL);
-    cr_assert_eq(record_death(scene, &settings, folder, 17, CRASHED, "it died", 0.1, reason), 0);
+    cr_assert_eq(record_death(scene, &settings, folder, CRASHED, "it died", 0.1, reason), 0);
     path_format(path, "%s/diagnostics.tsv", folder);
     char *kept = file_read(path);
     cr_assert(kept && strcmp(kept, "t\n0\n") == 0, "kept: %s", kept ? kept : "nothing");
+    free(kept);
+
+    /* somebody has put a link there: what it leads to is not the run's */
+    file_write(folder, "precious", "t\n0", path);
+    path_format(link, "%s/states.tsv.0.part", folder);
+    cr_assert_eq(symlink(path, link), 0);
+    cr_assert_eq(record_death(scene, &settings, folder, CRASHED, "it died", 0.1, reason), 0);
+    kept = file_read(path);
+    cr_assert(kept && strcmp(kept, "t\n0") == 0, "%s", kept ? kept : "it is gone");
     free(kept);
     folder_remove(folder);
     scene_free(scene);

@@ -2,6 +2,7 @@
  * parent, which has the same program at the same addresses, looks at each. This ties the table of
  * needed operations to the compiled code, and shows what the code does besides. On processors and
  * systems other than x86-64 Linux there are no counts. */
+#include "base/owner.h"
 #include "measure.h"
 
 #include <string.h>
@@ -170,7 +171,7 @@ int trace_evaluation(struct system *system, const double *q, const double *v, do
     memcpy(&function, &system->ops->acceleration, sizeof function);
     if (WIFSTOPPED(status))
         code = follow(pid, function, system->lanes, executed);
-    kill(pid, SIGKILL);
+    signal_process(pid, SIGKILL);
     waitpid(pid, &status, 0);
     return code;
 }

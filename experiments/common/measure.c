@@ -3,6 +3,7 @@
 #include "base/files.h"
 #include "base/table.h"
 #include "curve.h"
+#include "run/record.h"
 
 #include <complex.h>
 #include <gsl/gsl_fit.h>

@@ -30,7 +30,7 @@ struct plan {
     int quick;          /* a stated subset */
     int fresh;          /* what is there already does not count */
     double share;       /* of the experiment's own budget of time, where it has one; 0: all */
-    double run_seconds; /* wall time for a run where the user sets none; 0: the program's default */
+    double run_seconds; /* CPU time for a run where the user sets none; 0: the program's default */
     struct run_limits limits;                    /* of what tabulate starts: carry_out's */
     const char *const *scenes, *const *steppers; /* chosen by the user; none: the experiment's */
     int scene_count, stepper_count;

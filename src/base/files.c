@@ -1,13 +1,18 @@
 #include "files.h"
 
 #include "build_info.h"
+#include "hash.h"
+#include "owner.h"
 
 #include <ctype.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/random.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 int path_format(char *path, const char *format, ...) {
@@ -112,36 +117,129 @@ int make_folder(const char *path, char *reason) {
     return -1;
 }
 
+/* --- files that appear whole --- */
+
+/* Temporary names: path.HOST-PID-RANDOM.part, with a hash for the host. */
+static void short_host(char host[9]) {
+    char hash[HASH_SIZE];
+    hash_bytes(owner_host(), strlen(owner_host()), hash);
+    snprintf(host, 9, "%.8s", hash);
+}
+
 static int fail(struct atomic_file *file, char *reason) {
     snprintf(reason, REASON_SIZE, "%.150s: cannot write: %s", file->path, strerror(errno));
     atomic_discard(file);
     return -1;
 }
 
+/* Whether nobody writes to a temporary file any more; `rest` is its name behind the path. `now` is
+ * the file server's time, s: other hosts cannot be asked, and get an hour; 0: no end of time. */
+static int is_leftover(const char *temporary, const char *rest, time_t now) {
+    enum { HOUR = 3600 };
+    struct owner writer = {.start = 0};
+    struct stat status;
+    char here[9], host[9];
+    short_host(here);
+    if (sscanf(rest, ".%8[0-9a-f]-%ld-", host, &writer.pid) == 2 && strcmp(host, here) == 0) {
+        snprintf(writer.host, sizeof writer.host, "%s", owner_host());
+        return owner_look(&writer) == OWNER_GONE;
+    }
+    return now > 0 && lstat(temporary, &status) == 0 && now - status.st_mtime > HOUR;
+}
+
+static void remove_leftovers(const char *path, time_t now) {
+    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+    char folder[PATH_SIZE], pattern[PATH_SIZE];
+    glob_t found;
+    path_format(folder, "%.*s", slash ? (int)(slash - path) : 1, slash ? path : ".");
+    if (strpbrk(name, "*?[\\") || path_format(pattern, "%s.*.part", name))
+        return;
+    files_like(folder, pattern, &found);
+    for (size_t i = 0; i < found.gl_pathc; i++)
+        if (is_leftover(found.gl_pathv[i], strrchr(found.gl_pathv[i], '/') + 1 + strlen(name), now))
+            unlink(found.gl_pathv[i]);
+    globfree(&found);
+}
+
+void atomic_remove_leftovers(const char *path) {
+    remove_leftovers(path, 0);
+}
+
 int atomic_open(struct atomic_file *file, const char *path, char *reason) {
+    unsigned random = 0;
+    char host[9];
+    short_host(host);
     file->stream = NULL;
+    file->temporary[0] = '\0';
     path_format(file->path, "%s", path);
-    snprintf(file->temporary, sizeof file->temporary, "%s.%ld.part", path, (long)getpid());
     struct stat status;
     if (stat(path, &status) == 0 && !S_ISREG(status.st_mode)) { /* a device would be renamed away */
         snprintf(reason, REASON_SIZE, "%.150s: cannot write: there is something, and no file",
                  path);
-        file->temporary[0] = '\0';
         return -1;
     }
-    file->stream = fopen(file->temporary, "w");
-    return file->stream ? 0 : fail(file, reason);
+    if (getrandom(&random, sizeof random, 0) < 0)
+        return fail(file, reason);
+    snprintf(file->temporary, sizeof file->temporary, "%s.%s-%ld-%08x.part", path, host,
+             (long)getpid(), random);
+    const int descriptor =
+        open(file->temporary, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+    if (descriptor < 0) {
+        file->temporary[0] = '\0'; /* what is there is not ours */
+        return fail(file, reason);
+    }
+    if (fstat(descriptor, &status) == 0)
+        remove_leftovers(path, status.st_mtime);
+    file->stream = fdopen(descriptor, "w");
+    if (file->stream)
+        return 0;
+    close(descriptor);
+    return fail(file, reason);
+}
+
+/* Puts on the disk that a name was given. A folder that may not be read keeps it as it may. */
+static void sync_folder_of(const char *path) {
+    char folder[PATH_SIZE];
+    const char *slash = strrchr(path, '/');
+    path_format(folder, "%.*s", slash ? (int)(slash - path) + 1 : 1, slash ? path : ".");
+    const int descriptor = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (descriptor >= 0) {
+        fsync(descriptor);
+        close(descriptor);
+    }
+}
+
+/* Puts a file's contents on the disk, where the file system knows such a thing. */
+static int sync_file(int descriptor) {
+    return fsync(descriptor) && errno != EINVAL ? -1 : 0;
+}
+
+static int put(const char *from, const char *to) {
+    if (rename(from, to))
+        return -1;
+    sync_folder_of(to);
+    return 0;
 }
 
 int atomic_commit(struct atomic_file *file, char *reason) {
-    const int bad = fflush(file->stream) || ferror(file->stream);
+    const int bad = fflush(file->stream) || ferror(file->stream) || sync_file(fileno(file->stream));
     if (bad)
         return fail(file, reason);
     const int unclosed = fclose(file->stream);
     file->stream = NULL;
-    if (unclosed || rename(file->temporary, file->path))
+    if (unclosed || put(file->temporary, file->path))
         return fail(file, reason);
     return 0;
+}
+
+int file_put(const char *from, const char *to) {
+    const int descriptor = open(from, O_RDONLY | O_NOFOLLOW | O_CLOEXEC);
+    if (descriptor < 0)
+        return -1;
+    const int bad = sync_file(descriptor), error = errno;
+    close(descriptor);
+    errno = error;
+    return bad ? -1 : put(from, to);
 }
 
 void atomic_discard(struct atomic_file *file) {

@@ -24,13 +24,17 @@ const char *data_folder(void);
 /* Makes a folder and its parents. Returns 0, or -1 with one line in `reason` (REASON_SIZE). */
 int make_folder(const char *path, char *reason);
 
-/* A file that is written under a temporary name in its folder and renamed when it is complete. */
+/* A file that is written under a temporary name in its folder, which nobody else can foresee or
+ * have put there, and gets its own when it is complete and on the disk: after a crash of the
+ * program or of the machine there is the whole file or none. */
 struct atomic_file {
     FILE *stream; /* to write to; errors are found by commit */
-    char path[PATH_SIZE], temporary[PATH_SIZE + 32];
+    char path[PATH_SIZE], temporary[PATH_SIZE + 64];
 };
 
-/* Opens; returns 0, or -1 with one line in `reason`. */
+/* Opens, and removes temporary files of that name whose writers are gone; those of other hosts,
+ * which cannot be asked, when they have not been written to for an hour. Returns 0, or -1 with one
+ * line in `reason`. */
 int atomic_open(struct atomic_file *file, const char *path, char *reason);
 
 /* Closes and renames; returns 0, or -1 with one line in `reason` and nothing left behind. */
@@ -38,6 +42,12 @@ int atomic_commit(struct atomic_file *file, char *reason);
 
 /* Closes and removes; harmless after commit. */
 void atomic_discard(struct atomic_file *file);
+
+/* Removes temporary files of that name whose writers were on this host and are gone. */
+void atomic_remove_leftovers(const char *path);
+
+/* Gives a complete file its name, as atomic_commit does. Returns 0, or -1 with errno. */
+int file_put(const char *from, const char *to);
 
 /* Whether a path can be read. */
 int file_exists(const char *path);

@@ -4,10 +4,18 @@
 #include <time.h>
 #include <unistd.h>
 
-double monotonic_seconds(void) {
+static double seconds_of(clockid_t clock) {
     struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
+    clock_gettime(clock, &now);
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+double monotonic_seconds(void) {
+    return seconds_of(CLOCK_MONOTONIC);
+}
+
+double cpu_seconds(void) {
+    return seconds_of(CLOCK_PROCESS_CPUTIME_ID);
 }
 
 /* The longer job that all others are parts of; none: `what` is NULL. */
@@ -29,9 +37,11 @@ struct progress progress_start(const char *what, int enabled) {
 }
 
 void progress_show(struct progress *progress, double done, const char *note) {
-    const double spent = monotonic_seconds() - (whole.what ? whole.start : progress->start);
-    if (!progress->enabled || spent < 2)
+    const double now = monotonic_seconds();
+    const double spent = now - (whole.what ? whole.start : progress->start);
+    if (!progress->enabled || spent < 2 || now - progress->last < 0.2)
         return;
+    progress->last = now;
     if (whole.what)
         done = whole.from + done * (whole.to - whole.from);
     fprintf(stderr, "\r\033[K%s: %3.0f %%", whole.what ? whole.what : progress->what, 100 * done);

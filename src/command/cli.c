@@ -49,6 +49,7 @@ int argument_positive(const struct arguments *arguments, const char *name, doubl
 int argument_limits(const struct arguments *arguments, double default_seconds,
                     double default_mebibytes, struct run_limits *limits) {
     double mebibytes;
+    *limits = (struct run_limits){.seconds = 0};
     if (argument_positive(arguments, "time-limit", default_seconds, &limits->seconds) ||
         argument_positive(arguments, "memory-limit", default_mebibytes, &mebibytes))
         return -1;

@@ -48,10 +48,11 @@ int argument_positive(const struct arguments *arguments, const char *name, doubl
                       double *value);
 
 /* The options that every command with runs takes, to be put into its table. */
-#define CLI_LIMIT_OPTIONS                                                    \
-    {"time-limit", "SECONDS", "end a run that takes longer (wall time)", 0}, \
-        {"memory-limit", "MIB", "end a run that needs more memory", 0}, {    \
-        "no-progress", NULL, "show no progress line", 0                      \
+#define CLI_LIMIT_OPTIONS                                                              \
+    {"time-limit", "SECONDS",                                                          \
+     "end a run that takes more CPU time; ten times that by the clock: no result", 0}, \
+        {"memory-limit", "MIB", "end a run that needs more memory", 0}, {              \
+        "no-progress", NULL, "show no progress line", 0                                \
     }
 int argument_limits(const struct arguments *arguments, double default_seconds,
                     double default_mebibytes, struct run_limits *limits);

@@ -4,7 +4,7 @@
 #include "base/table.h"
 #include "cli.h"
 #include "model/state.h"
-#include "run/runs.h"
+#include "run/record.h"
 #include "scene/scene_load.h"
 
 #include <errno.h>

@@ -132,7 +132,7 @@ static int read_task(struct task *task) {
 /* A scene is run with its defaults, or was: runs are kept by what they are of. Returns the exit
  * code. */
 static int run_scene(struct task *task, int i) {
-    const struct run_limits limits = {0, 0};
+    const struct run_limits limits = {.seconds = 0};
     const struct run_request request = {.threads = task->threads};
     struct run_case run;
     char reason[REASON_SIZE];

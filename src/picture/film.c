@@ -85,10 +85,10 @@ int film_write(const struct film *film, const char *folder, const char *name, in
     int code = prepare(film, drawing, reason);
     if (!code && plot_draw("film", drawing, drawing, "gif", reason))
         code = 2;
-    if (!code && (path_format(to, "%s/%s.gif", folder, name) || rename(gif, to)))
+    if (!code && (path_format(to, "%s/%s.gif", folder, name) || file_put(gif, to)))
         code = cannot_write(to, reason);
     if (!code && encode(film, drawing, movie))
-        *mp4 = path_format(to, "%s/%s.mp4", folder, name) == 0 && rename(movie, to) == 0;
+        *mp4 = path_format(to, "%s/%s.mp4", folder, name) == 0 && file_put(movie, to) == 0;
     plot_empty_folder(drawing, NULL, none);
     return code;
 }

@@ -169,7 +169,7 @@ int plot_empty_folder(const char *from, const char *to, char *reason) {
         }
         if (!to || code) {
             unlink(source);
-        } else if (path_format(target, "%s/%s", to, entry->d_name) || rename(source, target)) {
+        } else if (path_format(target, "%s/%s", to, entry->d_name) || file_put(source, target)) {
             snprintf(reason, REASON_SIZE, "%.150s: cannot write: %s", target, strerror(errno));
             code = -1;
         }

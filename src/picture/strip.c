@@ -391,7 +391,7 @@ int strip_write(const struct strip *strip, const int *frames, int count, const c
     code = write_page(strip, frames, count, drawing, reason);
     if (!code && plot_draw("pictures", drawing, drawing, format, reason))
         code = 2;
-    if (!code && rename(drawn, file)) {
+    if (!code && file_put(drawn, file)) {
         snprintf(reason, REASON_SIZE, "%.150s: cannot write: %s", file, strerror(errno));
         code = 2;
     }

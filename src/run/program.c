@@ -1,6 +1,8 @@
 #include "program.h"
 
+#include "base/owner.h"
 #include "base/progress.h"
+#include "child.h"
 
 #include <errno.h>
 #include <math.h>
@@ -32,9 +34,9 @@ static int see_to_its_end(pid_t pid, double seconds, int *out_of_time) {
     while (waitpid(pid, &status, WNOHANG) == 0) {
         const int late = monotonic_seconds() > deadline;
         if (asked && late) {
-            kill(pid, SIGKILL);
+            signal_process(pid, SIGKILL);
         } else if (!asked && (late || runs_interrupted())) {
-            kill(pid, SIGTERM);
+            signal_process(pid, SIGTERM);
             asked = 1;
             *out_of_time = late;
             deadline = monotonic_seconds() + grace;

@@ -8,6 +8,7 @@
 #include "reference_check.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -267,32 +268,35 @@ enum outcome record_run(const struct scene *scene, const struct settings *settin
 }
 
 /* Gives a table of a dead process its name, up to the last complete line. */
-static void keep_complete_lines(const char *folder, const char *name, long pid) {
-    char partial[PATH_SIZE], path[PATH_SIZE];
-    path_format(partial, "%s/%s.%ld.part", folder, name, pid);
+static void keep_complete_lines(const char *folder, const char *name) {
+    char path[PATH_SIZE], pattern[64];
+    glob_t found;
     path_format(path, "%s/%s", folder, name);
-    FILE *file = fopen(partial, "r+");
-    if (!file)
-        return;
+    snprintf(pattern, sizeof pattern, "%s.*.part", name);
+    files_like(folder, pattern, &found);
+    const char *partial = found.gl_pathc > 0 ? found.gl_pathv[0] : "";
+    const int descriptor = open(partial, O_RDWR | O_NOFOLLOW | O_CLOEXEC);
+    FILE *file = descriptor >= 0 ? fdopen(descriptor, "r+") : NULL;
     long end = 0, at = 0;
-    for (int c; (c = fgetc(file)) != EOF;) {
+    for (int c; file && (c = fgetc(file)) != EOF;) {
         at++;
         if (c == '\n')
             end = at;
     }
-    const int bad = ftruncate(fileno(file), end);
-    fclose(file);
-    if (bad || rename(partial, path))
+    if (file && (ftruncate(descriptor, end) || file_put(partial, path)))
         unlink(partial);
+    if (file)
+        fclose(file);
+    globfree(&found);
 }
 
 int record_death(const struct scene *scene, const struct settings *settings, const char *folder,
-                 long pid, enum outcome outcome, const char *why, double reached, char *reason) {
+                 enum outcome outcome, const char *why, double reached, char *reason) {
     struct run_result result = {.outcome = outcome, .time = reached};
     snprintf(result.reason, REASON_SIZE, "%s", why);
-    keep_complete_lines(folder, "states.tsv", pid);
+    keep_complete_lines(folder, "states.tsv");
     if (settings->diagnostics)
-        keep_complete_lines(folder, "diagnostics.tsv", pid);
+        keep_complete_lines(folder, "diagnostics.tsv");
     json_t *json = result_to_json(scene, settings, &result);
     const int code = write_json(json, folder, reason);
     json_decref(json);

@@ -13,10 +13,11 @@
 enum outcome record_run(const struct scene *scene, const struct settings *settings,
                         const char *folder, const struct watch *watch, char *reason);
 
-/* Writes run.json for a run whose process (`pid`) died or was ended after `reached` seconds, and
- * keeps the complete frames it had written. Returns 0, or -1 with a reason. */
+/* Writes run.json for a run whose process died or was ended after `reached` seconds, and keeps the
+ * complete frames that it had written: the folder's only temporary files are its. Returns 0, or -1
+ * with a reason. */
 int record_death(const struct scene *scene, const struct settings *settings, const char *folder,
-                 long pid, enum outcome outcome, const char *why, double reached, char *reason);
+                 enum outcome outcome, const char *why, double reached, char *reason);
 
 /* The `#` lines at the top of every table: program, scene, hash; `what` says what it is. */
 void write_provenance(FILE *stream, const char *what, const struct scene *scene);

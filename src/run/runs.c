@@ -1,321 +1,292 @@
 #include "runs.h"
 
-#include "base/files.h"
-#include "base/hash.h"
+#include "base/complain.h"
 #include "base/progress.h"
-#include "identity.h"
+#include "child.h"
+#include "host.h"
+#include "lock.h"
 
-#include <ctype.h>
-#include <errno.h>
-#include <fcntl.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/file.h>
-#include <sys/mman.h>
-#include <sys/prctl.h>
-#include <sys/resource.h>
-#include <sys/time.h>
-#include <sys/wait.h>
-#include <time.h>
-#include <unistd.h>
 
-/* After its time limit a run has this long to end by itself and keep what it has. */
-static const double grace_seconds = 1;
+enum { TRIES = 2 }; /* of a run that is killed from outside */
 
-/* An enum outcome once a signal asks the run of this process to end, else 0. */
-static volatile sig_atomic_t stop_request;
+/* A round of looking after children: their ends wake it, the user's word too. */
+static const double round_seconds = 0.1;
 
-static void on_signal(int signal) {
-    stop_request = signal == SIGALRM ? OUT_OF_TIME : INTERRUPTED;
-}
+/* What others are at is looked at again after a while, which grows to the longest. */
+static const double shortest_look = 2e-3, longest_look = 0.5;
 
-int runs_interrupted(void) {
-    return stop_request != 0;
-}
+/* What is waited for is said when that has taken so long. */
+static const double patience = 2;
 
-void runs_catch_signals(void) {
-    struct sigaction action = {.sa_handler = on_signal};
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
-    sigaction(SIGALRM, &action, NULL);
-    signal(SIGXFSZ, SIG_IGN); /* a file-size limit is an error of write, not a death */
-}
-
-void run_folder(const char *root, const struct scene *scene, const struct settings *settings,
-                char *folder) {
-    char hash[HASH_SIZE], name[sizeof scene->name];
-    run_hash(scene, settings, hash);
-    snprintf(name, sizeof name, "%s", scene->name);
-    for (char *c = name; *c; c++)
-        if (!isalnum((unsigned char)*c) && *c != '-' && *c != '_')
-            *c = '_'; /* a name is free text: no slash, no dots */
-    path_format(folder, "%s/runs/%s-%s-%s-%s", root, name, settings->method->name,
-                scene->problem->treatments[settings->treatment].name, hash);
-}
-
-int run_is_complete(const char *folder) {
-    char path[PATH_SIZE];
-    return path_format(path, "%s/run.json", folder) == 0 && file_exists(path);
-}
-
-/* --- the child --- */
-
-/* What a child tells its parent while it runs, in shared memory. */
-struct report {
-    _Atomic double reached;   /* simulated time, s */
-    char reason[REASON_SIZE]; /* of a failure to write */
+/* Says once what is being waited for. */
+struct waiting {
+    double since; /* monotonic s; 0: nothing is waited for */
+    int said;
 };
 
-void limit_memory(double bytes) {
-#ifndef __SANITIZE_ADDRESS__ /* its shadow memory alone is terabytes */
-    long pages = 0;
-    FILE *file = fopen("/proc/self/statm", "r");
-    if (!file || fscanf(file, "%ld", &pages) != 1)
-        pages = 0;
-    if (file)
-        fclose(file);
-    const double most = 1e18; /* more is no rlim_t, and no machine's */
-    const rlim_t limit = (rlim_t)fmin(most, bytes + (double)pages * (double)sysconf(_SC_PAGESIZE));
-    struct rlimit limits;
-    getrlimit(RLIMIT_AS, &limits);
-    limits.rlim_cur = limit < limits.rlim_max ? limit : limits.rlim_max;
-    setrlimit(RLIMIT_AS, &limits); /* the soft one: record_run lifts it to say that it was hit */
-#else
-    (void)bytes;
-#endif
+static void wait_for(struct waiting *waiting, struct progress *progress, const char *what) {
+    const double now = monotonic_seconds();
+    if (waiting->since == 0)
+        waiting->since = now;
+    if (waiting->said || now - waiting->since < patience)
+        return;
+    progress_end(progress);
+    complain(0, "waiting for %s", what);
+    waiting->said = 1;
 }
 
-/* A time of 0 would be none, and one beyond the century no number of the timer's. */
-static void limit_time(double seconds) {
-    const double limit = fmin(seconds, 3e9), whole = floor(limit);
-    const struct itimerval timer = {
-        .it_value = {(time_t)whole, (suseconds_t)fmax(1, 1e6 * (limit - whole))}};
-    setitimer(ITIMER_REAL, &timer, NULL);
+static void say_who(char *what, int timed, long who) {
+    char process[40] = "another process";
+    if (who > 0)
+        snprintf(process, sizeof process, "process %ld", who);
+    snprintf(what, REASON_SIZE, "%s on this host: %s runs %s", process, timed ? "timed" : "its",
+             timed ? "are alone" : "are timed, and alone");
 }
 
-/* Runs and never returns; the exit code is the outcome. */
-static void child(const struct run_case *run, const struct run_limits *limits,
-                  struct report *report) {
-    prctl(PR_SET_PDEATHSIG, SIGKILL); /* nothing goes on when the parent is killed */
-    if (limits->bytes > 0)
-        limit_memory(limits->bytes);
-    if (limits->seconds > 0)
-        limit_time(limits->seconds);
-    const struct watch watch = {.stop = &stop_request, .reached = &report->reached};
-    _exit((int)record_run(run->scene, &run->settings, run->folder, &watch, report->reason));
-}
+/* --- one run --- */
 
-/* --- the parent --- */
-
-struct running {
-    const struct run_case *run;
-    struct report *report; /* shared with the child */
-    pid_t pid;             /* 0: the slot is free */
-    double deadline;   /* monotonic s, after which the child is killed; infinite without a limit */
-    int lock;          /* file descriptor of the locked folder, or -1 */
-    int asked, killed; /* to end, by SIGTERM and by SIGKILL */
-    int resumable;     /* an interrupted run is no result, but to be done again */
-};
-
-static void remove_result(const char *folder) {
-    static const char *const files[] = {"run.json", "states.tsv", "diagnostics.tsv"};
-    char path[PATH_SIZE];
-    for (size_t i = 0; i < sizeof files / sizeof *files; i++)
-        if (path_format(path, "%s/%s", folder, files[i]) == 0)
-            unlink(path);
-}
-
-static int start(struct running *slot, const struct run_case *run, const struct run_limits *limits,
-                 int lock, char *reason) {
-    *slot = (struct running){.run = run, .lock = lock, .deadline = INFINITY};
-    slot->report =
-        mmap(NULL, sizeof *slot->report, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    if (slot->report == MAP_FAILED) {
-        snprintf(reason, REASON_SIZE, "no memory to start a run");
-        return -1;
-    }
-    if (limits->seconds > 0)
-        slot->deadline = monotonic_seconds() + limits->seconds + grace_seconds;
-    remove_result(run->folder);
-    fflush(NULL);
-    const pid_t pid = fork();
-    if (pid == 0)
-        child(run, limits, slot->report);
-    if (pid > 0) {
-        slot->pid = pid;
-        return 0;
-    }
-    snprintf(reason, REASON_SIZE, "cannot start a process: %s", strerror(errno));
-    munmap(slot->report, sizeof *slot->report);
-    return -1;
-}
-
-/* The one place that signals: a number of 0 or below would not be a process, but a group of them or
- * all that the user has. */
-static void signal_child(const struct running *slot, int signal) {
-    if (slot->pid > 0)
-        kill(slot->pid, signal);
-}
-
-/* Writes down a death in the place of the process that died. */
-static enum outcome bury(const struct running *slot, int status, char *reason) {
-    char why[REASON_SIZE];
-    if (slot->killed)
-        snprintf(why, sizeof why, "it did not answer when asked to end, and was killed");
-    else if (WIFSIGNALED(status))
-        snprintf(why, sizeof why, "its process died of signal %d (%s)", WTERMSIG(status),
-                 strsignal(WTERMSIG(status)));
-    else
-        snprintf(why, sizeof why, "its process left with code %d", WEXITSTATUS(status));
-    const enum outcome outcome = !slot->killed ? CRASHED : stop_request ? INTERRUPTED : OUT_OF_TIME;
-    const int failed = record_death(slot->run->scene, &slot->run->settings, slot->run->folder,
-                                    slot->pid, outcome, why, slot->report->reached, reason);
-    return failed ? OUTPUT_FAILED : outcome;
-}
-
-/* How the child ended. */
-static enum outcome finish(struct running *slot, int status, char *reason) {
-    enum outcome outcome = CRASHED;
-    if (WIFEXITED(status) && WEXITSTATUS(status) == OUTPUT_FAILED) {
-        outcome = OUTPUT_FAILED;
-        snprintf(reason, REASON_SIZE, "%s", slot->report->reason);
-    } else if (WIFEXITED(status) && WEXITSTATUS(status) < OUTCOME_COUNT &&
-               run_is_complete(slot->run->folder)) {
-        outcome = (enum outcome)WEXITSTATUS(status);
-    } else {
-        outcome = bury(slot, status, reason);
-    }
-    if (outcome == INTERRUPTED && slot->resumable)
-        remove_result(slot->run->folder);
-    munmap(slot->report, sizeof *slot->report);
-    if (slot->lock >= 0)
-        close(slot->lock);
-    slot->pid = 0;
-    return outcome;
-}
-
-/* Whether a running child has ended, killing it past its deadline; `*outcome` says how. */
-static int poll_child(struct running *slot, enum outcome *outcome, char *reason) {
-    int status;
-    if (waitpid(slot->pid, &status, WNOHANG) == slot->pid) {
-        *outcome = finish(slot, status, reason);
-        return 1;
-    }
-    if (stop_request && !slot->asked) {
-        slot->asked = 1;
-        signal_child(slot, SIGTERM);
-        slot->deadline = monotonic_seconds() + grace_seconds;
-    }
-    if (monotonic_seconds() > slot->deadline && !slot->killed) {
-        slot->killed = 1;
-        signal_child(slot, SIGKILL);
+/* Enters the host, as soon as nobody wants to be alone there. Returns 0, or -1 where the user ends
+ * the program first. */
+static int enter_host(struct progress *progress) {
+    struct waiting waiting = {0};
+    char what[REASON_SIZE];
+    for (long who; host_enter(0, &who);) {
+        say_who(what, 0, who);
+        wait_for(&waiting, progress, what);
+        children_wait(round_seconds);
+        if (stop_request)
+            return -1;
     }
     return 0;
 }
 
-static void nap(void) {
-    nanosleep(&(struct timespec){.tv_nsec = 500000}, NULL);
-}
-
-/* Half files of a process that was killed. */
-static void remove_leftovers(const char *folder) {
-    glob_t found;
-    files_like(folder, "*.part", &found);
-    for (size_t i = 0; i < found.gl_pathc; i++)
-        unlink(found.gl_pathv[i]);
-    globfree(&found);
-}
-
-/* The folder, made and locked for this process; -1 where another process is at it. The lock goes
- * with the process that holds it, however it ends. */
-static int lock_folder(const char *folder, char *reason) {
-    if (make_folder(folder, reason))
-        return -2;
-    const int lock = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (lock >= 0 && flock(lock, LOCK_EX | LOCK_NB) == 0) {
-        remove_leftovers(folder);
-        return lock;
+/* The run, looked after to its end. */
+static enum child_state see_through(struct child *child, struct lock *lock,
+                                    struct progress *progress, enum outcome *outcome,
+                                    char *reason) {
+    enum child_state state;
+    while ((state = child_poll(child, outcome, reason)) == CHILD_RUNS) {
+        char note[80];
+        const double reached = child_reached(child), duration = child->run->scene->duration;
+        snprintf(note, sizeof note, "t = %.4g of %.4g s", reached, duration);
+        progress_show(progress, reached / duration, note);
+        if (lock_keep(lock)) {
+            child_abandon(child);
+            snprintf(reason, REASON_SIZE, "%.150s: another host has taken the folder",
+                     child->run->folder);
+            *outcome = OUTPUT_FAILED;
+            return CHILD_ENDED;
+        }
+        children_wait(round_seconds);
     }
-    if (lock >= 0)
-        close(lock);
-    return -1;
+    return state;
+}
+
+static void say_killed(const struct run_case *run, int last, const char *why,
+                       struct progress *progress) {
+    progress_end(progress);
+    complain(0, "%.150s: %.150s; that is no result: it is %s", run->folder, why,
+             last ? "left out" : "run again");
+}
+
+static enum outcome try_twice(const struct run_case *run, const struct run_limits *limits,
+                              struct lock *lock, struct progress *progress, char *reason) {
+    for (int i = 1; !stop_request; i++) {
+        struct child child;
+        enum outcome outcome = OUTPUT_FAILED;
+        if (enter_host(progress))
+            break;
+        const enum child_state state = child_start(&child, run, limits, reason)
+                                           ? CHILD_ENDED
+                                           : see_through(&child, lock, progress, &outcome, reason);
+        host_leave();
+        if (state == CHILD_ENDED)
+            return outcome;
+        if (i == TRIES)
+            return OUTPUT_FAILED;
+        say_killed(run, 0, reason, progress);
+    }
+    return INTERRUPTED;
 }
 
 enum outcome runs_do_one(const struct run_case *run, const struct run_limits *limits,
                          int show_progress, char *reason) {
-    struct running slot;
-    enum outcome outcome;
+    struct lock lock;
+    char holder[REASON_SIZE];
+    if (make_folder(run->folder, reason))
+        return OUTPUT_FAILED;
+    const enum lock_state state = lock_take(&lock, run->folder, holder);
+    if (state != LOCK_TAKEN) {
+        if (state == LOCK_HELD)
+            snprintf(reason, REASON_SIZE, "%.150s: another run is at work there, of %.200s",
+                     run->folder, holder);
+        else
+            snprintf(reason, REASON_SIZE, "%s", holder);
+        return OUTPUT_FAILED;
+    }
     struct progress progress = progress_start(run->scene->name, show_progress);
-
-    const int lock = lock_folder(run->folder, reason);
-    if (lock == -1)
-        snprintf(reason, REASON_SIZE, "%.150s: another run is at work there", run->folder);
-    if (lock < 0)
-        return OUTPUT_FAILED;
-    if (start(&slot, run, limits, lock, reason)) {
-        close(lock);
-        return OUTPUT_FAILED;
-    }
-    for (long polls = 0; !poll_child(&slot, &outcome, reason); polls++) {
-        if (polls % 500 == 0) {
-            char note[80];
-            snprintf(note, sizeof note, "t = %.4g of %.4g s", slot.report->reached,
-                     run->scene->duration);
-            progress_show(&progress, slot.report->reached / run->scene->duration, note);
-        }
-        nap();
-    }
+    children_begin();
+    const enum outcome outcome = try_twice(run, limits, &lock, &progress, reason);
+    children_end();
     progress_end(&progress);
+    lock_release(&lock);
     return outcome;
 }
 
-struct pool {
-    const struct run_case *cases;
-    char *done; /* by case */
-    int count, done_count, ran;
-    struct running *slots;
-    int jobs, active;
-    const struct run_limits *limits;
+/* --- many runs --- */
+
+/* A case on its way: TO_DO, RUNNING, and then SETTLED: it is there, or was left out. */
+struct task {
+    const struct run_case *run;
+    enum { TO_DO, RUNNING, SETTLED } state;
+    int killed; /* how often */
 };
 
-static int is_running(const struct pool *pool, const struct run_case *run) {
+struct slot {
+    struct task *task; /* NULL: free */
+    struct child child;
+    struct lock lock;
+};
+
+struct pool {
+    struct task *tasks;
+    int count, settled, ran;
+    struct slot *slots;
+    int jobs, active;
+    int timed; /* each of its runs is alone on the host */
+    const struct run_limits *limits;
+    struct progress *progress;
+
+    double look, pause; /* when to look at what can be started, monotonic s; the time between, s */
+    struct waiting waiting;
+};
+
+static void settle(struct pool *pool, struct task *task) {
+    task->state = SETTLED;
+    pool->settled++;
+}
+
+/* Also where it was asked for more than once. */
+static void leave_out(struct pool *pool, const struct run_case *run) {
+    for (int i = 0; i < pool->count; i++)
+        if (pool->tasks[i].state == TO_DO && strcmp(pool->tasks[i].run->folder, run->folder) == 0)
+            settle(pool, &pool->tasks[i]);
+    pool->ran--;
+}
+
+static struct slot *free_slot(const struct pool *pool) {
     for (int i = 0; i < pool->jobs; i++)
-        if (pool->slots[i].pid && strcmp(pool->slots[i].run->folder, run->folder) == 0)
-            return 1;
+        if (!pool->slots[i].task)
+            return &pool->slots[i];
+    return NULL;
+}
+
+static void clear_slot(struct pool *pool, struct slot *slot) {
+    host_leave();
+    slot->task = NULL;
+    pool->active--;
+    pool->look = 0; /* there is room now */
+    pool->pause = shortest_look;
+}
+
+/* What came of starting a case: it was; its results are there; another process is at it, or another
+ * one's runs keep all of this one's from the host, with who that is in the reason; or it failed. */
+enum attempt { STARTED, THERE, OTHERS, HOST_IS_TAKEN, FAILED };
+
+/* With the lock of its folder. */
+static enum attempt start_locked(struct pool *pool, struct slot *slot, struct task *task,
+                                 char *reason) {
+    if (run_is_complete(task->run->folder)) /* since it was looked for */
+        return THERE;
+    if (child_start(&slot->child, task->run, pool->limits, reason))
+        return FAILED;
+    task->state = RUNNING;
+    slot->task = task;
+    pool->active++;
+    pool->ran += task->killed == 0;
+    return STARTED;
+}
+
+static enum attempt try_to_start(struct pool *pool, struct slot *slot, struct task *task,
+                                 char *reason) {
+    const char *folder = task->run->folder;
+    long who;
+    if (run_is_complete(folder))
+        return THERE;
+    if (host_enter(pool->timed, &who)) {
+        say_who(reason, pool->timed, who);
+        return HOST_IS_TAKEN;
+    }
+    char holder[REASON_SIZE];
+    enum attempt attempt = FAILED;
+    if (make_folder(folder, reason) == 0) {
+        const enum lock_state state = lock_take(&slot->lock, folder, holder);
+        if (state == LOCK_TAKEN)
+            attempt = start_locked(pool, slot, task, reason);
+        if (state == LOCK_TAKEN && attempt != STARTED)
+            lock_release(&slot->lock);
+        if (state == LOCK_HELD) {
+            attempt = OTHERS;
+            snprintf(reason, REASON_SIZE, "%.150s, which %.200s is at", folder, holder);
+        }
+        if (state == LOCK_FAILED)
+            snprintf(reason, REASON_SIZE, "%s", holder);
+    }
+    if (attempt != STARTED)
+        host_leave();
+    return attempt;
+}
+
+/* Starts what can be started, from the first case on. Returns 0, or -1 with a reason. */
+static int start_some(struct pool *pool, char *reason) {
+    char what[REASON_SIZE] = "";
+    struct slot *slot = free_slot(pool);
+    for (int i = 0; i < pool->count && slot; i++) {
+        struct task *task = &pool->tasks[i];
+        if (task->state != TO_DO)
+            continue;
+        const enum attempt attempt = try_to_start(pool, slot, task, reason);
+        if (attempt == FAILED)
+            return -1;
+        if (attempt == THERE)
+            settle(pool, task);
+        if (attempt == STARTED)
+            slot = free_slot(pool);
+        if (attempt == OTHERS || attempt == HOST_IS_TAKEN)
+            snprintf(what, sizeof what, "%s", reason);
+        if (attempt == HOST_IS_TAKEN)
+            break;
+    }
+    if (pool->active > 0 || pool->settled == pool->count)
+        pool->waiting.since = 0;
+    else if (what[0])
+        wait_for(&pool->waiting, pool->progress, what);
+    pool->look = monotonic_seconds() + pool->pause;
+    pool->pause = fmin(2 * pool->pause, longest_look);
     return 0;
 }
 
-/* Starts the next case that nobody is at, if a slot is free. Returns 0, or the negative of an
- * outcome with a reason. */
-static int start_next(struct pool *pool, char *reason) {
-    int free_slot = 0;
-    while (free_slot < pool->jobs && pool->slots[free_slot].pid)
-        free_slot++;
-    for (int i = 0; i < pool->count && free_slot < pool->jobs; i++) {
-        const struct run_case *run = &pool->cases[i];
-        if (pool->done[i] || is_running(pool, run))
-            continue;
-        if (!run_is_complete(run->folder)) {
-            const int lock = lock_folder(run->folder, reason);
-            if (lock == -2)
-                return -OUTPUT_FAILED;
-            if (lock == -1)
-                continue;
-            if (!run_is_complete(run->folder)) {
-                if (start(&pool->slots[free_slot], run, pool->limits, lock, reason)) {
-                    close(lock);
-                    return -OUTPUT_FAILED;
-                }
-                pool->slots[free_slot].resumable = 1;
-                pool->active++;
-                pool->ran++;
-                return 0;
-            }
-            close(lock);
-        }
-        pool->done[i] = 1;
-        pool->done_count++;
+/* A run that has ended, or was ended from outside. Returns 0, or -1 with a reason. */
+static int take_back(struct pool *pool, struct slot *slot, enum child_state state,
+                     enum outcome outcome, char *why, char *reason) {
+    struct task *task = slot->task;
+    task->state = TO_DO;
+    if (state == CHILD_KILLED && !stop_request) {
+        const int last = ++task->killed == TRIES;
+        say_killed(task->run, last, why, pool->progress);
+        if (last)
+            leave_out(pool, task->run);
+    }
+    if (state == CHILD_ENDED && outcome == INTERRUPTED)
+        run_remove(task->run->folder); /* no result here: the next call is to go on with it */
+    lock_release(&slot->lock);
+    clear_slot(pool, slot);
+    if (state == CHILD_ENDED && outcome == OUTPUT_FAILED) {
+        snprintf(reason, REASON_SIZE, "%s", why);
+        return -1;
     }
     return 0;
 }
@@ -324,38 +295,43 @@ static int start_next(struct pool *pool, char *reason) {
 static int tend(struct pool *pool, char *reason) {
     int code = 0;
     for (int i = 0; i < pool->jobs; i++) {
-        enum outcome outcome;
-        struct running *slot = &pool->slots[i];
-        if (!slot->pid || !poll_child(slot, &outcome, reason))
+        enum outcome outcome = FINISHED;
+        char why[REASON_SIZE] = "";
+        struct slot *slot = &pool->slots[i];
+        if (!slot->task)
             continue;
-        pool->active--;
-        if (outcome == OUTPUT_FAILED)
+        if (lock_keep(&slot->lock)) { /* another host is at it by now */
+            child_abandon(&slot->child);
+            slot->task->state = TO_DO;
+            clear_slot(pool, slot);
+            continue;
+        }
+        const enum child_state state = child_poll(&slot->child, &outcome, why);
+        if (state != CHILD_RUNS && take_back(pool, slot, state, outcome, why, reason))
             code = -1;
     }
     return code;
 }
 
-static int run_pool(struct pool *pool, struct progress *progress, int total_done, int total,
-                    char *reason) {
+static int run_pool(struct pool *pool, int total_done, int total, char *reason) {
     int code = 0;
-    for (long polls = 0; pool->active > 0 || (!code && pool->done_count < pool->count); polls++) {
-        if (!code && !stop_request)
-            code = start_next(pool, reason);
-        if (tend(pool, reason))
+    while (pool->active > 0 || (!code && pool->settled < pool->count)) {
+        char note[80];
+        if (!code && !stop_request && monotonic_seconds() >= pool->look && start_some(pool, reason))
             code = -OUTPUT_FAILED;
         if (stop_request && pool->active == 0 && !code) {
             snprintf(reason, REASON_SIZE, "interrupted; the same command goes on from here");
-            return -INTERRUPTED;
+            code = -INTERRUPTED;
         }
-        if (polls % 500 == 0) {
-            char note[80];
-            const int done = total_done + pool->done_count;
-            snprintf(note, sizeof note, "%d of %d runs", done, total);
-            progress_show(progress, (double)done / total, note);
-        }
-        if (pool->active > 0 || pool->done_count < pool->count)
-            nap();
+        const int done = total_done + pool->settled;
+        snprintf(note, sizeof note, "%d of %d runs", done, total);
+        progress_show(pool->progress, (double)done / total, note);
+        if (pool->active > 0 || (!code && pool->settled < pool->count))
+            children_wait(fmin(round_seconds, fmax(0, pool->look - monotonic_seconds())));
+        if (tend(pool, reason))
+            code = -OUTPUT_FAILED;
     }
+    host_leave(); /* it may have asked to be alone */
     return code;
 }
 
@@ -364,23 +340,24 @@ static int run_pool(struct pool *pool, struct progress *progress, int total_done
 static int run_kind(const struct run_case *cases, int count, int timed,
                     const struct run_limits *limits, int jobs, struct progress *progress,
                     int *total_done, char *reason) {
-    struct pool pool = {.limits = limits, .jobs = timed ? 1 : jobs};
-    struct run_case *chosen = calloc((size_t)count + 1, sizeof *chosen);
-    pool.done = calloc((size_t)count + 1, 1);
+    struct pool pool = {.timed = timed,
+                        .limits = limits,
+                        .jobs = timed ? 1 : jobs,
+                        .progress = progress,
+                        .pause = shortest_look};
+    pool.tasks = calloc((size_t)count + 1, sizeof *pool.tasks);
     pool.slots = calloc((size_t)pool.jobs, sizeof *pool.slots);
     int code = -OUT_OF_MEMORY;
-    if (chosen && pool.done && pool.slots) {
+    if (pool.tasks && pool.slots) {
         for (int i = 0; i < count; i++)
             if ((cases[i].settings.timings > 0) == timed)
-                chosen[pool.count++] = cases[i];
-        pool.cases = chosen;
-        code = run_pool(&pool, progress, *total_done, count, reason);
-        *total_done += pool.done_count;
+                pool.tasks[pool.count++].run = &cases[i];
+        code = run_pool(&pool, *total_done, count, reason);
+        *total_done += pool.settled;
     } else {
         snprintf(reason, REASON_SIZE, "out of memory");
     }
-    free(chosen);
-    free(pool.done);
+    free(pool.tasks);
     free(pool.slots);
     return code ? code : pool.ran;
 }
@@ -389,10 +366,12 @@ int runs_do_all(const struct run_case *cases, int count, const struct run_limits
                 int show_progress, char *reason) {
     struct progress progress = progress_start("runs", show_progress);
     int ran = 0, done = 0;
+    children_begin();
     for (int timed = 0; timed <= 1 && ran >= 0; timed++) {
         const int now = run_kind(cases, count, timed, limits, jobs, &progress, &done, reason);
         ran = now < 0 ? now : ran + now;
     }
+    children_end();
     progress_end(&progress);
     return ran;
 }

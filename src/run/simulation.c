@@ -11,13 +11,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 /* What a thread says of a part it has advanced. */
 struct progress_of_part {
-    double reached; /* s */
-    int code;       /* of the step that failed, or 0 */
-    int finite;     /* whether the state is */
+    double reached;     /* s */
+    int code;           /* of the step that failed, or 0 */
+    int finite;         /* whether the state is */
+    double evaluations; /* up to the last stop */
     struct profile profile;
     struct account account; /* where diagnoses are asked for */
 };
@@ -37,6 +37,7 @@ struct simulation {
     struct workers *workers;
     struct clock clock;
     double t;
+    double evaluations_left; /* at the last stop, of what the watch allows; infinite without */
 
     /* where diagnoses are asked for */
     struct diagnosis diagnosis;          /* of the last frame */
@@ -155,12 +156,29 @@ static void close_simulation(struct simulation *sim) {
     workers_free(sim->workers);
 }
 
-/* After each step of part i: tells how far the run is, and asks whether it may go on. The first
- * part speaks for all: threads that write to one place wait for each other. */
+static double evaluations_of(const struct simulation *sim, int i) {
+    return (double)sim->model->parts[i].system.counters.force_evaluations;
+}
+
+/* Before each step of part i: tells how far the run is, and asks whether it may go on. The first
+ * part speaks for all: threads that write to one place wait for each other. For the same reason a
+ * part looks at its own evaluations only. */
 static int interrupted(struct simulation *sim, int i, double t) {
     if (i == 0 && sim->watch && sim->watch->reached)
         atomic_store_explicit(sim->watch->reached, t, memory_order_relaxed);
-    return sim->watch && sim->watch->stop && *sim->watch->stop;
+    return (sim->watch && sim->watch->stop && *sim->watch->stop) ||
+           evaluations_of(sim, i) - sim->progress[i].evaluations > sim->evaluations_left;
+}
+
+/* What is left of the evaluations that all parts share. */
+static void count_evaluations(struct simulation *sim) {
+    double left =
+        sim->watch && sim->watch->evaluations > 0 ? sim->watch->evaluations : (double)INFINITY;
+    for (int i = 0; i < sim->model->part_count && left < (double)INFINITY; i++) {
+        sim->progress[i].evaluations = evaluations_of(sim, i);
+        left -= sim->progress[i].evaluations;
+    }
+    sim->evaluations_left = left;
 }
 
 /* Equal steps over the interval, the last of them ending at `to`. */
@@ -228,6 +246,18 @@ static void advance_part(void *ctx, int i) {
                    all_finite(state->v, state->system.size); /* while they are in the cache */
 }
 
+/* Whether the run may go on from where all parts have arrived. */
+static void check_limits(struct simulation *sim) {
+    const struct watch *watch = sim->watch;
+    const int stop = watch && watch->stop ? *watch->stop : 0;
+    if (sim->evaluations_left < 0)
+        end_with(sim, OUT_OF_TIME, "its limit of force evaluations was reached");
+    else if (stop)
+        end_with(sim, (enum outcome)stop,
+                 stop == OUT_OF_TIME ? "its limit of CPU time was reached"
+                                     : "stopped from outside");
+}
+
 /* The smooth advance of every part to the stop at `to`, or by one step of the only part where
  * every accepted step is a frame. Parts do not see each other: threads share them out. */
 static void advance_parts(struct simulation *sim, double to) {
@@ -242,10 +272,11 @@ static void advance_parts(struct simulation *sim, double to) {
             end_with(sim, (enum outcome)abs(part->code), sim->model->parts[i].system.reason);
         reached = fmin(reached, part->reached);
     }
-    if (going(sim) && interrupted(sim, 0, reached))
-        end_with(sim, (enum outcome) * sim->watch->stop, "stopped from outside");
     sim->t = sim->model->t = reached;
     sim->result->time = reached;
+    count_evaluations(sim);
+    if (going(sim))
+        check_limits(sim);
 }
 
 static void check_finite(struct simulation *sim) {
@@ -319,12 +350,6 @@ static void show_frame(struct simulation *sim) {
         end_with(sim, (enum outcome)code, "a frame could not be kept");
 }
 
-static double cpu_now(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 void simulate(const struct scene *scene, const struct settings *settings,
               const struct observer *observer, const struct watch *watch,
               struct run_result *result) {
@@ -339,8 +364,10 @@ void simulate(const struct scene *scene, const struct settings *settings,
     *result = (struct run_result){.outcome = FINISHED};
     open_simulation(&sim);
     if (going(&sim))
+        count_evaluations(&sim);
+    if (going(&sim))
         show_frame(&sim);
-    const double start = cpu_now();
+    const double start = cpu_seconds();
     while (going(&sim) && (sim.t < stop.t || clock_next(&sim.clock, &stop))) {
         const double begin = monotonic_seconds();
         advance_parts(&sim, stop.t);
@@ -358,6 +385,8 @@ void simulate(const struct scene *scene, const struct settings *settings,
         result->tick_seconds += ticked - advanced;
         result->frame_seconds += monotonic_seconds() - ticked;
     }
-    result->cpu_seconds = cpu_now() - start;
+    result->cpu_seconds = cpu_seconds() - start;
+    if (going(&sim) && watch && watch->cpu_seconds > 0 && cpu_seconds() > watch->cpu_seconds)
+        end_with(&sim, OUT_OF_TIME, "its limit of CPU time was reached");
     close_simulation(&sim);
 }

@@ -32,6 +32,12 @@ struct observer {
 struct watch {
     const volatile sig_atomic_t *stop; /* an enum outcome to end with, 0: go on; may be NULL */
     _Atomic double *reached;           /* simulated time, s, kept up to date; may be NULL */
+    double evaluations; /* that the run may take, by counters.force_evaluations, 0: any number. It
+                           ends at the first step beyond them of a part, and where all parts
+                           together are beyond them at a stop: at the same place with any number of
+                           threads, and out of time */
+    double cpu_seconds; /* of this process: a run that took more is out of time, however it ended;
+                           `stop` is to end it before. 0: any */
 };
 
 /* Runs; never fails otherwise than by result->outcome. `observer` may be NULL. */

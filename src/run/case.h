@@ -1,0 +1,38 @@
+/* A run to be done: what is run, where its results are, and what it may take. */
+#ifndef WISPLAB_CASE_H
+#define WISPLAB_CASE_H
+
+#include "base/files.h"
+#include "settings.h"
+
+/* What a run may take. Only counts and CPU time are the method's: they end it with a result. The
+ * clock on the wall also tells how busy the machine is; where it ends a run, there is none. */
+struct run_limits {
+    double seconds;      /* of CPU time of the run's process, all its threads together, repetitions
+                            included; 0: no limit */
+    double evaluations;  /* of the force, in wisps (counters.force_evaluations), diagnoses and
+                            repetitions not counted; 0: no limit */
+    double bytes;        /* of address space on top of the program's own; 0: no limit */
+    double wall_seconds; /* after which the watchdog ends it; 0: ten times `seconds`, and a minute
+                            at least; with both 0 there is no watchdog */
+};
+
+/* One run to be done. */
+struct run_case {
+    const struct scene *scene;
+    struct settings settings;
+    char folder[PATH_SIZE]; /* for states.tsv and run.json */
+};
+
+/* A folder for the run under `root`/runs, named by stepper, treatment and hash. */
+void run_folder(const char *root, const struct scene *scene, const struct settings *settings,
+                char *folder);
+
+/* Whether a folder holds a complete run. */
+int run_is_complete(const char *folder);
+
+/* Removes a run from its folder, and what is left of unfinished ones. The folder is locked, or
+ * nobody else's. */
+void run_remove(const char *folder);
+
+#endif
