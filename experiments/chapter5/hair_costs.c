@@ -313,7 +313,7 @@ static void state_choice(struct hair_study *study, const struct result *results,
     const char *scene = study->subject->name;
     const struct result *own = NULL;
     for (int i = 0; i < count; i++)
-        if (strcmp(results[i].method->name, "euler") == 0)
+        if (results[i].method == stepper_find(thesis_recipe.stepper))
             own = &results[i];
     const struct result *best = own ? better_than(own, results, count) : NULL;
     struct statement row = {.key = "choice",

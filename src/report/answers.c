@@ -2,13 +2,11 @@
 
 #include "base/files.h"
 #include "html.h"
+#include "integrators/configurations.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* The thesis's choice (sections 2.3.3 and 4.2.1): explicit Euler with projection at this rate. */
-static const double thesis_rate = 9000; /* Hz */
 
 static const double targets[] = {1e-2, 1e-3, 1e-4}; /* m */
 enum { TARGETS = sizeof targets / sizeof *targets, TALLIES_MAX = 64 };
@@ -107,9 +105,10 @@ static int thesis_run(const struct text_table *points) {
     int nearest = -1;
     double least = INFINITY;
     for (int i = 0; i < points->row_count; i++) {
-        const double away = fabs(log(thesis_rate * text_table_number(points, i, "setting")));
-        if (strcmp(text_table_cell(points, i, "method"), "euler") == 0 &&
-            strcmp(text_table_cell(points, i, "treatment"), "projection") == 0 && away < least) {
+        const double away = fabs(log(thesis_recipe.rate * text_table_number(points, i, "setting")));
+        if (strcmp(text_table_cell(points, i, "method"), thesis_recipe.stepper) == 0 &&
+            strcmp(text_table_cell(points, i, "treatment"), thesis_recipe.treatment) == 0 &&
+            away < least) {
             least = away;
             nearest = i;
         }
@@ -189,6 +188,8 @@ static int answer_choice(struct answer *answer, const char *scene, char *reason)
  * solution and cheaper. */
 static int answer_scenes(FILE *stream, const struct report *report, char *reason) {
     int there = 0, finished = 0, beaten = 0;
+    char rate[32];
+    snprintf(rate, sizeof rate, "%.0f Hz", thesis_recipe.rate);
     for (int i = 0; i < report->part_count; i++) {
         struct text_table table;
         const struct report_part *part = &report->parts[i];
@@ -199,7 +200,7 @@ static int answer_scenes(FILE *stream, const struct report *report, char *reason
             continue;
         if (text_table_read(&table, path, reason))
             return -1;
-        const int own = text_table_find(&table, "euler", "9000 Hz");
+        const int own = text_table_find(&table, thesis_recipe.stepper, rate);
         int better = 0;
         for (int k = 0; own >= 0 && k < table.row_count; k++)
             better |= is_finished(&table, k) &&
