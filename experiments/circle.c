@@ -4,7 +4,6 @@
 
 #include "base/files.h"
 #include "base/table.h"
-#include "captions.h"
 #include "circle_panels.h"
 #include "experiments/common/measure.h"
 #include "experiments/common/statements.h"
@@ -350,5 +349,4 @@ const struct experiment circle_experiment = {
     .full = {.seconds = 10},
     .plan = circle_plan,
     .tabulate = circle_tabulate,
-    .caption = caption_circle,
 };

@@ -5,7 +5,6 @@
  * The yardstick is how far two halves of the reference's own ensemble are from each other. */
 #include "base/files.h"
 #include "base/table.h"
-#include "captions.h"
 #include "experiments/common/measure.h"
 #include "experiments/common/statements.h"
 #include "model/model.h"
@@ -448,5 +447,4 @@ const struct experiment horizon_experiment = {
     .full = {150, 0.5},
     .plan = horizon_plan,
     .tabulate = horizon_tabulate,
-    .caption = caption_horizon,
 };

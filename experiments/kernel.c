@@ -3,7 +3,7 @@
 #include "kernel.h"
 
 #include "base/files.h"
-#include "captions.h"
+#include "experiments/common/plan.h"
 #include "model/problems.h"
 #include "run/program.h"
 #include "scene/scene_load.h"
@@ -58,5 +58,4 @@ const struct experiment kernel_experiment = {
     .full = {.seconds = 90},
     .plan = kernel_plan,
     .tabulate = kernel_tabulate,
-    .caption = caption_kernel,
 };

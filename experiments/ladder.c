@@ -6,7 +6,6 @@
  * target: from coarse to fine until one does, then between it and the last that did not, by halves.
  * The runs that are next depend on those before; refine() names them, round by round. */
 #include "base/files.h"
-#include "captions.h"
 #include "experiments/common/search.h"
 #include "experiments/common/statements.h"
 #include "model/model.h"
@@ -607,5 +606,4 @@ const struct experiment ladder_experiment = {
     .plan = ladder_plan,
     .refine = ladder_refine,
     .tabulate = ladder_tabulate,
-    .caption = caption_ladder,
 };

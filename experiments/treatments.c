@@ -3,7 +3,6 @@
  * with springs, and is exact in the limit of stiff ones; `projection` and `generalised` leave terms
  * out. Distances here are between tight solutions: no integrator has a part in them. */
 #include "base/files.h"
-#include "captions.h"
 #include "experiments/common/measure.h"
 #include "experiments/common/statements.h"
 #include "model/model.h"
@@ -438,5 +437,4 @@ const struct experiment treatments_experiment = {
     .full = {.seconds = 10},
     .plan = treatments_plan,
     .tabulate = treatments_tabulate,
-    .caption = caption_treatments,
 };

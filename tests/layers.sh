@@ -10,7 +10,8 @@ set -euo pipefail
 export LC_ALL=C
 tree=$1 objects=${2-}
 
-# From the bottom up. Folders on one line are neighbours, and do not know of each other.
+# From the bottom up. Folders on one line are neighbours, and do not know of each other. bench is
+# the second program, as command is the first.
 layers='
 src/base
 src/system
@@ -23,10 +24,10 @@ src/scene
 src/run
 src/picture
 experiments/common
-experiments/bench experiments/chapter5 experiments/needs experiments/stability experiments/work_precision
+experiments/chapter5 experiments/needs experiments/stability experiments/work_precision
 experiments
 src/report
-src/command
+src/command experiments/bench
 '
 
 # file <tab> folder that it needs <tab> why
@@ -38,11 +39,15 @@ includes() {
               print $1, $2, "includes " $2 "/" $3 }'
 }
 
-# Symbols by source file: T where it is defined, U where it is wanted.
+# Symbols by source file: T where it is defined, U where it is wanted. What was compiled of a source
+# that is no more does not count.
 symbols() {
     find "$objects" \( -path '*/wisplab-core.dir/*' -o -path '*/kernel-*.dir/*' -o \
         -path '*/wisplab.dir/*' \) -name '*.c.o' -print0 | sort -z | xargs -0 nm -A -P -g |
-        sed -E 's,^[^ ]*\.dir/([^ ]*)\.o: ([^ ]+) ([A-Z]).*,\3\t\2\t\1,; s,^[^U],T,'
+        sed -E 's,^[^ ]*\.dir/([^ ]*)\.o: ([^ ]+) ([A-Z]).*,\3\t\2\t\1,; s,^[^U],T,' |
+        awk -F'\t' -v tree="$tree" '
+            !($3 in there) { there[$3] = system("test -f \"" tree "/" $3 "\"") == 0 }
+            there[$3]'
 }
 
 calls() {

@@ -144,17 +144,19 @@ static const char circle_table[] = "# positions <exact & computed>\n"
                                    "rk4\tfree\t0.0125\t0.5\t\n"
                                    "euler\tfree\t0.75\tnan\tleft \"the\" plane\n";
 
-static const char points[] =
-    "# points\nmethod\ttreatment\tstepper\tsetting\tstatus\tfailure_time\terror\tcpu_median\tnote\n"
-    "euler\tprojection\teuler\t0.01\tdiverged\t0.2\tnan\t1e-4\ttoo stiff\n\n"
-    "euler\tprojection\teuler\t0.0001\tfinished\tnan\t0.0005\t0.008\t\n"
-    "euler\tprojection\teuler\t1e-05\tfinished\tnan\t5e-05\t0.08\t\n\n"
-    "rk4\tprojection\trk4\t0.0002\tfinished\tnan\t0.0004\t0.002\t\n"
-    "rk4\tgeneralised\trk4\t0.0002\tfinished\tnan\t0.0003\t0.005\t\n"
-    "cvode\tgeneralised\tcvode\t0.001\tfinished\tnan\t0.0008\t0.003\t\n";
-static const char references[] = "# tight\ntreatment\tbound\tstatus\ttreatment_error\tnote\n"
-                                 "projection\t1e-12\tfinished\t0.0045\t\n"
-                                 "generalised\t1e-12\tfinished\t0.0001\t\n";
+static const char points[] = "# points\nmethod\tstatus\terror\nrk4\tfinished\t0.0004\n";
+
+#define STATED "# found\nkey\tfigure\tquestion\tstatement\tverdict\tvalue\tunit\tby\ttables\n"
+static const char circle_rows[] = STATED
+    "near\torbits-30s\t-\trk4 is < 0.02 m away.\tholds\t0.0125\tm\tours\ttable\n"
+    "far\torbits-160s\t-\tEuler is not far.\tdoes not hold\t0.75\tm\tthesis\ttable orbits-30s\n"
+    "left\tradius\t-\tNobody asked for the radius.\tnot asked\t-\t-\tours\t-\n";
+static const char race_rows[] =
+    STATED "a\tswing\ttargets\tOn swing rk4 takes 2 ms.\tholds\t2\tms\tours\tswing\n"
+           "b\tswing\tchoice\tOn swing Euler is right.\tdoes not hold\t4\t1\tthesis\tswing\n"
+           "c\tswing\tfailures\tOn swing Euler fails.\tholds\t1\t1\tours\tswing\n"
+           "d\t-\ttargets\tIn all rk4 is cheapest.\tholds\t-\t-\tours\tscenes\n"
+           "e\t-\tchoice\tIn all Euler is right.\tnot reached\t-\t-\tthesis\tscenes\n";
 
 /* A part of the report whose folder is there. */
 static struct report_part *add_part(struct report *report, const char *name, char *folder) {
@@ -172,6 +174,7 @@ static void prepare(struct report *report, char *root) {
     *report = (struct report){.root = root, .quick = 1};
     add_part(report, "circle", folder);
     file_write(folder, "table.tsv", circle_table, NULL);
+    file_write(folder, "statements.tsv", circle_rows, NULL);
     file_write(folder, "orbits-30s.tsv", "# lines\nx\ty\n0\t1\n1\t0\n", NULL);
     file_write(folder, "orbits-160s.tsv", "# lines\nx\ty\n0\t1\n", NULL);
     file_write(folder, "orbits-30s.svg", picture, NULL);
@@ -179,12 +182,8 @@ static void prepare(struct report *report, char *root) {
     add_part(report, "work-precision", folder);
     file_write(folder, "scenes.tsv", "# scenes\nfile\tname\nswing\tswing\n", NULL);
     file_write(folder, "swing.tsv", points, NULL);
-    file_write(folder, "swing-reference.tsv", references, NULL);
     file_write(folder, "swing-slopes.tsv", "# slopes\nmethod\tslope\n", NULL);
-    file_write(folder, "swing-cheapest.tsv",
-               "# least\ntreatment\ttarget\tmethod\tcpu_median\n"
-               "projection\t0.01\trk4\t0.002\ngeneralised\t0.01\tcvode\t0.003\n",
-               NULL);
+    file_write(folder, "statements.tsv", race_rows, NULL);
     file_write(folder, "swing.svg", picture, NULL);
     struct report_part *part = add_part(report, "horizon", folder);
     part->included = 0;
@@ -198,11 +197,6 @@ static void make_page(const struct report *report, struct page *page) {
     path_format(path, "%s/report.html", report->root);
     page->text = file_read(path);
     cr_assert(page->text);
-}
-
-static void must_say(const struct page *page, const char *const *says) {
-    for (; *says; says++)
-        cr_assert(strstr(page->text, *says), "the page does not say: %s", *says);
 }
 
 Test(report, page_is_well_formed_and_stands_alone) {
@@ -222,21 +216,26 @@ Test(report, page_is_well_formed_and_stands_alone) {
     folder_remove(root);
 }
 
-/* The sentences are those of the prepared numbers. */
-Test(report, every_figure_has_its_sentence_and_its_data) {
-    static const char *const says[] = {
-        "After 30 s rk4 (free) is nearest to where the particle should be, 0.0125 m away",
-        "and euler (free) farthest, 0.75 m",
-        "After 160 s rk4 (free) is nearest to where the particle should be, 0.5 m away, and rk4",
-        "To 10 mm: rk4 with projection, 2 ms. No run is within 1 mm.",
-        "5 settings finished, 1 failed, 0 were refused or left out",
-        "the smallest error is euler's, 5e-05 m.",
-        "<a href=\"circle/orbits-30s.tsv\">",
-        "<a href=\"work-precision/swing-cheapest.tsv\">",
-        "positions &lt;exact &amp; computed&gt;",
-        "left &quot;the&quot; plane",
-        NULL,
-    };
+/* The part of a text from one place to another. */
+static char *part_of(const char *text, const char *from, const char *to) {
+    const char *start = strstr(text, from);
+    cr_assert(start, "no %s", from);
+    const char *end = strstr(start, to);
+    cr_assert(end, "no %s after %s", to, from);
+    return strndup(start, (size_t)(end - start));
+}
+
+#define HAS(text, from, to, ...) must_have(text, from, to, (const char *const[]){__VA_ARGS__, NULL})
+static void must_have(const char *text, const char *from, const char *to, const char *const *says) {
+    char *part = part_of(text, from, to);
+    for (; *says; says++)
+        cr_assert(strstr(part, *says), "%s: no '%s' in %s", from, *says, part);
+    free(part);
+}
+
+/* Rows stand under their figure with their verdict, and where there is no such figure at the head
+ * of the part; a figure's data are the tables of its name and those that its rows name. */
+Test(report, every_figure_has_its_statements_and_its_data) {
     struct report report;
     struct page page;
     char root[PATH_SIZE];
@@ -245,79 +244,40 @@ Test(report, every_figure_has_its_sentence_and_its_data) {
     read_page(&page);
     cr_assert_eq(page.figures, 3);
     cr_assert_eq(page.captions, 3);
-    must_say(&page, says);
+    HAS(page.text, "<figure id=\"circle-orbits-30s\">", "</figcaption>",
+        "<li><span class=\"verdict\">holds</span> rk4 is &lt; 0.02 m away.</li>",
+        "aria-label=\"rk4 is &lt; 0.02 m away.\"", "<a href=\"circle/orbits-30s.tsv\">",
+        "<a href=\"circle/table.tsv\">");
+    HAS(page.text, "<figure id=\"circle-orbits-160s\">", "</figcaption>",
+        "<span class=\"verdict fails\">thesis: does not hold</span> Euler is not far.</li>",
+        "<a href=\"circle/orbits-160s.tsv\">", "<a href=\"circle/orbits-30s.tsv\">");
+    HAS(page.text, "<section id=\"circle\"", "<figure",
+        "<span class=\"verdict\">not asked</span> Nobody asked for the radius.");
+    HAS(page.text, "<figure id=\"work-precision-swing\">", "</figcaption>",
+        "<a href=\"work-precision/swing-slopes.tsv\">", "On swing rk4 takes 2 ms.");
+    HAS(page.text, "positions &lt;", "</details>", "&lt;exact &amp; computed&gt;",
+        "left &quot;the&quot; plane");
     page_free(&page);
     folder_remove(root);
 }
 
-/* At 10 000 Hz, nearest to 9000, rk4 is as accurate for a quarter of the cost, and the treatment is
- * nine times farther from the truth than the method. For 10 mm rk4 with projection is within
- * (0.4 + 4.5 mm), for 1 mm only cvode and rk4 with generalised are, for 0.1 mm nothing. */
-Test(report, answers_follow_from_the_tables) {
-    static const char *const says[] = {
-        "swing, at 10000 Hz, the run nearest to 9000 Hz: as a method, no: it costs 4 times what",
-        "what rk4 does for an error no larger (0.5 mm, 8 ms).",
-        "As a treatment, no: projection is 4.5 mm from the exact constrained motion, 9 times",
-        "<td class=\"number\">10</td><td>rk4</td><td>projection</td>",
-        "<td class=\"number\">1</td><td>cvode</td><td>generalised</td>",
-        "<td class=\"number\">0.1</td><td>none of the runs reaches it</td>",
-        "<td>euler</td><td>projection</td><td>1 of 3</td><td>diverged</td><td>0.0001</td>",
-        "<td>too stiff</td>",
-        "<td>rk4</td><td>generalised</td><td>0 of 1</td><td>–</td>",
-        "Right as a method (for its accuracy none was clearly cheaper) on 0 of 1 scenes",
-        "as a treatment (no farther from the exact motion than the method's own error) on 0 of 1",
-        "10 mm: rk4 (1); 1 mm: cvode (1); 0.1 mm: none (1)",
-        "Failed: euler in 1 of 3 runs. Never failed: rk4, cvode.",
-        NULL,
-    };
+/* Under each question the rows that answer it, those that sum up first, and nothing else. */
+Test(report, answers_are_the_rows_of_their_question) {
     struct report report;
     struct page page;
     char root[PATH_SIZE];
     prepare(&report, root);
     make_page(&report, &page);
-    must_say(&page, says);
-    page_free(&page);
-    folder_remove(root);
-}
-
-/* Where each method fails and what each scene needs, in a sentence above the tables. */
-Test(report, limits_and_needs_are_answered_in_a_sentence) {
-    static const char *const says[] = {
-        "<p class=\"answer\">Longest stable steps on swing (projection): euler 1/8370 s, then "
-        "diverged; implicit-euler any; cvode chooses its steps. Longest stable steps on ball "
-        "(penalty): midpoint none that was tried (diverged); rk4 1/3240 s, then wrong.</p>",
-        "<p class=\"answer\">swing: 8 nodes, hinges, at 0.31 of the full model's cost. ball: no "
-        "answer.</p>",
-        NULL,
-    };
-    struct report report;
-    struct page page;
-    char root[PATH_SIZE], folder[PATH_SIZE];
-    prepare(&report, root);
-    add_part(&report, "stability", folder);
-    file_write(folder, "largest-step.tsv",
-               "# steps; nan: of what fails, none does\n"
-               "scene\ttreatment\tstepper\tstep\trate\tunstable_step\tkind\n"
-               "swing\tprojection\teuler\t0.000119\t8370\t0.00012\tdiverged\n"
-               "swing\tprojection\timplicit-euler\t0.0033\t300\tnan\tnone\n"
-               "swing\tprojection\tcvode\t0.001\t1000\tnan\tchooses its steps\n"
-               "swing\tpenalty\teuler\t0.000123\t8100\t0.00012\tdiverged\n"
-               "ball\tpenalty\tmidpoint\tnan\tnan\t0.0003\tdiverged\n"
-               "ball\tpenalty\trk4\t0.000308\t3240\t0.0003\twrong\n",
-               NULL);
-    file_write(folder, "largest-step.svg", picture, NULL);
-    add_part(&report, "needs", folder);
-    file_write(folder, "swing.svg", picture, NULL);
-    file_write(folder, "needs.tsv", "# needs\nscene\tthing\tverdict\nswing\tnodes\tneeded\n", NULL);
-    file_write(folder, "smallest.tsv",
-               "# needs; nan: the run failed\n"
-               "scene\tnodes\tenvelope\tbending law\tcompared\tcost_ratio\tnote\n"
-               "swing\t8 nodes\t-\thinges\t1\t0.3075\t\n"
-               "ball\t-\t-\t-\t1\tnan\tnone\n",
-               NULL);
-    make_page(&report, &page);
-    read_page(&page);
-    must_say(&page, says);
+    char *answers = part_of(page.text, "<section id=\"answers\">", "</section>");
+    char *targets = part_of(answers, "What would one choose today", "<h3>");
+    const char *sum = strstr(targets, "In all rk4 is cheapest."),
+               *one = strstr(targets, "On swing rk4 takes 2 ms.");
+    cr_assert(sum && one && sum < one && !strstr(targets, "Euler"), "%s", targets);
+    HAS(answers, "Was explicit Euler with projection", "<h3>", "In all Euler is right.",
+        "On swing Euler is right.", "Of the thesis's 2 claims in this answer 0 hold and 1 do not.");
+    HAS(answers, "Where does each method fail?", "<h3>", "On swing Euler fails.");
+    free(targets);
+    free(answers);
     page_free(&page);
     folder_remove(root);
 }
@@ -336,6 +296,7 @@ Test(report, what_is_missing_is_said_with_its_reason) {
     read_page(&page);
     cr_assert(strstr(page.text, "Not in this report: experiment work-precision, failed: disk "
                                 "&amp; all."));
+    cr_assert(strstr(page.text, "No experiment of this report answers it."));
     page_free(&page);
     folder_remove(root);
 }
@@ -382,8 +343,20 @@ Test(report, half_a_picture_and_none_are_failures) {
     file_write(folder, "orbits-30s.svg", "<svg width=\"1\"><g>", NULL);
     must_fail(&report, -1, (const char *const[]){"orbits-30s.svg", "not a whole picture", NULL});
     add_part(&report, "ladder", folder);
+    file_write(folder, "statements.tsv", STATED, NULL);
     report.parts[0].included = 0;
     must_fail(&report, -1, (const char *const[]){"ladder", "no figure", NULL});
+    folder_remove(root);
+}
+
+/* A picture of which nothing is stated says nothing. */
+Test(report, a_figure_without_a_statement_is_a_failure) {
+    struct report report;
+    char root[PATH_SIZE], folder[PATH_SIZE];
+    prepare(&report, root);
+    path_format(folder, "%s/circle", root);
+    file_write(folder, "error-time.svg", picture, NULL);
+    must_fail(&report, -1, (const char *const[]){"error-time.svg", "nothing is stated", NULL});
     folder_remove(root);
 }
 
@@ -453,6 +426,28 @@ Test(report, tables_that_are_none_are_refused_in_one_line) {
 
 /* --- the command --- */
 
+/* Where a part begins on the page. */
+static const char *part_at(const struct page *page, int place) {
+    char section[128];
+    for (int i = 0; experiments[i]; i++) {
+        snprintf(section, sizeof section, "<section id=\"%s\"", experiments[i]->name);
+        if (experiments[i]->place == place)
+            return strstr(page->text, section);
+    }
+    return NULL;
+}
+
+/* Every experiment has a place of its own, from 1 on, and the page has them in this order. */
+static void parts_must_be_in_place(const struct page *page) {
+    int count = 0;
+    while (experiments[count])
+        count++;
+    for (int place = 1; place <= count; place++) {
+        cr_assert(part_at(page, place), "nobody has place %d", place);
+        cr_assert(place == 1 || part_at(page, place - 1) < part_at(page, place), "place %d", place);
+    }
+}
+
 /* Runs that get no time fail, and with them what compares with their best: that is a report too. */
 Test(report, slow_failures_are_reported_as_results) {
     char folder[PATH_SIZE], path[PATH_SIZE];
@@ -470,6 +465,14 @@ Test(report, slow_failures_are_reported_as_results) {
     cr_assert(strstr(page.text, "Not in this report: failed: no reference run reached its end"));
     cr_assert(strstr(page.text, "left out of --quick"));
     cr_assert(strstr(page.text, "out of time"));
+    parts_must_be_in_place(&page);
+    for (int i = 0; experiments[i]; i++) {
+        path_format(path, "%s/%s/statements.tsv", folder, experiments[i]->name);
+        if (!file_exists(path))
+            continue;
+        *strrchr(path, '/') = '\0';
+        statements_must_be_whole(path);
+    }
     page_free(&page);
     folder_remove(folder);
 }

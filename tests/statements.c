@@ -2,10 +2,13 @@
  */
 #include "experiments/common/statements.h"
 
+#include "experiments/registry.h"
+#include "report/report.h"
 #include "support.h"
 
 #include <criterion/criterion.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 static char folder[PATH_SIZE];
@@ -98,4 +101,109 @@ Test(statements, what_failed_leaves_no_table, .init = set_up, .fini = clean_up) 
     cr_assert_eq(statements_open(&statements, folder, NULL, NULL, reason), 0, "%s", reason);
     cr_assert_eq(statements_close(&statements, 1, reason), 1);
     cr_assert_eq(count_files(folder, ""), 0);
+}
+
+/* --- one answer in one place --- */
+
+static int count_of(const char *text, const char *part) {
+    int count = 0;
+    for (const char *at = text; (at = strstr(at, part)) != NULL; at += strlen(part))
+        count++;
+    return count;
+}
+
+/* A text as a page has it. */
+static void escape(const char *text, char escaped[2048]) {
+    static const char *const letters[][2] = {
+        {"&", "&amp;"}, {"<", "&lt;"}, {">", "&gt;"}, {"\"", "&quot;"}};
+    for (*escaped = '\0'; *text; text++) {
+        const char letter[2] = {*text, '\0'};
+        const char *as = letter;
+        for (int i = 0; i < 4; i++)
+            if (strcmp(letters[i][0], letter) == 0)
+                as = letters[i][1];
+        strcat(escaped, as);
+    }
+}
+
+/* The page of one experiment's folder, and its answers alone. */
+static char *page_of(const char *name, char **answers) {
+    struct report report = {.root = folder, .quick = 1, .part_count = 1};
+    char reason[REASON_SIZE], path[PATH_SIZE];
+    report.parts[0] = (struct report_part){.experiment = experiment_find(name), .included = 1};
+    cr_assert_eq(report_write(&report, reason), 0, "%s", reason);
+    path_format(path, "%s/report.html", folder);
+    char *page = file_read(path);
+    *answers = strndup(page, (size_t)(strstr(page, "</section>") - page));
+    return page;
+}
+
+/* The lines of an experiment on the terminal are the rows of its table, one by one, and so are the
+ * items of its part of the report, and those of the answers. */
+Test(statements, slow_terminal_captions_and_report_say_the_same, .init = set_up, .fini = clean_up) {
+    static struct finished f;
+    struct text_table rows;
+    char path[PATH_SIZE], reason[REASON_SIZE], text[2048], item[4096], *answers;
+    PROGRAM(&f, NULL, "experiment", "viscosity", "--quick", "--no-progress", "--out", folder);
+    cr_assert_eq(f.code, 0, "%s", f.err);
+    path_format(path, "%s/viscosity", folder);
+    cr_assert_eq(statements_read(&rows, path, reason), 0, "%s", reason);
+    char *page = page_of("viscosity", &answers);
+    int asked = 0;
+    for (int row = 0; row < rows.row_count; row++) {
+        const char *sentence = text_table_cell(&rows, row, "statement"),
+                   *verdict = text_table_cell(&rows, row, "verdict"),
+                   *by = text_table_cell(&rows, row, "by");
+        const int answer = strcmp(text_table_cell(&rows, row, "question"), "-") != 0;
+        asked += answer;
+        snprintf(item, sizeof item, "  %-13s  %-6s  %s\n", verdict, by, sentence);
+        cr_assert_eq(count_of(f.out, item), 1, "the terminal has not once: %s", item);
+        escape(sentence, text);
+        snprintf(item, sizeof item, "%s%s</span> %s</li>",
+                 strcmp(by, "thesis") == 0 ? "thesis: " : "", verdict, text);
+        cr_assert_eq(count_of(page, item), 1 + answer, "the page has not: %s", item);
+        cr_assert_eq(count_of(answers, item), answer, "the answers have not: %s", item);
+    }
+    cr_assert_gt(asked, 0, "nothing answers a question of the report");
+    cr_assert_eq(count_of(f.out, "\n  "), rows.row_count, "the terminal says more: %s", f.out);
+    cr_assert_eq(count_of(page, "<span class=\"verdict"), rows.row_count + asked);
+    text_table_free(&rows);
+    free(page);
+    free(answers);
+}
+
+/* --- the circle's claims --- */
+
+static void circle_says(const char *key, const char *verdict, double value) {
+    struct text_table rows;
+    char path[PATH_SIZE], reason[REASON_SIZE];
+    path_format(path, "%s/circle", folder);
+    cr_assert_eq(statements_read(&rows, path, reason), 0, "%s", reason);
+    const int row = text_table_find(&rows, key, NULL);
+    cr_assert(row >= 0, "no row %s", key);
+    cr_assert_str_eq(text_table_cell(&rows, row, "verdict"), verdict, "%s", key);
+    const double is = text_table_number(&rows, row, "value");
+    cr_assert(isnan(value) ? isnan(is) : fabs(is / value - 1) < 1e-3, "%s: %g, not %g", key, is,
+              value);
+    text_table_free(&rows);
+}
+
+/* What was not asked for and what no run reached are no verdicts on the thesis; what there is has
+ * the numbers that were worked out by hand. */
+Test(statements, claims_on_the_circle_follow_its_runs, .init = set_up, .fini = clean_up) {
+    static struct finished f;
+    gnuplot_stub_quiet();
+    PROGRAM(&f, NULL, "experiment", "circle", "--quick", "--stepper", "rk4", "--stepper", "euler",
+            "--out", folder, "--no-progress");
+    cr_assert_eq(f.code, 0, "%s", f.err);
+    circle_says("explicit Euler", "holds", 20.211);
+    circle_says("Runge-Kutta 4", "holds", 0.06646);
+    circle_says("explicit Euler, fine", "holds", 0.04556);
+    circle_says("midpoint", "not asked", NAN);
+    PROGRAM(&f, NULL, "experiment", "circle", "--quick", "--fresh", "--stepper", "rk4", "--out",
+            folder, "--no-progress", "--time-limit", "0.0001");
+    cr_assert_eq(f.code, 0, "%s", f.err);
+    circle_says("Runge-Kutta 4", "not reached", NAN);
+    circle_says("explicit Euler", "not asked", NAN);
+    gnuplot_stub_remove();
 }

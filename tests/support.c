@@ -1,6 +1,6 @@
 #include "support.h"
 
-#include "experiments/common/statements.h"
+#include "experiments/registry.h"
 #include "model/circle.h"
 #include "scene/scene_load.h"
 
@@ -292,6 +292,18 @@ static void row_must_be_whole(const struct text_table *rows, int row) {
                  strcmp(text_table_cell(rows, row, "unit"), "-") == 0, "%s: a unit alone", key);
 }
 
+/* An experiment says which questions of the report its rows may answer. */
+static void question_must_be_known(const struct text_table *rows, int row, const char *name) {
+    const struct experiment *experiment = experiment_find(name);
+    const char *question = text_table_cell(rows, row, "question");
+    int known = strcmp(question, "-") == 0 || !experiment;
+    for (int q = ANSWERS_NONE + 1; q < QUESTION_COUNT; q++)
+        known |= experiment && experiment->answers & 1u << q &&
+                 strcmp(question, question_word((enum question)q)) == 0;
+    cr_assert(known, "%s: question %s is not one that %s answers",
+              text_table_cell(rows, row, "key"), question, name);
+}
+
 /* "results/circle/radius.svg" -> "radius" must be the figure of a row. */
 static void figure_must_have_row(const char *path, const struct text_table *rows) {
     const char *name = strrchr(path, '/') + 1;
@@ -310,8 +322,10 @@ void statements_must_be_whole(const char *folder) {
     char reason[REASON_SIZE];
     cr_assert_eq(statements_read(&rows, folder, reason), 0, "%s", reason);
     cr_assert_gt(rows.row_count, 0, "%s: nothing is stated", folder);
-    for (int row = 0; row < rows.row_count; row++)
+    for (int row = 0; row < rows.row_count; row++) {
         row_must_be_whole(&rows, row);
+        question_must_be_known(&rows, row, strrchr(folder, '/') + 1);
+    }
     for (int k = 0; k < 2; k++) {
         glob_t found;
         cr_assert_eq(files_like(folder, kinds[k], &found), 0);

@@ -1,5 +1,6 @@
 /* Tables, and the answer in a few lines, from the samples alone. */
 #include "base/files.h"
+#include "experiments/common/statements.h"
 #include "measure.h"
 #include "run/record.h"
 
@@ -14,6 +15,7 @@ struct tables {
     const struct scene *scene;
     const struct samples *samples;
     const char *folder;
+    struct statements *statements;
     char *reason;
 };
 
@@ -188,13 +190,22 @@ static int write_rates(const struct tables *tables) {
 /* --- goals --- */
 
 /* Goals of this experiment: a ratio and its bound. */
-static void write_goal(FILE *stream, const char *what, struct quartiles q, const char *sense,
-                       double bound) {
+static void write_goal(FILE *stream, const struct tables *tables, const char *what,
+                       struct quartiles q, const char *sense, double bound) {
     const int met = *sense == '<' ? q.median <= bound : q.median >= bound;
     fprintf(stream, "%s\t%s\t%g\t%.17g\t%.17g\t%.17g\t%s\n", what, sense, bound, q.median, q.lower,
             q.upper, met ? "met" : "not met");
-    printf("  %-58s %6.3f (%.3f to %.3f), goal %s %g: %s\n", what, q.median, q.lower, q.upper,
-           sense, bound, met ? "met" : "NOT MET");
+    const struct statement row = {.key = what,
+                                  .tables = "goals",
+                                  .verdict = isnan(q.median) ? NOT_REACHED : holds_if(met),
+                                  .value = q.median,
+                                  .unit = "1"};
+    if (isnan(q.median))
+        statements_add(tables->statements, row, "The ratio '%s' was not measured.", what);
+    else
+        statements_add(tables->statements, row,
+                       "The ratio '%s' is at %s %g: it is %.3g (%.3g to %.3g).", what,
+                       *sense == '<' ? "most" : "least", bound, q.median, q.lower, q.upper);
 }
 
 /* --- solvers --- */
@@ -416,19 +427,20 @@ static int write_threads(const struct tables *tables) {
     return atomic_commit(&file, tables->reason);
 }
 
-static void write_contact_goals(FILE *stream, const struct samples *s) {
+static void write_contact_goals(FILE *stream, const struct tables *tables) {
+    const struct samples *s = tables->samples;
     char what[80];
     for (int m = 0; m < MATS; m++) {
         for (int i = 0; i < MAT_SIZES; i++) {
             snprintf(what, sizeof what, "contact of a point over evaluation, %s, %d", mats[m].name,
                      mat_sizes[i]);
-            write_goal(stream, what,
+            write_goal(stream, tables, what,
                        ratio_quartiles(contact_series(s, &mats[m], mat_sizes[i], "tick"),
                                        contact_series(s, &mats[m], mat_sizes[i], "evaluation")),
                        "<=", 4);
         }
         snprintf(what, sizeof what, "contact of a point, 10000 wisps over 100, %s", mats[m].name);
-        write_goal(stream, what,
+        write_goal(stream, tables, what,
                    ratio_quartiles(contact_series(s, &mats[m], mat_sizes[2], "tick"),
                                    contact_series(s, &mats[m], mat_sizes[0], "tick")),
                    "<=", 1.5);
@@ -436,7 +448,7 @@ static void write_contact_goals(FILE *stream, const struct samples *s) {
     for (int i = 1; i < 3; i++) {
         snprintf(what, sizeof what, "gain of a second thread over that on registers, %s",
                  threaded[i]);
-        write_goal(stream, what, gain_over_registers(s, threaded[i]), ">=", 0.9);
+        write_goal(stream, tables, what, gain_over_registers(s, threaded[i]), ">=", 0.9);
     }
 }
 
@@ -448,18 +460,17 @@ static int write_goals(const struct tables *tables) {
         return -1;
     const struct solver_row *direct = &solver_rows[0];
     const char *bare = "skeleton skip 0 200";
-    printf("  ratios, median and quartiles over rounds:\n");
-    write_goal(file.stream, "factor + solve of 200 wisps over skeleton evaluation (4 lanes)",
-               sum_over(solver_series(s, bare, "factor", direct),
-                        solver_series(s, bare, "solve", direct),
-                        stage_series(s, bare, "evaluation", 4)),
-               "<=", 3);
+    write_goal(
+        file.stream, tables, "factor + solve of 200 wisps over skeleton evaluation (4 lanes)",
+        sum_over(solver_series(s, bare, "factor", direct), solver_series(s, bare, "solve", direct),
+                 stage_series(s, bare, "evaluation", 4)),
+        "<=", 3);
     static const char *const seams[] = {"skeleton skip 0 64", "generalised skip 4 64"};
     for (int i = 0; i < 2; i++) {
         char what[80];
         snprintf(what, sizeof what, "rk4 through the seam over rk4 by hand, %s",
                  i ? "generalised" : "skeleton");
-        write_goal(file.stream, what,
+        write_goal(file.stream, tables, what,
                    ratio_quartiles(series_find(s, "seam", seams[i], "stepper"),
                                    series_find(s, "seam", seams[i], "by hand")),
                    "<=", 1.05);
@@ -468,23 +479,103 @@ static int write_goals(const struct tables *tables) {
     for (int i = 0; i < 2; i++) {
         char what[80];
         snprintf(what, sizeof what, "a step of stock CVODE over one of ours, %s", rtol[i]);
-        write_goal(file.stream, what,
+        write_goal(file.stream, tables, what,
                    ratio_quartiles(series_find(s, "cvode", rtol[i], "stock"),
                                    series_find(s, "cvode", rtol[i], "ours")),
                    ">=", 3);
     }
-    write_contact_goals(file.stream, s);
+    write_contact_goals(file.stream, tables);
     return atomic_commit(&file, tables->reason);
+}
+
+/* --- statements --- */
+
+/* What some numbers range over; what is NaN does not count. */
+struct range {
+    double least, most;
+};
+static const struct range no_range = {INFINITY, -INFINITY};
+
+static void widen(struct range *range, double value) {
+    range->least = fmin(range->least, value);
+    range->most = fmax(range->most, value);
+}
+
+static void state_range(const struct tables *tables, const char *key, const char *figure,
+                        const struct range *range, const char *before, const char *after) {
+    const int there = range->least <= range->most;
+    struct statement row = {.key = key, .figure = figure, .tables = figure};
+    row.verdict = there ? HOLDS : NOT_REACHED;
+    if (there)
+        statements_add(tables->statements, row, "%s %.4g to %.4g %s.", before, range->least,
+                       range->most, after);
+    else
+        statements_add(tables->statements, row, "%s ... %s: it was not measured.", before, after);
+}
+
+static void state_evaluations(const struct tables *tables) {
+    struct range times = no_range, twins = no_range, needed = no_range, executed = no_range;
+    struct wisp_set sets[WISP_SETS_MAX];
+    const int count = wisp_sets(SHOWN_BATCH, sets);
+    for (int i = 0; i < count; i++) {
+        const struct evaluation e = evaluation_of(tables->samples, &sets[i]);
+        char subject[SUBJECT_SIZE];
+        wisp_set_subject(&sets[i], subject);
+        widen(&times, e.four.median);
+        widen(&twins, e.twin_over_four.median);
+        widen(&needed, needed_operations(&sets[i]).others);
+        widen(&executed, note_find(tables->samples, "executed", subject, "additions kernel 4"));
+    }
+    state_range(tables, "evaluation", "evaluation", &times,
+                "A free node's evaluation in four lanes takes", "ns");
+    state_range(tables, "twin", "evaluation", &twins, "A plain program takes",
+                "times as long as four lanes");
+    state_range(tables, "needed", "operations", &needed, "The model needs",
+                "additions and products a node");
+    state_range(tables, "executed", "operations", &executed, "Four lanes execute",
+                "additions and products a node");
+}
+
+static void state_solvers(const struct tables *tables) {
+    const struct samples *s = tables->samples;
+    struct range factors = no_range, solves = no_range;
+    const struct series *evaluation = stage_series(s, "skeleton skip 0 200", "evaluation", 4);
+    for (int samples = 0; samples <= 4; samples += 4)
+        for (int wisps = 1; wisps <= 200; wisps += 199)
+            for (int i = 0; i < SOLVER_ROWS; i++) {
+                const struct wisp_set set = {WISP_GENERALISED, BENDING_SKIP, samples, wisps};
+                char subject[SUBJECT_SIZE];
+                wisp_set_subject(&set, subject);
+                widen(&factors, sum_over(solver_series(s, subject, "factor", &solver_rows[i]), NULL,
+                                         evaluation)
+                                    .median);
+                widen(&solves, sum_over(solver_series(s, subject, "solve", &solver_rows[i]), NULL,
+                                        evaluation)
+                                   .median);
+            }
+    state_range(tables, "factor", "solvers", &factors, "Factorising takes",
+                "evaluations of the wisp's skeleton");
+    state_range(tables, "solve", "solvers", &solves, "Solving takes",
+                "evaluations of the wisp's skeleton");
 }
 
 int write_tables(const struct scene *scene, const struct samples *samples, const char *folder,
                  char *reason) {
-    const struct tables tables = {scene, samples, folder, reason};
+    struct statements statements;
+    const struct tables tables = {scene, samples, folder, &statements, reason};
     const struct series *first = series_find(samples, "rate", "rates skip 64", "division");
     printf("  %d rounds\n", first ? first->count : 0);
-    return write_rates(&tables) || write_evaluations(&tables) || write_operations(&tables) ||
-                   write_solvers(&tables) || write_steppers(&tables) || write_contacts(&tables) ||
-                   write_threads(&tables) || write_goals(&tables)
-               ? -1
-               : 0;
+    if (statements_open(&statements, folder, scene, NULL, reason))
+        return -1;
+    const int code = write_rates(&tables) || write_evaluations(&tables) ||
+                             write_operations(&tables) || write_solvers(&tables) ||
+                             write_steppers(&tables) || write_contacts(&tables) ||
+                             write_threads(&tables) || write_goals(&tables)
+                         ? -1
+                         : 0;
+    if (!code) {
+        state_evaluations(&tables);
+        state_solvers(&tables);
+    }
+    return statements_close(&statements, code, reason);
 }

@@ -1,30 +1,13 @@
 /* What variants and steppers cost, beside the thesis's times. */
 #include "base/files.h"
 #include "hair_study.h"
+#include "integrators/configurations.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* --- variants --- */
-
-/* Frames of the whole run as the thesis counts them: its seconds per frame are the total over their
- * number. */
-static double frames_of(const struct scene *scene) {
-    return floor(scene->duration * scene->frame_rate + 1e-9) + 1;
-}
-
-static struct spread per_frame(const struct cost *cost, const struct scene *scene) {
-    const double frames = cost->outcome == FINISHED
-                              ? frames_of(scene)
-                              : floor(cost->failure_time * scene->frame_rate + 1e-9) + 1;
-    return (struct spread){cost->cpu.median / frames, cost->cpu.least / frames,
-                           cost->cpu.greatest / frames};
-}
-
-struct spread hair_cpu_per_frame(const struct hair_run *run) {
-    return per_frame(&run->cost, run->timed->run.scene);
-}
 
 /* Simulated over CPU time. */
 static double real_time(const struct spread *cpu, const struct scene *scene) {
@@ -241,7 +224,7 @@ static struct result result_of(const struct attempt *attempt, const struct attem
     if (!attempt->one)
         return result;
     name_setting(result.setting, sizeof result.setting, &attempt->one->run.settings);
-    result.cpu = per_frame(&attempt->cost, attempt->one->run.scene);
+    result.cpu = hair_cost_per_frame(&attempt->cost, attempt->one->run.scene);
     if (base && base->method != attempt->method)
         result.agreement = agree(&attempt->hair, &base->hair);
     return result;

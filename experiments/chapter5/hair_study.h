@@ -72,6 +72,9 @@ enum claim_verdict hair_seen(const struct hair_study *study, int seen);
 /* CPU time per frame, s; NaN where a run has no frames. */
 struct spread hair_cpu_per_frame(const struct hair_run *run);
 
+/* The same of what any run of a scene took. */
+struct spread hair_cost_per_frame(const struct cost *cost, const struct scene *scene);
+
 /* How often a point was found in a section of another wisp, at the ticks from one frame to the next
  * in the mean. */
 double hair_contacts_per_frame(const struct hair_run *run);

@@ -1,7 +1,6 @@
 /* What do wisps do to each other when they meet? Two wisps that gravity swings into each other
  * (section 5.2 of the thesis), with each response alone, both and none. */
 #include "crossing.h"
-#include "experiments/captions.h"
 #include "hair_study.h"
 
 #include <string.h>
@@ -152,5 +151,4 @@ const struct experiment interactions_experiment = {
     .answers = 1u << ANSWERS_CHOICE,
     .plan = interactions_plan,
     .tabulate = interactions_tabulate,
-    .caption = caption_hair,
 };

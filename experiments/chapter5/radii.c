@@ -1,6 +1,5 @@
 /* What does the radius of wisps do to their motion and to its cost? Nine wisps in irregular wind
  * (section 5.1 of the thesis): wider ones hold each other back. */
-#include "experiments/captions.h"
 #include "hair_study.h"
 
 #include <math.h>
@@ -140,5 +139,4 @@ const struct experiment radii_experiment = {
     .answers = 1u << ANSWERS_CHOICE,
     .plan = radii_plan,
     .tabulate = radii_tabulate,
-    .caption = caption_hair,
 };

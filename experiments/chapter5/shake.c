@@ -1,7 +1,6 @@
 /* Does hair lag behind the head that it is on, and does it come to rest with it? A head that is
  * turned briskly left and right. */
 #include "base/vector.h"
-#include "experiments/captions.h"
 #include "hair_study.h"
 
 #include <math.h>
@@ -122,5 +121,4 @@ const struct experiment shake_experiment = {
     .answers = 1u << ANSWERS_CHOICE,
     .plan = shake_plan,
     .tabulate = shake_tabulate,
-    .caption = caption_hair,
 };

@@ -1,6 +1,5 @@
 /* Does a body keep hair outside, and does its push stretch springs? A sphere that moves through 36
  * wisps (section 5.4 of the thesis). */
-#include "experiments/captions.h"
 #include "hair_study.h"
 
 #include <math.h>
@@ -108,5 +107,4 @@ const struct experiment sphere_experiment = {
     .answers = 1u << ANSWERS_CHOICE,
     .plan = sphere_plan,
     .tabulate = sphere_tabulate,
-    .caption = caption_hair,
 };

@@ -1,6 +1,5 @@
 /* What does adaptive subdivision add to the motion, and what does it cost? Two wisps that
  * swing into each other, with and without it (section 5.5 of the thesis). */
-#include "experiments/captions.h"
 #include "hair_study.h"
 
 enum { WISPS, STRAIN };
@@ -139,5 +138,4 @@ const struct experiment subdivision_experiment = {
     .answers = 1u << ANSWERS_CHOICE,
     .plan = subdivision_plan,
     .tabulate = subdivision_tabulate,
-    .caption = caption_hair,
 };

@@ -1,6 +1,5 @@
 /* How does the viscosity of interpenetration hold wisps together? Two wisps that start in each
  * other and that gravity parts (section 5.3 of the thesis). */
-#include "experiments/captions.h"
 #include "hair_study.h"
 
 enum { OVERLAP };
@@ -160,5 +159,4 @@ const struct experiment viscosity_experiment = {
     .answers = 1u << ANSWERS_CHOICE,
     .plan = viscosity_plan,
     .tabulate = viscosity_tabulate,
-    .caption = caption_hair,
 };

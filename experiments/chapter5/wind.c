@@ -1,7 +1,6 @@
 /* Does a gust lay hair over, and does it fall back? A hundred wisps on a figure of ellipsoids, in
  * wind for a second and then in still air (section 5.6 of the thesis). */
 #include "base/vector.h"
-#include "experiments/captions.h"
 #include "hair_study.h"
 
 #include <math.h>
@@ -89,5 +88,4 @@ const struct experiment wind_experiment = {
     .answers = 1u << ANSWERS_CHOICE,
     .plan = wind_plan,
     .tabulate = wind_tabulate,
-    .caption = caption_hair,
 };

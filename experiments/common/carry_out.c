@@ -120,19 +120,13 @@ static int list_failures(const struct plan *plan) {
     return count < 0 ? -1 : 0;
 }
 
-/* Of experiments that have none yet. */
-static int has_statements(const char *folder) {
-    char path[PATH_SIZE];
-    return path_format(path, "%s/statements.tsv", folder) == 0 && file_exists(path);
-}
-
 static int tabulate_and_draw(struct plan *plan, struct manner *manner) {
     char folder[PATH_SIZE];
     const char *name = plan->experiment->name;
     if (path_format(folder, "%s/%s", plan->out, name) || make_folder(folder, plan->reason))
         return complain(2, "%s", plan->reason);
     int code = plan->experiment->tabulate(plan, folder);
-    if (!code && has_statements(folder))
+    if (!code)
         code = statements_print(folder, plan->reason);
     const int undrawn = !code && !runs_interrupted() && plot_experiment(name, folder, plan->reason);
     if (runs_interrupted()) /* so may gnuplot have been, and what is measured in tabulate */

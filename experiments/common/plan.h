@@ -49,12 +49,6 @@ struct plan {
     char reason[REASON_SIZE]; /* of a failure */
 };
 
-/* What a report says under a figure. */
-struct caption {
-    char tables[256]; /* that it is drawn from: names without .tsv, parted by blanks */
-    char text[1200];  /* a sentence or two, computed from them */
-};
-
 /* What a report allots to an experiment: the wall time that its runs, tables and figures take on
  * two cores, s, and which share of its own budget of time it gets, where it has one, which it then
  * fills; 0: all of it. */
@@ -83,13 +77,10 @@ struct experiment {
      * with plan->reason. */
     int (*refine)(struct plan *plan);
 
-    /* Writes the tables into `folder` from the run folders, and prints the answer in a few lines.
-     * Returns 0, or -1 with plan->reason, or 1 with one where the runs left nothing to tabulate. */
+    /* Writes the tables into `folder` from the run folders, among them statements.tsv: what was
+     * found, with a row at least of each figure. Returns 0, or -1 with plan->reason, or 1 with one
+     * where the runs left nothing to tabulate. */
     int (*tabulate)(struct plan *plan, const char *folder);
-
-    /* Captions folder/FIGURE.svg from the tables in `folder`. Where it is NULL, or leaves a text
-     * empty, the report counts what the tables hold. Returns 0, or -1 with a reason. */
-    int (*caption)(const char *folder, const char *figure, struct caption *caption, char *reason);
 };
 
 /* Its question as a title, with where the thesis asks it. */

@@ -9,7 +9,6 @@
 #include "needs.h"
 
 #include "base/files.h"
-#include "experiments/captions.h"
 #include "model/model.h"
 #include "model/problems.h"
 
@@ -425,5 +424,4 @@ const struct experiment needs_experiment = {
     .plan = needs_plan,
     .refine = needs_refine,
     .tabulate = needs_tabulate,
-    .caption = caption_needs,
 };

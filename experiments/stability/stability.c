@@ -4,8 +4,6 @@
  * own, since stable is not accurate. */
 #include "stability.h"
 
-#include "experiments/captions.h"
-
 static int stability_tabulate(struct plan *plan, const char *folder) {
     struct statements statements;
     if (statements_open(&statements, folder, NULL,
@@ -28,5 +26,4 @@ const struct experiment stability_experiment = {
     .plan = limits_plan,
     .refine = limits_refine,
     .tabulate = stability_tabulate,
-    .caption = caption_stability,
 };

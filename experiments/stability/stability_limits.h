@@ -60,10 +60,10 @@ int limits_is_cut(const struct plan *plan, const struct cell *cell);
 void limits_state_trial(struct statements *statements, const struct cell *cell,
                         const struct trial *trial, enum question answers);
 
-/* --- stability_trial.c --- */
+/* --- cell.c --- */
 
-/* The rtol of adaptive methods, which choose their steps and are only timed. */
-#define LIMITS_TOLERANCE 1e-3
+/* Places of a cell to the octave of steps. */
+enum { LIMITS_STRIDE = 24 };
 
 /* The step of a place in a cell, s; NaN of a place below 0. */
 double limits_step(const struct cell *cell, int place);
@@ -80,6 +80,11 @@ double limits_tolerated(const struct trial *trial, double step);
 
 /* The time of the first frame of which a node is more than `bound` off, s; NaN: none is. */
 double limits_first_wrong(const struct table *run, const struct table *tight, double bound);
+
+/* --- stability_trial.c --- */
+
+/* The rtol of adaptive methods, which choose their steps and are only timed. */
+#define LIMITS_TOLERANCE 1e-3
 
 /* Adds the trial of a method to a cell whose modes are these, or NULL, and its first run to
  * the plan. A method that refuses the scene is done, and the note says why. 0, or -1 with

@@ -11,55 +11,13 @@
 
 #include <math.h>
 
-static const double beyond_order = 10;  /* an error is wrong beyond this times what order says */
-static const double never_wrong = 1e-4; /* m: an error below it is not */
-static const double longest_run = 6;    /* CPU s, roughly */
-
-enum { STRIDE = 24 };
-
-double limits_step(const struct cell *cell, int place) {
-    return place < 0 ? NAN : place_step(1 / stop_rate(cell->scene), STRIDE, place);
-}
-
-int limits_place(const struct cell *cell, double step) {
-    return step_place(1 / stop_rate(cell->scene), STRIDE, step);
-}
+static const double longest_run = 6; /* CPU s, roughly */
 
 static int resolution(const struct plan *plan) {
     return plan->quick ? 4 : 1; /* 12 %, 3 % */
 }
 
-double limits_tolerated(const struct trial *trial, double step) {
-    const int order = trial->contestant->method->order;
-    const double by_order = trial->anchor_error * pow(step / trial->anchor_step, order);
-    return fmax(never_wrong, beyond_order * by_order);
-}
-
-double limits_first_wrong(const struct table *run, const struct table *tight, double bound) {
-    enum { X = 3 };
-    for (int i = 0; i < run->row_count && i < tight->row_count; i++) {
-        double square = 0;
-        for (int k = X; k < X + 3; k++)
-            square += pow(table_value(run, i, k) - table_value(tight, i, k), 2);
-        if (!(sqrt(square) <= bound))
-            return table_value(run, i, 0);
-    }
-    return NAN;
-}
-
 /* --- its runs --- */
-
-const char *limits_treatment(const struct cell *cell) {
-    return wisp_problem.treatments[cell->treatment].name;
-}
-
-struct run_request limits_request(const struct cell *cell, const struct configuration *contestant,
-                                  double step) {
-    struct run_request request =
-        contestant_request(contestant, step, cell->scene->run.atol / cell->scene->run.rtol);
-    request.treatment = limits_treatment(cell);
-    return request;
-}
 
 static int add_run(struct plan *plan, const struct cell *cell, struct trial *trial, double step,
                    int timings) {
@@ -143,14 +101,14 @@ static int take_anchor(struct plan *plan, const struct cell *cell, struct trial 
                        const struct verdict *verdict) {
     if (verdict->outcome != FINISHED) {
         trial->missed = *verdict;
-        bracket_take(&trial->place, 0, STRIDE, 1);
+        bracket_take(&trial->place, 0, LIMITS_STRIDE, 1);
         return try_place(plan, cell, trial);
     }
     const int anchor = trial->place.at;
     trial->anchor_step = limits_step(cell, anchor);
     trial->anchor_error = trial->error = verdict->error;
     trial->phase = SEARCHING;
-    if (!bracket_take(&trial->place, 1, STRIDE, resolution(plan)))
+    if (!bracket_take(&trial->place, 1, LIMITS_STRIDE, resolution(plan)))
         return end_trial(plan, cell, trial);
     if (trial->place.missed < 0)
         trial->place.at = first_try(cell, trial) < anchor ? first_try(cell, trial) : anchor - 1;
@@ -180,7 +138,7 @@ static int take_place(struct plan *plan, const struct cell *cell, struct trial *
         trial->missed = *verdict;
     if (!stable && verdict->outcome == FINISHED && time_wrong(plan, trial, step, tight))
         return -1;
-    return bracket_take(&trial->place, stable, STRIDE, resolution(plan))
+    return bracket_take(&trial->place, stable, LIMITS_STRIDE, resolution(plan))
                ? try_place(plan, cell, trial)
                : end_trial(plan, cell, trial);
 }

@@ -10,6 +10,7 @@
 
 #include "base/files.h"
 #include "experiments/common/measure.h"
+#include "experiments/common/statements.h"
 
 enum { RUNGS_MAX = 48, TOLERANCES = 11, JITTERS = 9 };
 
@@ -82,6 +83,23 @@ struct race_notes {
     struct field fields[];
 };
 
+/* The errors of the report's question, m. */
+enum { RACE_TARGETS = 3 };
+extern const double race_targets[RACE_TARGETS];
+
+/* On how many scenes a claim holds. */
+struct race_tally {
+    int holds, of;
+};
+
+/* What the statements on single scenes add up to. */
+struct race_answers {
+    unsigned asked;        /* the experiment's `answers` */
+    int subjects;          /* scenes stated so far */
+    const char **cheapest; /* of each scene and target: a contestant's name; NULL: none */
+    struct race_tally method, treatment; /* the thesis's choice, as either */
+};
+
 /* The stages of struct experiment. */
 int race_plan(struct plan *plan, const struct race *race);
 int race_refine(struct plan *plan);
@@ -104,6 +122,24 @@ const char *race_treatment(int treatment);
 
 /* Reads a field's runs into its points. 0, or -1 with plan->reason. */
 int race_read(struct plan *plan, struct field *field);
+
+/* The cheapest run within the target, m, of another contestant than `besides`; or NULL. */
+const struct point *race_cheapest(const struct field *field, double target,
+                                  const struct configuration *besides);
+
+/* --- race_statements.c --- */
+
+/* States that a field, just read, has no reference, or is not compared to the end. */
+void race_state_reference(struct statements *statements, const struct field *field);
+
+/* States what the fields of one scene show, with their points, and adds it to the answers. */
+void race_state_subject(struct statements *statements, const struct field *fields, int field_count,
+                        struct race_answers *answers);
+
+/* States what is true over all scenes. */
+void race_state_all(struct statements *statements, const struct race_answers *answers);
+
+/* --- race_points.c --- */
 
 /* The error of a point at most: an adaptive one counts with the worst of its runs, and a limited
  * one is known to within the reference's bound, m. */

@@ -115,9 +115,6 @@ static int plan_scenes(struct plan *plan, struct race_notes *notes) {
                                    "envelope.penalty_ratio=" EXACT_RATIO ".0");
         if (!scene || (scene->wisps[0].samples > 0 && !exact))
             return -1;
-        if (scene->duration < subject->scene->duration)
-            printf("  %s: only its first %.3g s, for the budget of %g s\n", subject->name,
-                   scene->duration, budget(plan, notes->race));
         for (int t = 0; wisp_problem.treatments[t].name; t++) {
             struct field *field = &notes->fields[notes->field_count];
             if (!wants_treatment(notes->race, scene, t))

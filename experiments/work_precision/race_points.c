@@ -187,7 +187,7 @@ static int read_entry(struct plan *plan, struct field *field, const struct entry
     return 0;
 }
 
-/* A reference that failed is said in one line; its runs keep their rows, without errors. */
+/* Where a reference failed its runs keep their rows, without errors. */
 static int read_reference(struct plan *plan, struct field *field) {
     char group[128];
     race_group(group, field);
@@ -195,11 +195,6 @@ static int read_reference(struct plan *plan, struct field *field) {
         return -1;
     field->has_reference = field->reference.outcome == FINISHED;
     field->bound = run_number(&field->reference, "second_opinion.bound");
-    if (!field->has_reference)
-        printf("  %s: no reference (%s at t = %g s), hence no errors; try --fresh with a longer "
-               "--time-limit\n",
-               group, outcome_name(field->reference.outcome),
-               run_number(&field->reference, "simulated_time"));
     return 0;
 }
 

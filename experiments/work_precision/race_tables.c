@@ -4,6 +4,9 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
+
+const double race_targets[RACE_TARGETS] = {1e-2, 1e-3, 1e-4};
 
 static const double targets[] = {1e-2, 1e-3, 1e-4, 1e-5}; /* m: errors that someone may want */
 enum { TARGETS = sizeof targets / sizeof *targets };
@@ -132,9 +135,8 @@ static void write_front(FILE *stream, const struct field *field) {
     }
 }
 
-/* The cheapest run within the target, of another contestant than `besides`; or NULL. */
-static const struct point *cheapest(const struct field *field, double target,
-                                    const struct configuration *besides) {
+const struct point *race_cheapest(const struct field *field, double target,
+                                  const struct configuration *besides) {
     const struct point *best = NULL;
     for (int i = 0; i < field->point_count; i++) {
         const struct point *p = &field->points[i];
@@ -147,8 +149,8 @@ static const struct point *cheapest(const struct field *field, double target,
 }
 
 static void write_cheapest(FILE *stream, const struct field *field, double target) {
-    const struct point *p = cheapest(field, target, NULL);
-    const struct point *next = p ? cheapest(field, target, p->entry->contestant) : NULL;
+    const struct point *p = race_cheapest(field, target, NULL);
+    const struct point *next = p ? race_cheapest(field, target, p->entry->contestant) : NULL;
     fprintf(stream, "%s\t%g\t%s\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%s\t%.17g\t%.17g\t%s\n",
             race_treatment(field->treatment), target, p ? p->entry->contestant->name : "none",
             p ? p->setting : NAN, p ? p->deviation.rms : NAN, p ? p->cost.cpu.median : NAN,
@@ -158,17 +160,6 @@ static void write_cheapest(FILE *stream, const struct field *field, double targe
             next ? ""
             : p  ? "no other method is within the target"
                  : "no run is within the target");
-    printf("  %-15.15s %-12s %7g", field->subject->name, race_treatment(field->treatment),
-           1e3 * target);
-    if (!p) {
-        printf("   none\n");
-        return;
-    }
-    printf("   %-29s %4s %-10.3g %8.2f   ", p->entry->contestant->name,
-           contestant_is_adaptive(p->entry->contestant) ? "rtol" : "h", p->setting,
-           1e3 * p->cost.cpu.median);
-    printf(next ? "%s %.2f\n" : "\n", next ? next->entry->contestant->name : "",
-           next ? 1e3 * next->cost.cpu.median : 0);
 }
 
 /* Why a number of the reference's row is not there; empty where all are. */
@@ -223,26 +214,50 @@ static int close_tables(struct atomic_file *files, int code, char *reason) {
     return code;
 }
 
-/* The fields of a subject follow each other. Returns the number of those that have a reference, or
- * -1. */
-static int tabulate_subject(struct plan *plan, const struct subject *subject, const char *folder,
-                            struct point *points) {
+/* The fields of a subject follow each other; each keeps its points until all are stated. */
+enum { FIELDS_MAX = 3 };
+
+/* Tables and statements. */
+struct output {
+    const char *folder;
+    FILE *list; /* the figures' */
+    struct statements statements;
+    struct race_answers answers;
+    struct point *points; /* of FIELDS_MAX fields, `most` each */
+    int most;
+};
+
+static int write_one(struct plan *plan, struct field *field, const struct atomic_file *files,
+                     struct output *output) {
+    const int code = race_read(plan, field);
+    if (!code) {
+        write_field(files, field);
+        race_state_reference(&output->statements, field);
+    }
+    run_free(&field->reference);
+    return code;
+}
+
+/* Returns the number of the subject's fields that have a reference, or -1. */
+static int tabulate_subject(struct plan *plan, const struct subject *subject,
+                            struct output *output) {
     struct race_notes *notes = plan->memo;
     struct atomic_file files[TABLES];
-    int code = open_tables(files, subject, folder, plan->reason), there = 0;
+    int code = open_tables(files, subject, output->folder, plan->reason);
+    int first = 0, count = 0, there = 0;
     if (code)
         return -1;
-    for (int f = 0; f < notes->field_count && !code; f++) {
-        struct field *field = &notes->fields[f];
-        if (field->subject != subject)
-            continue;
-        field->points = points;
-        code = race_read(plan, field);
-        if (!code)
-            write_field(files, field);
-        there += field->has_reference;
-        run_free(&field->reference);
+    while (first < notes->field_count && notes->fields[first].subject != subject)
+        first++;
+    struct field *fields = notes->fields + first;
+    for (; first + count < notes->field_count && fields[count].subject == subject && !code;
+         count++) {
+        fields[count].points = output->points + count * output->most;
+        code = write_one(plan, &fields[count], files, output);
+        there += fields[count].has_reference;
     }
+    if (!code && there > 0)
+        race_state_subject(&output->statements, fields, count, &output->answers);
     return close_tables(files, code, plan->reason) ? -1 : there;
 }
 
@@ -253,43 +268,20 @@ static double longest_wisp(const struct scene *scene) {
     return length;
 }
 
-/* Says once for each scene what part of it is compared, and what the budget left out. */
-static void say_cuts(const struct race_notes *notes, const struct subject *subject) {
-    int shortened = 0, thinned = 0;
-    for (int f = 0; f < notes->field_count; f++) {
-        const struct field *field = &notes->fields[f];
-        if (field->subject != subject)
-            continue;
-        if (field->scene->duration < field->whole->duration)
-            printf("  %s, %s: compared up to the separation horizon, %.3g s\n", subject->name,
-                   race_treatment(field->treatment), field->scene->duration);
-        for (int i = 0; i < field->entry_count; i++) {
-            shortened += field->entries[i].shortened;
-            thinned += field->entries[i].thinned;
-        }
-    }
-    if (shortened || thinned)
-        printf("  %s: the budget cut %d ladders short and jittered runs of %d; the table's rows "
-               "'left out' say which\n",
-               subject->name, shortened, thinned);
-}
-
 /* The figures' list: scenes with at least one reference. */
-static int tabulate_all(struct plan *plan, const char *folder, FILE *list, struct point *points) {
+static int tabulate_all(struct plan *plan, struct output *output) {
     int drawn = 0;
-    printf("  %-15s %-12s %7s   %-29s %4s %-10s %8s   %s\n", "scene", "treatment", "mm",
-           "cheapest method", "", "setting", "CPU ms", "next, CPU ms");
     for (int i = 0; i < plan->subject_count; i++) {
         const struct subject *subject = &plan->subjects[i];
-        const int there = tabulate_subject(plan, subject, folder, points);
+        const int there = tabulate_subject(plan, subject, output);
         if (there < 0)
             return -1;
-        say_cuts(plan->memo, subject);
         drawn += there > 0;
         if (there > 0)
-            fprintf(list, "%s\t%s\t%d\t%.17g\n", subject->name, subject->scene->name,
+            fprintf(output->list, "%s\t%s\t%d\t%.17g\n", subject->name, subject->scene->name,
                     subject->scene->wisps[0].samples, longest_wisp(subject->scene));
     }
+    race_state_all(&output->statements, &output->answers);
     if (drawn > 0)
         return 0;
     snprintf(plan->reason, REASON_SIZE,
@@ -297,22 +289,43 @@ static int tabulate_all(struct plan *plan, const char *folder, FILE *list, struc
     return 1;
 }
 
-int race_tabulate(struct plan *plan, const char *folder) {
+static int write_all(struct plan *plan, struct output *output) {
+    static const char drawn[] =
+        "scenes drawn; --quick: every third step or tolerance, three jittered runs, and of the "
+        "shipped scenes only some";
+    const char *cut = plan->quick ? strstr(drawn, "--quick") : NULL;
     struct atomic_file list;
-    if (open_table(&list, folder, "scenes",
-                   plan->quick ? "scenes drawn; --quick: every third step or tolerance, three "
-                                 "jittered runs, and of the shipped scenes only some"
-                               : "scenes drawn",
-                   NULL, "file\tname\tsamples\tlength", plan->reason))
+    if (open_table(&list, output->folder, "scenes", plan->quick ? drawn : "scenes drawn", NULL,
+                   "file\tname\tsamples\tlength", plan->reason))
         return -1;
-    struct point *points =
-        calloc((size_t)plan->configuration_count * (RUNGS_MAX + 1) + 1, sizeof *points);
-    if (!points)
-        snprintf(plan->reason, REASON_SIZE, "out of memory");
-    const int code = points ? tabulate_all(plan, folder, list.stream, points) : -1;
-    free(points);
+    if (statements_open(&output->statements, output->folder, NULL, cut, plan->reason)) {
+        atomic_discard(&list);
+        return -1;
+    }
+    output->list = list.stream;
+    const int code =
+        statements_close(&output->statements, tabulate_all(plan, output), plan->reason);
     if (!code)
         return atomic_commit(&list, plan->reason);
     atomic_discard(&list);
+    return code;
+}
+
+int race_tabulate(struct plan *plan, const char *folder) {
+    const int most = plan->configuration_count * (RUNGS_MAX + 1) + 1;
+    struct output output = {
+        .folder = folder,
+        .answers = {.asked = plan->experiment->answers,
+                    .cheapest = calloc((size_t)plan->subject_count * RACE_TARGETS + 1,
+                                       sizeof *output.answers.cheapest)},
+        .points = calloc((size_t)(FIELDS_MAX * most), sizeof *output.points),
+        .most = most};
+    int code = -1;
+    if (output.answers.cheapest && output.points)
+        code = write_all(plan, &output);
+    else
+        snprintf(plan->reason, REASON_SIZE, "out of memory");
+    free(output.answers.cheapest);
+    free(output.points);
     return code;
 }

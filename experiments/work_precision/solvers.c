@@ -1,6 +1,5 @@
 /* What do an implicit method's settings cost, and what do they buy? The same chart as in
  * work-precision, of solvers, Jacobians, orders and iterations. */
-#include "experiments/captions.h"
 #include "race.h"
 
 static const char *const scenes[] = {"swing", "swing-envelope", "interactions", NULL};
@@ -30,5 +29,4 @@ const struct experiment solvers_experiment = {
     .plan = plan,
     .refine = race_refine,
     .tabulate = race_tabulate,
-    .caption = caption_race,
 };

@@ -1,7 +1,6 @@
 /* What does accuracy cost? Every stepper on scenes of wisps, from steps that are too long for it to
  * steps that are shorter than anyone needs: integration error, against the tight solution of the
  * same treatment, over CPU time and force evaluations. */
-#include "experiments/captions.h"
 #include "race.h"
 
 static const char *const scenes[] = {"swing",        "swing-envelope", "radii",
@@ -31,5 +30,4 @@ const struct experiment work_precision_experiment = {
     .plan = plan,
     .refine = race_refine,
     .tabulate = race_tabulate,
-    .caption = caption_race,
 };

@@ -85,6 +85,18 @@ void html_table(FILE *stream, const struct text_table *table, const char *const 
                 rows, table->row_count);
 }
 
+/* --- statements --- */
+
+void html_statement(FILE *stream, const struct text_table *rows, int row) {
+    const char *verdict = text_table_cell(rows, row, "verdict");
+    const int fails = strcmp(verdict, "does not hold") == 0,
+              thesis = strcmp(text_table_cell(rows, row, "by"), "thesis") == 0;
+    fprintf(stream, "<li><span class=\"verdict%s\">%s%s</span> ", fails ? " fails" : "",
+            thesis ? "thesis: " : "", verdict);
+    html_text(stream, text_table_cell(rows, row, "statement"));
+    fputs("</li>\n", stream);
+}
+
 /* --- pictures --- */
 
 /* After any of these comes an id. */

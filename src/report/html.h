@@ -19,6 +19,9 @@ void html_print(FILE *stream, const char *format, ...) __attribute__((format(pri
  * many there are. `columns` are those to be shown, in their order, NULL-terminated; NULL: all. */
 void html_table(FILE *stream, const struct text_table *table, const char *const *columns);
 
+/* A row of an experiment's statements as an item of a list: verdict, whose it is, sentence. */
+void html_statement(FILE *stream, const struct text_table *rows, int row);
+
 /* The picture of an .svg file, part of the page: its ids, and what refers to them, begin with
  * `prefix`, so that no two pictures share one; `label` is what it shows, for who cannot see it.
  * Returns 0, or -1 with one line in `reason`. */

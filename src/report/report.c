@@ -28,7 +28,10 @@ static const char style[] =
     "th{background:#f3f3f3}.number{text-align:right;white-space:nowrap}.none{text-align:center}\n"
     ".small,.about{font-size:.85rem;color:#333;overflow-wrap:anywhere}\n"
     "@media screen{td:last-child:not(.number):not(.none){min-width:14rem}}\n"
-    "summary{cursor:pointer;padding:.3rem 0}.answer{font-weight:bold}\n"
+    "summary{cursor:pointer;padding:.3rem 0}ul{margin:.3rem 0;padding-left:1.2rem}"
+    "li{margin:.15rem 0}.verdict{font-size:.8rem;border:1px solid "
+    "#767676;border-radius:.3rem;padding:0 .3rem;"
+    "white-space:nowrap}.fails{background:#fbe3d6}\n"
     "@media print{body{max-width:none;font-size:10pt;padding:0}.there>h2{break-before:page}"
     "h2,h3,summary{break-after:avoid}figure>.wide,tr{break-inside:avoid}thead{display:table-header-"
     "group}"
@@ -111,90 +114,117 @@ static int write_other_tables(FILE *stream, const struct report *report,
     return code;
 }
 
-/* --- figures --- */
+/* --- statements --- */
 
-/* What can be said of any table: how many rows, and what became of the runs in them. */
-static void count_rows(const struct report *report, const struct report_part *part,
-                       struct caption *caption) {
-    char path[PATH_SIZE], reason[REASON_SIZE], first[128];
-    struct text_table table;
-    snprintf(first, sizeof first, "%.*s", (int)strcspn(caption->tables, " "), caption->tables);
-    if (!*first || path_format(path, "%s/%s/%s.tsv", report->root, part->experiment->name, first) ||
-        text_table_read(&table, path, reason))
-        return;
-    int finished = 0;
-    for (int i = 0; i < table.row_count; i++)
-        finished += strcmp(text_table_cell(&table, i, "status"), "finished") == 0;
-    if (text_table_column(&table, "status") >= 0)
-        snprintf(caption->text, sizeof caption->text, "%d of the %d rows of its table finished.",
-                 finished, table.row_count);
-    else
-        snprintf(caption->text, sizeof caption->text, "Its table has %d rows of %d columns.",
-                 table.row_count, table.column_count);
-    text_table_free(&table);
+static int is_of_figure(const struct text_table *rows, int row, const char *figure) {
+    return strcmp(text_table_cell(rows, row, "figure"), figure) == 0;
 }
 
-/* The tables whose name is the figure's, or begins with it and a dash; else all of the part. */
-static int guess_tables(const struct report *report, const struct report_part *part,
-                        const char *figure, char tables[256]) {
+/* The sentences of a figure as one text, for who cannot see it. */
+static void join_sentences(const struct text_table *rows, const char *figure, char label[2048]) {
+    label[0] = '\0';
+    for (int row = 0; row < rows->row_count; row++) {
+        const size_t used = strlen(label);
+        if (is_of_figure(rows, row, figure))
+            snprintf(label + used, 2048 - used, "%s%s", used ? " " : "",
+                     text_table_cell(rows, row, "statement"));
+    }
+}
+
+static int has_figure(const struct report *report, const struct report_part *part,
+                      const char *figure) {
+    static const char *const kinds[] = {"svg", "png"};
+    char path[PATH_SIZE];
+    for (int k = 0; k < 2; k++)
+        if (path_format(path, "%s/%s/%s.%s", report->root, part->experiment->name, figure,
+                        kinds[k]) == 0 &&
+            is_of_report(part, path))
+            return 1;
+    return 0;
+}
+
+/* The rows of a figure, or where it is NULL those whose figure is not on the page. Returns how
+ * many there are. */
+static int write_statements(FILE *stream, const struct report *report,
+                            const struct report_part *part, const struct text_table *rows,
+                            const char *figure) {
+    int count = 0;
+    for (int row = 0; row < rows->row_count; row++) {
+        if (figure ? !is_of_figure(rows, row, figure)
+                   : has_figure(report, part, text_table_cell(rows, row, "figure")))
+            continue;
+        if (count++ == 0)
+            fputs("<ul>\n", stream);
+        html_statement(stream, rows, row);
+    }
+    fputs(count ? "</ul>\n" : "", stream);
+    return count;
+}
+
+/* --- figures --- */
+
+/* Adds words that are not there yet to a list parted by blanks. */
+static void add_words(char list[512], const char *words) {
+    char copy[512], *at = copy;
+    snprintf(copy, sizeof copy, "%s", words);
+    for (char *word; (word = strsep(&at, " ")) != NULL;) {
+        const size_t used = strlen(list);
+        if (*word && strcmp(word, "-") != 0 && !has_word(list, word))
+            snprintf(list + used, 512 - used, "%s%s", used ? " " : "", word);
+    }
+}
+
+/* The tables of a figure: those whose name is its own, or begins with it and a dash, and those that
+ * its statements follow from. Returns 0, or -1 where there is no memory. */
+static int find_tables(const struct report *report, const struct report_part *part,
+                       const struct text_table *rows, const char *figure, char tables[512]) {
+    const size_t length = strlen(figure);
     glob_t found;
     char stem[128];
-    const size_t length = strlen(figure);
+    tables[0] = '\0';
     const int code = find_files(report, part, "tsv", &found);
-    for (int any = 0; any < 2 && !tables[0]; any++) {
-        for (size_t i = 0; i < found.gl_pathc && !code; i++) {
-            stem_of(found.gl_pathv[i], stem);
-            const int own =
-                strncmp(stem, figure, length) == 0 && (stem[length] == '\0' || stem[length] == '-');
-            const size_t used = strlen(tables);
-            if ((own || any) && is_of_report(part, found.gl_pathv[i]) &&
-                used + strlen(stem) + 2 < 256)
-                snprintf(tables + used, 256 - used, "%s%s", used ? " " : "", stem);
-        }
+    for (size_t i = 0; i < found.gl_pathc && !code; i++) {
+        stem_of(found.gl_pathv[i], stem);
+        if (is_of_report(part, found.gl_pathv[i]) && strncmp(stem, figure, length) == 0 &&
+            (stem[length] == '\0' || stem[length] == '-'))
+            add_words(tables, stem);
     }
     globfree(&found);
+    for (int row = 0; row < rows->row_count; row++)
+        if (is_of_figure(rows, row, figure))
+            add_words(tables, text_table_cell(rows, row, "tables"));
     return code;
 }
 
-/* Its tables, and the sentence under it. Returns 0, or -1 with a reason. */
-static int caption_figure(const struct report *report, const struct report_part *part,
-                          const char *figure, struct caption *caption, char *reason) {
-    char folder[PATH_SIZE];
-    *caption = (struct caption){.tables = ""};
-    if (path_format(folder, "%s/%s", report->root, part->experiment->name))
-        return -1;
-    if (part->experiment->caption && part->experiment->caption(folder, figure, caption, reason))
-        return -1;
-    if (!caption->tables[0] && guess_tables(report, part, figure, caption->tables))
-        return -1;
-    if (!caption->text[0])
-        count_rows(report, part, caption);
-    if (caption->text[0])
-        return 0;
-    snprintf(reason, REASON_SIZE, "%.150s/%.80s.svg: no table to say a sentence from", folder,
-             figure);
-    return -1;
-}
-
+/* A picture with what is stated of it. Leaves in `tables` what it is drawn from. Returns 0, or -1
+ * with a reason. */
 static int write_figure(FILE *stream, const struct report *report, const struct report_part *part,
-                        const char *path, struct caption *caption, char *reason) {
-    char figure[128], prefix[256];
+                        const char *path, const struct text_table *rows, char tables[512],
+                        char *reason) {
+    char figure[128], prefix[256], label[2048];
     const char *name = part->experiment->name;
     stem_of(path, figure);
-    if (caption_figure(report, part, figure, caption, reason))
+    join_sentences(rows, figure, label);
+    if (find_tables(report, part, rows, figure, tables)) {
+        snprintf(reason, REASON_SIZE, "out of memory");
         return -1;
+    }
+    if (!label[0]) {
+        snprintf(reason, REASON_SIZE, "%.150s: nothing is stated of it in statements.tsv", path);
+        return -1;
+    }
     snprintf(prefix, sizeof prefix, "%s-%s-", name, figure);
     fprintf(stream, "<figure id=\"%s-%s\">\n", name, figure);
     const int is_png = strcmp(path + strlen(path) - 4, ".png") == 0;
-    if (is_png ? html_png(stream, path, caption->text, reason)
-               : html_svg(stream, path, prefix, caption->text, reason))
+    if (is_png ? html_png(stream, path, label, reason)
+               : html_svg(stream, path, prefix, label, reason))
         return -1;
-    fprintf(stream, "<figcaption><b>%s/%s.</b> ", name, figure);
-    html_text(stream, caption->text);
-    fputs(" Data:", stream);
-    char list[256], *at = list;
-    snprintf(list, sizeof list, "%s", caption->tables);
-    for (char *table; (table = strsep(&at, " ")) != NULL;)
+    fprintf(stream, "<figcaption><b>%s/%s.</b>\n", name, figure);
+    write_statements(stream, report, part, rows, figure);
+    fputs("Data:", stream);
+    char list[512], *at = list;
+    snprintf(list, sizeof list, "%s", tables);
+    for (char *table; *list && (table = strsep(&at, " ")) != NULL;)
         fprintf(stream, " <a href=\"%s/%s.tsv\">%s.tsv</a>", name, table, table);
     fputs("</figcaption>\n", stream);
     return 0;
@@ -211,17 +241,17 @@ static int has_twin(const char *path) {
 /* Figures, each with those of its tables that were not shown before, and then the tables that are
  * left. */
 static int write_figures(FILE *stream, const struct report *report, const struct report_part *part,
-                         const char *kind, char shown[8192], int *figures, char *reason) {
+                         const char *kind, const struct text_table *rows, char shown[8192],
+                         int *figures, char *reason) {
     glob_t found;
     int code = find_files(report, part, kind, &found);
     for (size_t i = 0; i < found.gl_pathc && !code; i++) {
-        struct caption caption;
+        char tables[512], *at = tables;
         if (!is_of_report(part, found.gl_pathv[i]) || has_twin(found.gl_pathv[i]))
             continue;
         ++*figures;
-        code = write_figure(stream, report, part, found.gl_pathv[i], &caption, reason);
-        char *at = caption.tables;
-        for (char *name; !code && (name = strsep(&at, " ")) != NULL;) {
+        code = write_figure(stream, report, part, found.gl_pathv[i], rows, tables, reason);
+        for (char *name; !code && *tables && (name = strsep(&at, " ")) != NULL;) {
             const size_t used = strlen(shown);
             if (has_word(shown, name))
                 continue;
@@ -236,11 +266,17 @@ static int write_figures(FILE *stream, const struct report *report, const struct
 
 static int write_part(FILE *stream, const struct report *report, const struct report_part *part,
                       char *reason) {
-    char shown[8192] = "";
+    char shown[8192] = "", folder[PATH_SIZE];
+    struct text_table rows;
     int figures = 0;
-    int code = write_figures(stream, report, part, "png", shown, &figures, reason);
+    if (path_format(folder, "%s/%s", report->root, part->experiment->name) ||
+        statements_read(&rows, folder, reason))
+        return -1;
+    write_statements(stream, report, part, &rows, NULL);
+    int code = write_figures(stream, report, part, "png", &rows, shown, &figures, reason);
     if (!code)
-        code = write_figures(stream, report, part, "svg", shown, &figures, reason);
+        code = write_figures(stream, report, part, "svg", &rows, shown, &figures, reason);
+    text_table_free(&rows);
     if (!code && !figures) {
         snprintf(reason, REASON_SIZE, "%.150s/%.80s: no figure is there", report->root,
                  part->experiment->name);

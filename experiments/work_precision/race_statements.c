@@ -1,0 +1,447 @@
+/* What a race found, in sentences: on each scene, and over all scenes. */
+#include "model/model.h"
+#include "race.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double clearly = 1.1; /* times as dear is clearly dearer */
+
+static const char *name_of(const struct point *p) {
+    return p->entry->contestant->name;
+}
+
+/* "h = 0.0001" or "rtol 0.001". */
+static const char *setting_name(const struct point *p) {
+    return contestant_is_adaptive(p->entry->contestant) ? "rtol" : "h =";
+}
+
+static int has_envelope(const struct field *field) {
+    return field->subject->scene->wisps[0].samples > 0;
+}
+
+static enum question if_asked(const struct race_answers *answers, enum question question) {
+    return answers->asked & 1u << question ? question : ANSWERS_NONE;
+}
+
+/* A row on a scene: its key is the scene's with a word. */
+struct keys {
+    char key[160], tables[256];
+};
+static struct statement row_of(const struct field *field, const char *word, struct keys *keys) {
+    const char *scene = field->subject->name;
+    snprintf(keys->key, sizeof keys->key, "%.70s, %.70s", scene, word);
+    snprintf(keys->tables, sizeof keys->tables, "%s %s-reference", scene, scene);
+    return (struct statement){.key = keys->key, .figure = scene, .tables = keys->tables};
+}
+
+/* --- what one would choose --- */
+
+/* The cheapest run on a scene whose error is at most `target` together with that of its treatment:
+ * they add at most, and bare wisps have none. Of another contestant than `besides`; or NULL. */
+static const struct point *cheapest_of(const struct field *fields, int count, double target,
+                                       const struct point *besides, const struct field **in) {
+    const struct point *best = NULL;
+    for (int f = 0; f < count; f++) {
+        const double off = fields[f].treatment_error;
+        const struct point *p = race_cheapest(&fields[f], target - (off > 0 ? off : 0),
+                                              besides ? besides->entry->contestant : NULL);
+        if (!p || (best && p->cost.cpu.median >= best->cost.cpu.median))
+            continue;
+        best = p;
+        *in = &fields[f];
+    }
+    return best;
+}
+
+static void state_target(struct statements *statements, const struct field *fields, int count,
+                         int target, struct race_answers *answers) {
+    const struct field *in = NULL, *next_in = NULL;
+    const double error = race_targets[target], mm = 1e3 * error;
+    const struct point *best = cheapest_of(fields, count, error, NULL, &in);
+    const struct point *next = best ? cheapest_of(fields, count, error, best, &next_in) : NULL;
+    const char *scene = fields->subject->name,
+               *with = has_envelope(fields) ? " (its treatment's error included)" : "";
+    char word[32], runner_up[128] = "";
+    struct keys keys;
+    snprintf(word, sizeof word, "%g mm", mm);
+    struct statement row = row_of(fields, word, &keys);
+    row.answers = if_asked(answers, ANSWERS_TARGETS);
+    answers->cheapest[answers->subjects * RACE_TARGETS + target] = best ? name_of(best) : NULL;
+    if (!best) {
+        row.verdict = NOT_REACHED;
+        statements_add(statements, row, "No run on %s is within %g mm%s.", scene, mm, with);
+        return;
+    }
+    row.value = 1e3 * best->cost.cpu.median;
+    row.unit = "ms";
+    if (next)
+        snprintf(runner_up, sizeof runner_up, "; next is %s, %.3g ms", name_of(next),
+                 1e3 * next->cost.cpu.median);
+    statements_add(statements, row,
+                   "On %s the cheapest within %g mm%s is %s with %s at %s %.3g: %.3g ms of CPU "
+                   "time%s.",
+                   scene, mm, with, name_of(best), race_treatment(in->treatment),
+                   setting_name(best), best->setting, row.value, runner_up);
+}
+
+/* --- was the thesis's choice right? --- */
+
+/* The field of the thesis's treatment; without an envelope there is none, and any will do. */
+static const struct field *thesis_field(const struct field *fields, int count) {
+    for (int f = 0; f < count; f++)
+        if (fields[f].treatment == WISP_PROJECTION || !has_envelope(&fields[f]))
+            return &fields[f];
+    return NULL;
+}
+
+/* The run of explicit Euler at the thesis's rate, or at the next one above that was tried: below it
+ * may be unstable where the thesis's is not. NULL where there is none near; `asked`: whether there
+ * are runs of it at all. */
+static const struct point *thesis_run(const struct field *field, int *asked) {
+    const struct point *nearest = NULL;
+    *asked = 0;
+    for (int i = 0; field && i < field->point_count; i++) {
+        const struct point *p = &field->points[i];
+        const double times = 1 / (p->setting * thesis_recipe.rate);
+        if (strcmp(name_of(p), thesis_recipe.stepper) != 0 || p->runs == 0)
+            continue;
+        *asked = 1;
+        if (times > 0.95 && times < 1.5 && (!nearest || p->setting > nearest->setting))
+            nearest = p;
+    }
+    return nearest;
+}
+
+static void tally_add(struct race_tally *tally, int holds) {
+    tally->holds += holds;
+    tally->of++;
+}
+
+static void state_method(struct statements *statements, const struct field *field,
+                         const struct point *own, struct race_answers *answers) {
+    const char *scene = field->subject->name;
+    char choice[512];
+    struct keys keys;
+    struct statement row = row_of(field, "choice of method", &keys);
+    row.answers = ANSWERS_CHOICE;
+    row.by = THESIS;
+    snprintf(choice, sizeof choice, "On %s explicit Euler%s at %.0f Hz is the right method", scene,
+             has_envelope(field) ? " with projection" : "", 1 / own->setting);
+    if (!race_finished(own)) {
+        row.verdict = HOLDS_NOT;
+        tally_add(&answers->method, 0);
+        statements_add(statements, row, "%s: it ends '%s'.", choice, own->status);
+        return;
+    }
+    const double ms = 1e3 * own->cost.cpu.median, mm = 1e3 * own->deviation.rms;
+    const struct point *best = race_cheapest(field, race_error_at_most(field, own), NULL);
+    const double ratio = ms / (1e3 * best->cost.cpu.median);
+    row.verdict = holds_if(ratio < clearly);
+    row.value = ratio;
+    row.unit = "1";
+    tally_add(&answers->method, ratio < clearly);
+    if (ratio < clearly)
+        statements_add(statements, row,
+                       "%s: no run is as accurate (%.2g mm) and clearly cheaper (%.3g ms).", choice,
+                       mm, ms);
+    else
+        statements_add(statements, row,
+                       "%s: %s errs no more (%.2g mm) and takes %.3g ms, not %.3g.", choice,
+                       name_of(best), mm, 1e3 * best->cost.cpu.median, ms);
+}
+
+static void state_treatment(struct statements *statements, const struct field *field,
+                            const struct point *own, struct race_answers *answers) {
+    const char *scene = field->subject->name;
+    const double off = field->treatment_error, error = own->deviation.rms;
+    struct keys keys;
+    struct statement row = row_of(field, "choice of treatment", &keys);
+    row.answers = ANSWERS_CHOICE;
+    row.by = THESIS;
+    if (isnan(off) || !race_finished(own)) {
+        row.verdict = NOT_REACHED;
+        statements_add(statements, row,
+                       "What projection itself errs on %s beside the method is not known.", scene);
+        return;
+    }
+    row.verdict = holds_if(off <= error);
+    row.value = off / error;
+    row.unit = "1";
+    tally_add(&answers->treatment, off <= error);
+    statements_add(statements, row,
+                   "On %s projection itself errs no more than the method: it is %.2g mm from the "
+                   "exact constrained motion, %.2g times the method's error.",
+                   scene, 1e3 * off, row.value);
+}
+
+static void state_choice(struct statements *statements, const struct field *fields, int field_count,
+                         struct race_answers *answers) {
+    const struct field *field = thesis_field(fields, field_count);
+    int asked;
+    const struct point *own = thesis_run(field, &asked);
+    struct keys keys;
+    if (own) {
+        state_method(statements, field, own, answers);
+        if (has_envelope(field))
+            state_treatment(statements, field, own, answers);
+        return;
+    }
+    struct statement row = row_of(fields, "choice", &keys);
+    row.answers = ANSWERS_CHOICE;
+    row.by = THESIS;
+    row.verdict = asked ? NOT_REACHED : NOT_ASKED;
+    statements_add(statements, row, "On %s explicit Euler%s %s.", fields->subject->name,
+                   has_envelope(fields) ? " with projection" : "",
+                   asked ? "has no run near 9000 Hz, the thesis's choice" : "was not asked for");
+}
+
+/* --- where does each method fail? --- */
+
+/* What became of a contestant's settings on a scene, under all treatments. */
+struct record {
+    int runs, failures;
+    char kinds[160];        /* of the failures */
+    double safe;            /* none fails from this setting on; NaN: the finest fails, somewhere */
+    char note[REASON_SIZE]; /* of what was refused or left out */
+};
+
+/* Settings of a contestant follow each other from coarse to fine. */
+static void add_field(struct record *record, const struct field *field, const void *contestant) {
+    double safe = NAN;
+    int runs = 0;
+    for (int i = 0; i < field->point_count; i++) {
+        const struct point *p = &field->points[i];
+        const size_t used = strlen(record->kinds);
+        if (p->entry->contestant != contestant)
+            continue;
+        if (p->runs == 0) {
+            snprintf(record->note, sizeof record->note, "%s", p->note);
+            continue;
+        }
+        runs++;
+        record->failures += p->failed > 0;
+        safe = p->failed ? NAN : isnan(safe) ? p->setting : safe;
+        if (p->failed && !strstr(record->kinds, p->status))
+            snprintf(record->kinds + used, sizeof record->kinds - used, "%s%s", used ? ", " : "",
+                     p->status);
+    }
+    if (runs > 0 && (record->runs == 0 || isnan(safe) || safe < record->safe))
+        record->safe = safe;
+    record->runs += runs;
+}
+
+static void state_record(struct statements *statements, const struct field *fields,
+                         const struct entry *entry, const struct record *record,
+                         const struct race_answers *answers) {
+    const char *scene = fields->subject->name, *name = entry->contestant->name;
+    const int adaptive = contestant_is_adaptive(entry->contestant);
+    char word[96], from[64] = "down to the finest setting";
+    struct keys keys;
+    snprintf(word, sizeof word, "failures of %.70s", name);
+    struct statement row = row_of(fields, word, &keys);
+    row.answers = if_asked(answers, ANSWERS_FAILURES);
+    if (record->runs == 0) {
+        row.verdict = NOT_REACHED;
+        statements_add(statements, row, "On %s %s has no run: %s.", scene, name, record->note);
+        return;
+    }
+    if (!isnan(record->safe))
+        snprintf(from, sizeof from, "and at none from %s %.3g%s on",
+                 adaptive ? "rtol" : "h =", adaptive ? record->safe : 1e3 * record->safe,
+                 adaptive ? "" : " ms");
+    row.value = record->failures;
+    row.unit = "1";
+    statements_add(statements, row, "On %s %s fails at %d of %d settings (%s), %s.", scene, name,
+                   record->failures, record->runs, record->kinds, from);
+}
+
+/* Whether the first fields have the contestant of an entry. */
+static int was_seen(const struct field *fields, int field_count, const struct entry *entry) {
+    for (int f = 0; f < field_count; f++)
+        for (int i = 0; i < fields[f].entry_count; i++)
+            if (fields[f].entries[i].contestant == entry->contestant)
+                return 1;
+    return 0;
+}
+
+/* Of every contestant that fails, and in one sentence of those that never do. */
+static void state_failures(struct statements *statements, const struct field *fields, int count,
+                           const struct race_answers *answers) {
+    char never[512] = "";
+    for (int f = 0; f < count; f++)
+        for (int i = 0; i < fields[f].entry_count; i++) {
+            const struct entry *entry = &fields[f].entries[i];
+            struct record record = {.safe = NAN};
+            const size_t used = strlen(never);
+            if (was_seen(fields, f, entry))
+                continue;
+            for (int k = f; k < count; k++)
+                add_field(&record, &fields[k], entry->contestant);
+            if (record.failures > 0 || record.runs == 0)
+                state_record(statements, fields, entry, &record, answers);
+            else
+                snprintf(never + used, sizeof never - used, "%s%s", used ? ", " : "",
+                         entry->contestant->name);
+        }
+    struct keys keys;
+    struct statement row = row_of(fields, "no failures", &keys);
+    row.answers = if_asked(answers, ANSWERS_FAILURES);
+    if (never[0])
+        statements_add(statements, row, "On %s these never fail: %s.", fields->subject->name,
+                       never);
+}
+
+/* --- what there is --- */
+
+static void state_points(struct statements *statements, const struct field *fields, int count) {
+    const struct point *best = NULL;
+    int finished = 0, failed = 0, none = 0;
+    struct keys keys;
+    for (int f = 0; f < count; f++)
+        for (int i = 0; i < fields[f].point_count; i++) {
+            const struct point *p = &fields[f].points[i];
+            finished += p->runs > 0 && !p->failed;
+            failed += p->runs > 0 && p->failed;
+            none += p->runs == 0;
+            if (race_finished(p) && (!best || p->deviation.rms < best->deviation.rms))
+                best = p;
+        }
+    struct statement row = row_of(fields, "settings", &keys);
+    row.verdict = finished ? HOLDS : NOT_REACHED;
+    row.value = finished;
+    row.unit = "1";
+    statements_add(statements, row,
+                   "On %s %d settings finish, %d fail, %d are refused or left out.",
+                   fields->subject->name, finished, failed, none);
+    if (!best)
+        return;
+    row = row_of(fields, "smallest error", &keys);
+    row.value = 1e3 * best->deviation.rms;
+    row.unit = "mm";
+    statements_add(statements, row, "The smallest error on %s is %s's, %.2g mm.",
+                   fields->subject->name, name_of(best), row.value);
+}
+
+void race_state_reference(struct statements *statements, const struct field *field) {
+    const char *scene = field->subject->name, *treatment = race_treatment(field->treatment);
+    char word[64];
+    struct keys keys;
+    snprintf(word, sizeof word, "%.40s, reference", treatment);
+    struct statement row = row_of(field, word, &keys);
+    row.value = field->scene->duration;
+    row.unit = "s";
+    if (!field->has_reference) {
+        row.verdict = NOT_REACHED;
+        row.value = run_number(&field->reference, "simulated_time");
+        statements_add(statements, row,
+                       "%s with %s has no reference, and so no errors: it ended '%s' at %.3g s.",
+                       scene, treatment, outcome_name(field->reference.outcome), row.value);
+    } else if (field->scene->duration < field->whole->duration) {
+        statements_add(statements, row,
+                       "%s with %s is compared up to its separation horizon, %.3g s.", scene,
+                       treatment, row.value);
+    }
+}
+
+/* What the budget of time left out. */
+static void state_cuts(struct statements *statements, const struct field *fields, int count) {
+    const double whole = fields->subject->scene->duration;
+    int shortened = 0, thinned = 0;
+    struct keys keys;
+    for (int f = 0; f < count; f++)
+        for (int i = 0; i < fields[f].entry_count; i++) {
+            shortened += fields[f].entries[i].shortened;
+            thinned += fields[f].entries[i].thinned;
+        }
+    struct statement row = row_of(fields, "cut", &keys);
+    row.verdict = NOT_REACHED;
+    if (fields->whole->duration < whole)
+        statements_add(statements, row, "The budget allows %s its first %.3g of %.3g s.",
+                       fields->subject->name, fields->whole->duration, whole);
+    row = row_of(fields, "left out", &keys);
+    row.verdict = NOT_REACHED;
+    if (shortened || thinned)
+        statements_add(statements, row,
+                       "On %s the budget cuts %d ladders short and jittered runs of %d.",
+                       fields->subject->name, shortened, thinned);
+}
+
+void race_state_subject(struct statements *statements, const struct field *fields, int field_count,
+                        struct race_answers *answers) {
+    for (int i = 0; i < RACE_TARGETS; i++)
+        state_target(statements, fields, field_count, i, answers);
+    if (answers->asked & 1u << ANSWERS_CHOICE)
+        state_choice(statements, fields, field_count, answers);
+    state_failures(statements, fields, field_count, answers);
+    state_points(statements, fields, field_count);
+    state_cuts(statements, fields, field_count);
+    answers->subjects++;
+}
+
+/* --- over all scenes --- */
+
+/* "rk4 on 2 scenes, cvode on 1": who is cheapest, and on how many. */
+static void list_winners(const struct race_answers *answers, int target, char text[512]) {
+    const char *const *winner = answers->cheapest + target;
+    text[0] = '\0';
+    for (int i = 0; i < answers->subjects; i++) {
+        const char *name = winner[i * RACE_TARGETS];
+        const size_t used = strlen(text);
+        int on = 0, first = 1;
+        for (int k = 0; k < answers->subjects && name; k++) {
+            const int same =
+                winner[k * RACE_TARGETS] && strcmp(winner[k * RACE_TARGETS], name) == 0;
+            on += same;
+            first &= !same || k >= i;
+        }
+        if (name && first)
+            snprintf(text + used, 512 - used, "%s%s on %d", used ? ", " : "", name, on);
+    }
+}
+
+static void state_winners(struct statements *statements, const struct race_answers *answers,
+                          int target) {
+    const double mm = 1e3 * race_targets[target];
+    char key[32], winners[512];
+    snprintf(key, sizeof key, "%g mm", mm);
+    list_winners(answers, target, winners);
+    const struct statement row = {.key = key,
+                                  .answers = ANSWERS_TARGETS,
+                                  .verdict = winners[0] ? HOLDS : NOT_REACHED,
+                                  .tables = "scenes"};
+    if (winners[0])
+        statements_add(statements, row, "Within %g mm the cheapest of %d scenes is %s.", mm,
+                       answers->subjects, winners);
+    else
+        statements_add(statements, row, "No run on any scene is within %g mm.", mm);
+}
+
+static void state_tally(struct statements *statements, const char *what,
+                        const struct race_tally *tally, const char *meaning) {
+    char key[64];
+    snprintf(key, sizeof key, "choice as a %s", what);
+    struct statement row = {.key = key,
+                            .answers = ANSWERS_CHOICE,
+                            .by = THESIS,
+                            .tables = "scenes",
+                            .value = tally->holds,
+                            .unit = "1",
+                            .verdict = holds_if(tally->holds == tally->of)};
+    statements_add(statements, row,
+                   "The thesis's choice is right as a %s on every scene: on %d of %d %s.", what,
+                   tally->holds, tally->of, meaning);
+}
+
+void race_state_all(struct statements *statements, const struct race_answers *answers) {
+    if (answers->asked & 1u << ANSWERS_TARGETS)
+        for (int i = 0; i < RACE_TARGETS; i++)
+            state_winners(statements, answers, i);
+    if (answers->method.of > 0)
+        state_tally(statements, "method", &answers->method,
+                    "no run as accurate is clearly cheaper");
+    if (answers->treatment.of > 0)
+        state_tally(statements, "treatment", &answers->treatment,
+                    "it is no farther from the exact motion than the method errs");
+}
