@@ -223,13 +223,13 @@ static void check_steppers(unsigned capability, unsigned wanted) {
     make_company(&company);
     for (int m = 0; stepper_methods[m]; m++) {
         const struct stepper_method *method = stepper_methods[m];
-        const int implicit = (method->capabilities & STEPPER_IMPLICIT) != 0;
+        const int solves = (method->capabilities & STEPPER_SOLVES) != 0;
         if ((method->capabilities & capability) != wanted)
             continue;
         for (int treatment = 0; treatment < TREATMENTS; treatment++) {
-            if (!implicit)
+            if (!solves)
                 check_options(&company, method, NULL, treatment);
-            for (int l = 0; implicit && linear_methods[l]; l++)
+            for (int l = 0; solves && linear_methods[l]; l++)
                 check_options(&company, method, linear_methods[l], treatment);
         }
     }
