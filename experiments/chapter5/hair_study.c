@@ -186,20 +186,6 @@ static void free_study(struct hair_study *study) {
     }
 }
 
-double hair_contacts_per_frame(const struct hair_run *run) {
-    const struct scene *scene = run->watched->run.scene;
-    return run_number(&run->files, "counters.wisp_contacts") /
-           (scene->duration * run->timed->run.scene->frame_rate);
-}
-
-int hair_largest(const struct hair_run *run, int series) {
-    int best = 0;
-    for (int f = 1; f < run->hair.frame_count; f++)
-        if (run->series[series][f] > run->series[series][best])
-            best = f;
-    return best;
-}
-
 /* --- statements --- */
 
 void hair_state(struct hair_study *study, struct statement row, const char *sentence, ...) {
@@ -311,7 +297,10 @@ static int write_tables(struct plan *plan, const char *folder, struct hair_study
     if (write_series(plan, folder, study))
         return -1;
     state_all(study);
-    return hair_cost_tables(plan, folder, study) || keep_diagnoses(plan, folder, study) ? -1 : 0;
+    return hair_costs(plan, folder, study) || hair_steppers(plan, folder, study) ||
+                   keep_diagnoses(plan, folder, study)
+               ? -1
+               : 0;
 }
 
 int hair_tabulate(struct plan *plan, const char *folder, const struct hair_question *question) {
