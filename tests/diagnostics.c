@@ -9,6 +9,7 @@
 #include "picture/plot.h"
 #include "run/results.h"
 #include "run/runs.h"
+#include "run/record.h"
 #include "scene/scene_load.h"
 #include "support.h"
 #include "wisp_support.h"

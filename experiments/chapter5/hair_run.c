@@ -1,4 +1,4 @@
-/* What a variant's runs say of themselves: time and contacts per frame, the largest of a series. */
+/* Measures of one run: what its frames cost, and what its series reach. */
 #include "hair_study.h"
 
 #include <math.h>
@@ -9,7 +9,7 @@ static double frames_of(const struct scene *scene) {
     return floor(scene->duration * scene->frame_rate + 1e-9) + 1;
 }
 
-struct spread hair_cost_per_frame(const struct cost *cost, const struct scene *scene) {
+struct spread hair_per_frame(const struct cost *cost, const struct scene *scene) {
     const double frames = cost->outcome == FINISHED
                               ? frames_of(scene)
                               : floor(cost->failure_time * scene->frame_rate + 1e-9) + 1;
@@ -18,7 +18,11 @@ struct spread hair_cost_per_frame(const struct cost *cost, const struct scene *s
 }
 
 struct spread hair_cpu_per_frame(const struct hair_run *run) {
-    return hair_cost_per_frame(&run->cost, run->timed->run.scene);
+    return hair_per_frame(&run->cost, run->timed->run.scene);
+}
+
+double hair_real_time(const struct spread *cpu, const struct scene *scene) {
+    return 1 / scene->frame_rate / cpu->median;
 }
 
 double hair_contacts_per_frame(const struct hair_run *run) {

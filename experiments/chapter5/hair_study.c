@@ -297,7 +297,10 @@ static int write_tables(struct plan *plan, const char *folder, struct hair_study
     if (write_series(plan, folder, study))
         return -1;
     state_all(study);
-    return hair_cost_tables(plan, folder, study) || keep_diagnoses(plan, folder, study) ? -1 : 0;
+    return hair_costs(plan, folder, study) || hair_steppers(plan, folder, study) ||
+                   keep_diagnoses(plan, folder, study)
+               ? -1
+               : 0;
 }
 
 int hair_tabulate(struct plan *plan, const char *folder, const struct hair_question *question) {

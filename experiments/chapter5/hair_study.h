@@ -69,11 +69,15 @@ void hair_state(struct hair_study *study, struct statement row, const char *sent
 /* Of what is to be seen at some time: where it is not, a run that is cut may not have got there. */
 enum claim_verdict hair_seen(const struct hair_study *study, int seen);
 
-/* CPU time per frame, s; NaN where a run has no frames. */
+/* --- measures of runs --- */
+
+/* CPU time per frame, s, of a run of that cost, up to its failure; and of a variant's timed one.
+ * NaN where there are no frames. */
+struct spread hair_per_frame(const struct cost *cost, const struct scene *scene);
 struct spread hair_cpu_per_frame(const struct hair_run *run);
 
-/* The same of what any run of a scene took. */
-struct spread hair_cost_per_frame(const struct cost *cost, const struct scene *scene);
+/* Simulated over CPU time, of a CPU time per frame. */
+double hair_real_time(const struct spread *cpu, const struct scene *scene);
 
 /* How often a point was found in a section of another wisp, at the ticks from one frame to the next
  * in the mean. */
@@ -95,9 +99,10 @@ int hair_tabulate(struct plan *plan, const char *folder, const struct hair_quest
  * its time allows. All with the treatment `projection`, so that they solve the same equations. */
 struct run_request hair_request(const struct scene *scene, const struct stepper_method *method);
 
-/* The tables of what variants and steppers cost, and the statements on it. Returns 0, or -1 with a
- * reason. */
-int hair_cost_tables(struct plan *plan, const char *folder, struct hair_study *study);
+/* The tables of what variants cost, and of how every stepper fares on the main one, with what they
+ * show. Return 0, or -1 with a reason. */
+int hair_costs(struct plan *plan, const char *folder, struct hair_study *study);
+int hair_steppers(struct plan *plan, const char *folder, struct hair_study *study);
 
 /* The pictures' lines, seen from the question's eye. Returns 0, or -1 with a reason. */
 int hair_pictures(struct plan *plan, const char *folder, struct hair_study *study);
