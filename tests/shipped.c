@@ -1,7 +1,7 @@
 /* The scenes in experiments/: each loads and runs with every stepper, and those of the thesis's
  * chapter 5 show what their comments say. */
-#include "scene/scene_load.h"
 #include "experiments/common/measure.h"
+#include "scene/scene_load.h"
 #include "support.h"
 #include "wisp/interaction.h"
 #include "wisp_support.h"

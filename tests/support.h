@@ -58,9 +58,9 @@ extern const char *const program_path;
 /* How it is started: all zero is as usual. */
 struct launch {
     const char *program; /* NULL: program_path */
-    const char *folder; /* to start in; NULL: this one */
-    long file_limit;    /* bytes that a file may have; 0: no limit */
-    int to_dev_full;    /* standard output is a full disk */
+    const char *folder;  /* to start in; NULL: this one */
+    long file_limit;     /* bytes that a file may have; 0: no limit */
+    int to_dev_full;     /* standard output is a full disk */
 };
 
 struct process {

@@ -61,7 +61,7 @@ struct strand;
     /* Largest | L / rest length - 1 | over the segments of a lane. */                             \
     X(double, strain, (void *part, int which, const double *q))                                    \
     /* Where the part's matrix has its entries, as general sparse solvers want it, for a part of   \
-     * one wisp; one block, to be freed with free. NULL where memory cannot be had. */                       \
+     * one wisp; one block, to be freed with free. NULL where memory cannot be had. */             \
     X(struct sparse_matrix *, pattern, (const void *part))
 
 struct kernel {

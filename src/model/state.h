@@ -2,8 +2,8 @@
 #ifndef WISPLAB_STATE_H
 #define WISPLAB_STATE_H
 
-#include "model.h"
 #include "base/table.h"
+#include "model.h"
 
 /* The last frame of a table, which must have the columns and rows of the model's frames, as
  * row_count times column_count numbers into `rows`, and its time; `file` is for messages. Returns
