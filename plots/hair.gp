@@ -114,7 +114,7 @@ set bars 0.7
 if (VARIANTS_HERE > 1) {
     eval panel(70, 80, 375, 340)
     set xrange [0.5:VARIANTS_HERE + 0.5]
-    stats table('table') using (larger(column(GREATEST + 3), column(THESIS_RATIO))) nooutput
+    stats table('table') using (column(THESIS_RATIO) > column(9) ? column(THESIS_RATIO) : column(9)) nooutput
     set yrange [0:1.12 * STATS_max]
     eval 'set xtics ('.names_below.') noenhanced font ",11"'
     set ylabel 'CPU time over the first row''s' offset 1, 0

@@ -187,6 +187,12 @@ int hair_pictures(struct plan *plan, const char *folder, struct hair_study *stud
 
 /* --- the hair itself --- */
 
+int hair_is_drawn(const struct hair_study *study, int variant) {
+    return memcmp(study->question->variants[variant].pictures,
+                  study->question->variants[0].pictures,
+                  sizeof study->question->variants[0].pictures) == 0;
+}
+
 /* The first variant's pictures, as the timed runs number their frames, that all rows have. */
 static int frames_shown(const struct hair_study *study, int *frames) {
     const int *pictures = study->question->variants[0].pictures;
@@ -195,7 +201,8 @@ static int frames_shown(const struct hair_study *study, int *frames) {
     for (int k = 0; k < HAIR_PICTURES && pictures[k]; k++) {
         int frame = 0;
         for (int i = 0; i < study->count && frame >= 0; i++)
-            frame = hair_frame_at(&study->runs[i].hair, (pictures[k] - 1) / 30.);
+            if (hair_is_drawn(study, i))
+                frame = hair_frame_numbered(&study->runs[i], pictures[k]);
         if (frame >= 0)
             frames[count++] = 1 + (int)lround((pictures[k] - 1) / 30. * rate);
     }
@@ -205,20 +212,23 @@ static int frames_shown(const struct hair_study *study, int *frames) {
 int hair_strip(struct plan *plan, const char *folder, const struct hair_study *study) {
     char paths[HAIR_VARIANTS][PATH_SIZE];
     struct strip_row rows[HAIR_VARIANTS] = {{0}};
-    int frames[HAIR_PICTURES];
+    int frames[HAIR_PICTURES], row_count = 0;
     for (int i = 0; i < study->count; i++) {
         const struct hair_run *run = &study->runs[i];
+        if (!hair_is_drawn(study, i))
+            continue;
         if (path_format(paths[i], "%s/states.tsv", run->timed->run.folder))
             return -1;
-        rows[i] = (struct strip_row){.label = study->count > 1 ? run->variant->label : "",
-                                     .states = paths[i],
-                                     .scene = run->timed->run.scene};
+        rows[row_count++] = (struct strip_row){.label = run->variant->label,
+                                               .states = paths[i],
+                                               .scene = run->timed->run.scene};
     }
+    if (row_count == 1)
+        rows[0].label = "";
     const struct strip_request request = {.rows = rows,
-                                          .row_count = study->count,
+                                          .row_count = row_count,
                                           .views = VIEW_HAIR,
-                                          .columns =
-                                              study->count > 1 ? 0 : study->question->columns};
+                                          .columns = row_count > 1 ? 0 : study->question->columns};
     const int count = frames_shown(study, frames);
     if (count == 0 || study->subject->scene->wisps[0].samples == 0)
         return 0; /* hair fills the envelope: without one there is none */

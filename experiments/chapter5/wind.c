@@ -11,16 +11,20 @@ enum { DOWNWIND, MEAN, LARGEST };
  * what counts as laid over. */
 static const double left_over = 0.25, laid_over = 0.1;
 
-static int measure(struct hair *hair, double *const *series) {
-    const double *wind = hair->scene->around.wind.velocity, speed = vector_length(wind);
+/* The variants. */
+enum { GUST, STILL };
+
+/* Along the wind that the experiment's scene has: the control has none. */
+static int measure(const struct hair_study *study, struct hair_run *run) {
+    const double *wind = study->subject->scene->around.wind.velocity, speed = vector_length(wind);
     double along[3] = {0, 0, 0};
     if (speed > 0)
         vector_add(along, 1 / speed, wind);
-    for (int f = 0; f < hair->frame_count; f++) {
-        const struct inclination inclination = hair_inclination(hair, f);
-        series[DOWNWIND][f] = 100 * hair_tips_along(hair, f, along);
-        series[MEAN][f] = inclination.mean * 180 / M_PI;
-        series[LARGEST][f] = inclination.largest * 180 / M_PI;
+    for (int f = 0; f < run->hair.frame_count; f++) {
+        const struct inclination inclination = hair_inclination(&run->hair, f);
+        run->series[DOWNWIND][f] = 100 * hair_tips_along(&run->hair, f, along);
+        run->series[MEAN][f] = inclination.mean * 180 / M_PI;
+        run->series[LARGEST][f] = inclination.largest * 180 / M_PI;
     }
     return 0;
 }
@@ -33,26 +37,27 @@ static double mean_length(const struct scene *scene) {
 }
 
 static void state(struct hair_study *study) {
-    const struct hair_run *run = &study->runs[0];
-    const struct wind *wind = &run->hair.scene->around.wind;
+    const struct hair_run *run = &study->runs[GUST];
+    const struct wind *wind = &study->subject->scene->around.wind;
     const int frame = hair_largest(run, DOWNWIND), last = run->hair.frame_count - 1;
     const double most = run->series[DOWNWIND][frame], end = run->series[DOWNWIND][last];
     const double length = mean_length(run->hair.scene), t = run->hair.frames[frame].t,
                  until = run->hair.frames[last].t, gust = wind->hold + 3 * wind->decay;
+    const int lies = most > laid_over * length;
     struct statement row = {.key = "laid over", .by = THESIS, .value = most, .unit = "cm"};
-    row.verdict = hair_seen(study, most > laid_over * length);
-    hair_state(study, row,
+    row.verdict = lies || until >= gust ? holds_if(lies) : NOT_REACHED;
+    hair_claim(study, row,
                "The gust lays the hair over: its tips move downwind by %.1f cm in the mean, at "
                "%.2f s (a tenth of its length is %.1f cm).",
                most, t, laid_over * length);
     row = (struct statement){.key = "in the gust", .value = t, .unit = "s"};
-    row.verdict = until < gust ? NOT_REACHED : holds_if(t <= gust);
-    hair_state(study, row,
+    row.verdict = until < gust || !lies ? NOT_REACHED : holds_if(t <= gust);
+    hair_claim(study, row,
                "That is at %.2f s, while the wind blows (%.1f s, then a decay of %.3f s).", t,
                wind->hold, wind->decay);
     row = (struct statement){.key = "fallen back", .by = THESIS, .value = end, .unit = "cm"};
-    row.verdict = study->cut ? NOT_REACHED : holds_if(end < left_over * most);
-    hair_state(study, row,
+    row.verdict = until < gust || !lies ? NOT_REACHED : holds_if(end < left_over * most);
+    hair_claim(study, row,
                "The hair falls back: at %.2f s %.1f cm are left, %.0f %% (less than %.0f %% is "
                "fallen back).",
                until, end, most > 0 ? 100 * end / most : 0, 100 * left_over);
@@ -60,11 +65,19 @@ static void state(struct hair_study *study) {
 
 static const struct hair_question question = {
     .scene = "wind",
-    .variants = {{.label = "gust",
-                  .thesis = 235,
-                  .pictures = {1, 6, 10, 16, 21, 26, 36, 46, 56, 66, 86, 121}}},
+    .needs = {"wind"},
+    .variants = {[GUST] = {.label = "gust",
+                           .thesis = 235,
+                           .pictures = {1, 6, 10, 16, 21, 26, 36, 46, 56, 66, 86, 121}},
+                 [STILL] = {.label = "still air",
+                            .sets = {"wind.velocity=[0.0, 0.0, 0.0]"},
+                            .pictures = {1, 26, 121}}},
+    .main = GUST,
+    .control = STILL,
+    .without = "in still air",
     .columns = 3,
     .elevation = 8,
+    .quick = 0.2,
     .series = {"downwind", "mean_inclination", "largest_inclination"},
     .measure = measure,
     .state = state,
