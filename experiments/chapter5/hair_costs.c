@@ -21,8 +21,10 @@ static struct ratio normalise(const struct spread *cpu, const struct spread *fir
 static struct ratio thesis_ratio_of(const struct hair_variant *variant,
                                     const struct hair_variant *first) {
     const double rounding = 0.005;
-    if (!(variant->thesis > 0 && first->thesis > 0) || variant == first)
-        return (struct ratio){variant->thesis / first->thesis, 1, 1};
+    if (!(variant->thesis > 0 && first->thesis > 0))
+        return (struct ratio){NAN, NAN, NAN};
+    if (variant == first)
+        return (struct ratio){1, 1, 1};
     return (struct ratio){variant->thesis / first->thesis,
                           (variant->thesis - rounding) / (first->thesis + rounding),
                           (variant->thesis + rounding) / (first->thesis - rounding)};
