@@ -74,7 +74,7 @@ static int first_split(const struct film *film) {
 }
 
 /* What the scene's first line says, with every treatment. */
-Test(subdivision_runs, the_shipped_scene_splits_each_wisp_once_at_frames_5_to_8) {
+Test(subdivision_runs, the_shipped_scene_splits_each_wisp_once_within_a_second) {
     struct scene *scene = lab_load("subdivision", NULL, 0);
     for (int treatment = 0; treatment < TREATMENTS; treatment++) {
         struct film film;
@@ -82,9 +82,9 @@ Test(subdivision_runs, the_shipped_scene_splits_each_wisp_once_at_frames_5_to_8)
         cr_assert(film_make(&film, scene, &request));
         const int f = first_split(&film);
         cr_assert_eq(film.result.outcome, FINISHED, "%s", film.result.reason);
-        cr_assert(f >= 4 && f <= 6, "%s: frame %d", request.treatment, f + 1);
-        cr_assert(film.frames == 84 && film.rows[7] == 4 * 16 && film.rows[83] == 4 * 16,
-                  "%s: %d rows at frame 8, %d at the end", request.treatment, film.rows[7],
+        cr_assert(f >= 6 && f <= 12, "%s: frame %d", request.treatment, f + 1);
+        cr_assert(film.frames == 84 && film.rows[30] == 4 * 11 && film.rows[83] == 4 * 11,
+                  "%s: %d rows at frame 31, %d at the end", request.treatment, film.rows[30],
                   film.rows[83]);
         cr_assert(film.result.counters.splits == 2 && film.result.wisps == 4);
         film_free(&film);
@@ -93,8 +93,8 @@ Test(subdivision_runs, the_shipped_scene_splits_each_wisp_once_at_frames_5_to_8)
 }
 
 Test(subdivision_runs, the_motion_is_another_after_the_split_and_only_then) {
-    struct scene *scene = LAB_LOAD("subdivision", "duration=0.5"),
-                 *without = LAB_LOAD("subdivision", "duration=0.5", "subdivision.limit=2");
+    struct scene *scene = LAB_LOAD("subdivision", "duration=0.9"),
+                 *without = LAB_LOAD("subdivision", "duration=0.9", "subdivision.limit=2");
     struct film film, plain;
     cr_assert(film_make(&film, scene, &(struct run_request){.stepper = "rk4"}));
     cr_assert(film_make(&plain, without, &(struct run_request){.stepper = "rk4"}));
@@ -220,7 +220,7 @@ Test(subdivision_runs, only_the_wisp_that_splits_begins_anew) {
 /* Every stepper with every treatment and linear solver, or a refusal. */
 Test(subdivision_runs, slow_every_stepper_goes_on_with_the_children) {
     static const char *const solvers[] = {"direct", "klu", "cholmod", "cg"};
-    struct scene *scene = LAB_LOAD("subdivision", "duration=0.25");
+    struct scene *scene = LAB_LOAD("subdivision", "duration=0.9");
     int runs = 0;
     for (int i = 0; stepper_methods[i]; i++)
         for (int treatment = 0; treatment < TREATMENTS; treatment++) {
@@ -267,8 +267,8 @@ static void table_of(const struct film *film, struct table *table) {
 
 /* Runs are compared up to where their wisps are no longer the same ones. */
 Test(subdivision_runs, runs_that_part_are_compared_up_to_there) {
-    struct scene *scene = LAB_LOAD("subdivision", "duration=0.5"),
-                 *without = LAB_LOAD("subdivision", "duration=0.5", "subdivision.limit=2");
+    struct scene *scene = LAB_LOAD("subdivision", "duration=0.9"),
+                 *without = LAB_LOAD("subdivision", "duration=0.9", "subdivision.limit=2");
     struct film film, plain;
     struct table table, other;
     struct deviation d;
@@ -285,22 +285,22 @@ Test(subdivision_runs, runs_that_part_are_compared_up_to_there) {
     cr_assert(d.parted == film.t[f] && d.rms == 0, "they part at %g, not %g", d.parted, film.t[f]);
     cr_assert(isnan(d.end) && isnan(d.end_largest) && isnan(d.mescd), "ends are compared");
 
-    /* equally many, but those that came later are in another order: rows of 16 nodes change places
+    /* equally many, but those that came later are in another order: rows of 11 nodes change places
      */
     other.row_count = 0;
     table_free(&other);
     table_of(&film, &other);
-    const int last = table.row_count - 32, columns = table.column_count;
-    for (int i = 0; i < 16; i++)
+    const int last = table.row_count - 22, columns = table.column_count;
+    for (int i = 0; i < 11; i++)
         for (int c = 2; c < columns; c++) {
-            double *x = &other.value[(last + i) * columns + c], *y = x + 16 * columns, z = *x;
+            double *x = &other.value[(last + i) * columns + c], *y = x + 11 * columns, z = *x;
             *x = *y;
             *y = z;
         }
     cr_assert_eq(measure_deviation(scene, &table, &other, 1, &d, reason), 0, "%s", reason);
     cr_assert_eq(d.parted, film.t[film.frames - 1], "they part at %g", d.parted);
 
-    other.row_count -= 4 * 16; /* a frame less is no subdivision */
+    other.row_count -= 4 * 11; /* a frame less is no subdivision */
     cr_assert_eq(measure_deviation(scene, &table, &other, 1, &d, reason), -1);
     table_free(&table);
     table_free(&other);
@@ -312,8 +312,8 @@ Test(subdivision_runs, runs_that_part_are_compared_up_to_there) {
 
 /* A second opinion whose wisps split elsewhere gives no bound, and says why. */
 Test(subdivision_runs, a_second_opinion_that_parts_gives_no_bound) {
-    struct scene *scene = LAB_LOAD("subdivision", "duration=0.25"),
-                 *without = LAB_LOAD("subdivision", "duration=0.25", "subdivision.limit=2");
+    struct scene *scene = LAB_LOAD("subdivision", "duration=0.9"),
+                 *without = LAB_LOAD("subdivision", "duration=0.9", "subdivision.limit=2");
     for (int same_scene = 0; same_scene < 2; same_scene++) {
         struct kept_frames kept = {0};
         struct settings settings;
@@ -344,7 +344,7 @@ Test(subdivision_runs, eval_refuses_a_state_after_a_subdivision) {
     static struct finished f;
     folder_make(folder);
     path_format(states, "%s/states.tsv", folder);
-    PROGRAM(&f, NULL, "run", "subdivision", "--duration", "0.25", "--out", folder, "--no-progress");
+    PROGRAM(&f, NULL, "run", "subdivision", "--duration", "0.9", "--out", folder, "--no-progress");
     cr_assert_eq(f.code, 0, "%s", f.err);
     PROGRAM(&f, NULL, "eval", "subdivision", "--state", states);
     cr_assert(f.code == 1 && count_lines(f.err) == 1 && strstr(f.err, "4 wisps") &&

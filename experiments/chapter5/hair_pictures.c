@@ -117,9 +117,11 @@ static void write_skeleton(FILE *stream, const struct paper *paper, const struct
     fputc('\n', stream);
 }
 
-/* Few wisps are told apart by two colours, children having their parent's. */
-static int class_of(const struct hair *hair, int frame, int wisp) {
-    return hair->scene->wisp_count <= 4 ? hair_ancestor(hair, frame, wisp) % 2 : 0;
+/* Two colours tell few wisps apart, or where wisps divide, what split off from what is left. */
+static int class_of(const struct hair *hair, int wisp) {
+    if (json_object_get(hair->scene->source, "subdivision"))
+        return wisp >= hair->scene->wisp_count;
+    return hair->scene->wisp_count <= 4 ? wisp % 2 : 0;
 }
 
 /* One block of lines. It begins with a point that is nowhere, so that none is empty. */
@@ -129,7 +131,7 @@ static void write_kind(FILE *stream, const struct paper *paper, struct hair *hai
     for (int b = 0; b < hair->scene->body_count && kind == BODIES; b++)
         write_body(stream, paper, hair->scene, b, hair->frames[frame].t);
     for (int w = 0; w < hair->frames[frame].wisps; w++) {
-        const int class = class_of(hair, frame, w);
+        const int class = class_of(hair, w);
         if (kind == ENVELOPES + class && hair->wisps[w].samples > 0)
             write_envelope(stream, paper, hair->strands[w], kind);
         if (kind == SKELETONS + class)
@@ -167,7 +169,8 @@ int hair_pictures(struct plan *plan, const char *folder, struct hair_study *stud
     struct atomic_file lines, cells;
     if (open_table(&lines, folder, "strip",
                    "lines on paper, m, in blocks: of each cell the outlines of bodies, of the "
-                   "envelopes of even and of odd wisps (few wisps) or of all, and their skeletons; "
+                   "envelopes of even and of odd wisps (few wisps), of wisps and of those that split "
+                   "off from them, or of all, and their skeletons; "
                    "nan: the pen is lifted",
                    study->subject->scene, "x\ty\tkind", plan->reason))
         return -1;
@@ -228,6 +231,8 @@ int hair_strip(struct plan *plan, const char *folder, const struct hair_study *s
     const struct strip_request request = {.rows = rows,
                                           .row_count = row_count,
                                           .views = VIEW_HAIR,
+                                          .width = study->question->width,
+                                          .height = study->question->height,
                                           .columns = row_count > 1 ? 0 : study->question->columns};
     const int count = frames_shown(study, frames);
     if (count == 0 || study->subject->scene->wisps[0].samples == 0)

@@ -33,6 +33,7 @@ struct hair_question {
     int control;               /* the variant in which what the figure is about is switched off */
     const char *without;       /* that variant in words, as "without contact" */
     int columns;               /* of the pictures */
+    int width, height;         /* of a picture of hair, pixels; 0: as usual */
     double azimuth, elevation; /* of the eye, degrees: 0, 0 sees x to the right and y up */
     double quick;              /* how far steppers are tried with --quick, s; 0: 0.4 */
     double watch_rate;         /* of the frames that are measured, Hz; 0: the scene's frames */

@@ -146,8 +146,9 @@ static void state(struct hair_study *study) {
     state_cost(study, whole, split);
 }
 
+/* 20, when twins are farthest apart, is ours; the others are the thesis's. */
 #define PICTURES \
-    { 1, 6, 8, 10 }
+    { 1, 6, 8, 10, 20 }
 
 static const struct hair_question question = {
     .scene = "subdivision",
@@ -160,9 +161,11 @@ static const struct hair_question question = {
     .main = SPLIT,
     .control = WHOLE,
     .without = "without subdivision",
-    .columns = 4,
+    .columns = 5,
     .azimuth = 35,
     .elevation = 20,
+    .width = 300,
+    .height = 330,
     .series = {"wisps", "twins_apart", "strain"},
     .measure = measure,
     .state = state,
