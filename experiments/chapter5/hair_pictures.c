@@ -233,7 +233,7 @@ int hair_strip(struct plan *plan, const char *folder, const struct hair_study *s
                                           .views = VIEW_HAIR,
                                           .width = study->question->width,
                                           .height = study->question->height,
-                                          .columns = row_count > 1 ? 0 : study->question->columns};
+                                          .columns = study->question->columns};
     const int count = frames_shown(study, frames);
     if (count == 0 || study->subject->scene->wisps[0].samples == 0)
         return 0; /* hair fills the envelope: without one there is none */
