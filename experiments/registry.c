@@ -19,6 +19,7 @@
     X(subdivision)     \
     X(wind)            \
     X(shake)           \
+    X(chapter5)        \
     X(kernel)
 
 #define X(name) extern const struct experiment name##_experiment;

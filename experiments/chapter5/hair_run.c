@@ -5,13 +5,13 @@
 
 /* Frames of the whole run as the thesis counts them: its seconds per frame are the total over their
  * number. */
-static double frames_of(const struct cost *cost, const struct scene *scene) {
+double hair_frames(const struct cost *cost, const struct scene *scene) {
     const double until = cost->outcome == FINISHED ? scene->duration : cost->failure_time;
     return floor(until * scene->frame_rate + 1e-9) + 1;
 }
 
 struct spread hair_per_frame(const struct cost *cost, const struct scene *scene) {
-    const double frames = frames_of(cost, scene);
+    const double frames = hair_frames(cost, scene);
     return (struct spread){cost->cpu.median / frames, cost->cpu.least / frames,
                            cost->cpu.greatest / frames};
 }
@@ -24,7 +24,7 @@ double hair_work_per_frame(const struct run_files *files, const struct cost *cos
     return (run_number(files, "counters.force_evaluations") +
             run_number(files, "counters.linear_solves") +
             5 * run_number(files, "counters.factorisations")) /
-           frames_of(cost, scene);
+           hair_frames(cost, scene);
 }
 
 struct spread hair_cpu_per_frame(const struct hair_run *run) {

@@ -53,6 +53,14 @@ struct run_request hair_request(const struct scene *scene, const struct stepper_
     return request;
 }
 
+struct run_request hair_timed_request(const struct plan *plan, const struct scene *scene,
+                                      const struct stepper_method *method) {
+    struct run_request request = hair_request(scene, method);
+    const int is_long = is_large(scene) || method->advance;
+    request.timings = plan->quick ? (is_long ? 1 : 3) : is_long ? 3 : 7;
+    return request;
+}
+
 /* A variant at a frame rate, over the whole scene or its first seconds. */
 static const struct scene *variant_scene(struct plan *plan, const struct hair_variant *variant,
                                          double frame_rate, double most) {
@@ -78,9 +86,7 @@ static int plan_variant(struct plan *plan, const struct hair_question *question,
     const struct scene *scene = variant_scene(plan, variant, rate, INFINITY);
     if (!scene)
         return -1;
-    struct run_request request = hair_request(scene, method);
-    const int is_long = is_large(scene) || method->advance;
-    request.timings = plan->quick ? (is_long ? 1 : 3) : is_long ? 3 : 7;
+    struct run_request request = hair_timed_request(plan, scene, method);
     if (plan_add(plan, scene, &request, "variants", "%s", variant->label))
         return -1;
     if (is_large(scene) && variant == &question->variants[question->control])

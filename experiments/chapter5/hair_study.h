@@ -87,6 +87,9 @@ void hair_claim(struct hair_study *study, struct statement row, const char *sent
 
 /* --- measures of runs --- */
 
+/* Frames that a run computed, as the thesis counts them. */
+double hair_frames(const struct cost *cost, const struct scene *scene);
+
 /* CPU time per frame, s, of a run of that cost, up to its failure; and of a variant's timed one.
  * NaN where there are no frames. */
 struct spread hair_per_frame(const struct cost *cost, const struct scene *scene);
@@ -125,6 +128,10 @@ int hair_tabulate(struct plan *plan, const char *folder, const struct hair_quest
  * relative tolerance of 1e-4; the reference is what it is, and on large scenes goes only so far as
  * its time allows. All with the treatment `projection`, so that they solve the same equations. */
 struct run_request hair_request(const struct scene *scene, const struct stepper_method *method);
+
+/* The same where its time is to be known: more often the shorter the scene. */
+struct run_request hair_timed_request(const struct plan *plan, const struct scene *scene,
+                                      const struct stepper_method *method);
 
 /* The tables of what variants cost, and of how every stepper fares on the main one, with what they
  * show. Return 0, or -1 with a reason. */
