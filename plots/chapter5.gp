@@ -11,7 +11,11 @@ eval heading('What a wisp costs in each figure, over one without interaction', \
 eval panel(170, 80, 690, 34 * rows_here)
 set yrange [-rows_here - 0.4:-0.6]
 set logscale x
-set xrange [0.3:*]
+lowest = 0.5; highest = 8.
+stats table('figures') using (lowest = column('ours_least') < lowest ? column('ours_least') : lowest, \
+    highest = column('ours_greatest') > highest ? column('ours_greatest') : highest, 0) nooutput
+set xrange [0.8 * lowest:1.2 * highest]
+set xtics (0.2, 0.5, 1, 2, 5, 10, 20)
 set xlabel 'times the cost of a wisp of 5.2 without interaction' offset 0, 0.3
 set ytics nomirror
 unset ytics

@@ -158,8 +158,10 @@ static int write_prices(struct plan *plan, const char *folder, const struct pric
     struct atomic_file file;
     if (open_table(&file, folder, "figures",
                    "what a wisp of the scene takes for a frame: CPU time, s, of repeated runs; over "
-                   "the first row's, with what the spreads allow, and the thesis's; evaluations of "
-                   "forces; contacts, at all ticks of a frame, with wisps and bodies",
+                   "the first row's, with what the spreads allow, and the thesis's (up to four wisps "
+                   "are computed side by side, for the price of one: where there are two, each is "
+                   "twice as dear); evaluations of forces; contacts, at all ticks of a frame, with "
+                   "wisps and bodies",
                    NULL,
                    "figure\tcpu\tleast\tgreatest\tours\tours_least\tours_greatest\tthesis"
                    "\tevaluations\tcontacts",
@@ -214,9 +216,9 @@ static void state_all(struct plan *plan, struct statements *statements,
                                           .verdict = isfinite(price->ours) ? HOLDS : NOT_REACHED,
                                           .value = price->ours,
                                           .unit = "1"},
-                       "A wisp of %s costs %.2f times (%.2f to %.2f) what one costs without "
-                       "interaction, in the thesis %.2f times, with %.0f evaluations and %.1f "
-                       "contacts a frame; off the common model: %s.",
+                       "A wisp of figure %s costs %.2f times (%.2f to %.2f) what one of 5.2 costs "
+                       "without interaction, in the thesis %.2f times, with %.0f evaluations and "
+                       "%.1f contacts a frame; off the common model: %s.",
                        rows[i].label, price->ours, price->least, price->most, price->ratio,
                        price->evaluations, price->contacts, list);
     }
