@@ -229,15 +229,16 @@ static void state_euler(struct statements *statements, const struct panel_errors
                 "Explicit Euler leaves the circle of %.1f m very fast: after 160 s it is %.3g m "
                 "from its centre.",
                 CIRCLE_RADIUS, e[EULER].radius);
-    state_claim(statements, e,
-                (struct claim){.key = "explicit Euler, shorter steps",
-                               .panel = FINE,
-                               .other = EULER,
-                               .shown = e[FINE].error[1] < e[EULER].error[1] / shorter,
-                               .value = e[FINE].error[1]},
-                "Explicit Euler's error gets as small as its step: with steps %.0f times as short it "
-                "is %.3g m off after 160 s, and not %.3g m.",
-                shorter, e[FINE].error[1], e[EULER].error[1]);
+    state_claim(
+        statements, e,
+        (struct claim){.key = "explicit Euler, shorter steps",
+                       .panel = FINE,
+                       .other = EULER,
+                       .shown = e[FINE].error[1] < e[EULER].error[1] / shorter,
+                       .value = e[FINE].error[1]},
+        "Explicit Euler's error gets as small as its step: with steps %.0f times as short it "
+        "is %.3g m off after 160 s, and not %.3g m.",
+        shorter, e[FINE].error[1], e[EULER].error[1]);
     state_claim(statements, e,
                 (struct claim){.panel = FINE,
                                .other = RK4,
@@ -276,10 +277,8 @@ static void state_higher_orders(struct statements *statements, const struct pane
                 "Runge-Kutta 4 %.3g m.",
                 e[MIDPOINT].error[1], e[RK4].error[1]);
     state_claim(statements, e,
-                (struct claim){.panel = RK4,
-                               .other = RK4,
-                               .shown = off < 0.1 * CIRCLE_RADIUS,
-                               .value = off},
+                (struct claim){
+                    .panel = RK4, .other = RK4, .shown = off < 0.1 * CIRCLE_RADIUS, .value = off},
                 "Runge-Kutta 4 strays but little from the circle: by %.3g m in 160 s.", off);
     /* "pas du tout": farther off than what the thesis calls a visible gap in another panel */
     state_claim(statements, e,
@@ -342,7 +341,8 @@ static void state_constrained(struct statements *statements, const struct panel_
                                .other = PROJECTED,
                                .shown = e[PROJECTED].error[1] > 0.1,
                                .value = e[PROJECTED].error[1]},
-                "Explicit Euler with projection, after the step and not in it, is visibly off its place: by "
+                "Explicit Euler with projection, after the step and not in it, is visibly off its "
+                "place: by "
                 "%.3g m after 160 s.",
                 e[PROJECTED].error[1]);
     state_claim(statements, e,

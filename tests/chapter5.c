@@ -29,8 +29,8 @@ static const char breath[] = COMMON HANGING
 static const char long_gust[] = COMMON HANGING
     "duration = 2.5;\n"
     "wind = { kind = \"gust\"; velocity = [5.0, 0.0, 0.0]; hold = 2.4; decay = 0.05; };\n";
-static const char steady[] = COMMON HANGING
-    "duration = 2.5; wind = { kind = \"steady\"; velocity = [5.0, 0.0, 0.0]; };\n";
+static const char steady[] =
+    COMMON HANGING "duration = 2.5; wind = { kind = \"steady\"; velocity = [5.0, 0.0, 0.0]; };\n";
 static const char shaken[] = COMMON HANGING
     "duration = 3.0;\n"
     "head = { times = [0.0, 0.2, 0.6, 0.8]; positions = ([0.0, 0.0, 0.0], [0.0, 0.0, 0.0],\n"
@@ -40,10 +40,10 @@ static const char shaken[] = COMMON HANGING
 static const char hugging[] = COMMON HANGING "duration = 0.7; contacts = { };\n";
 static const char still[] = COMMON HANGING "duration = 0.5;\n";
 /* A body that never comes near the hair. */
-static const char far[] = COMMON HANGING
-    "duration = 0.5; contacts = { };\n"
-    "body = ( { name = \"far\"; center = [2.0, 0.0, 0.0]; radii = [0.1, 0.1, 0.1];\n"
-    "           friction = 50.0; elasticity = 0.1; offset = 1.0e-4; } );\n";
+static const char far[] =
+    COMMON HANGING "duration = 0.5; contacts = { };\n"
+                   "body = ( { name = \"far\"; center = [2.0, 0.0, 0.0]; radii = [0.1, 0.1, 0.1];\n"
+                   "           friction = 50.0; elasticity = 0.1; offset = 1.0e-4; } );\n";
 /* The wisps of figure 5.3 as they first were, with every response switched off: they part and come
  * back by gravity and air alone. */
 static const char untouched[] =
@@ -227,8 +227,8 @@ static int count_series(const struct answer *answer, const char *by, const char 
         field(line, column_named(table, "figure"), figure);
         field(line, column_named(table, "by"), whose);
         field(line, column_named(table, "verdict"), came);
-        count += strcmp(figure, "series") == 0 && strcmp(whose, by) == 0 &&
-                 strcmp(came, verdict) == 0;
+        count +=
+            strcmp(figure, "series") == 0 && strcmp(whose, by) == 0 && strcmp(came, verdict) == 0;
     }
     return count;
 }

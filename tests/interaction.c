@@ -799,8 +799,7 @@ Test(interaction, slow_the_scene_interactions_shows_what_it_says) {
                     {0, 0, 2e-3, 3e-2},
                     {0, 0, 2e-3, 3e-2},
                     {0, 0, 2e-3, 3e-2}};
-    const struct run_request request = {
-        .stepper = "rk4", .step = 2e-4, .treatment = "projection"};
+    const struct run_request request = {.stepper = "rk4", .step = 2e-4, .treatment = "projection"};
     for (int i = 0; i < 5; i++) {
         struct scene *scene =
             LAB_LOAD("interactions", sets[i][0], sets[i][1], sets[i][2], "frame_rate=300.0");
@@ -850,7 +849,8 @@ Test(interaction, slow_the_scene_viscosity_shows_what_it_says) {
                 parted = parted ? parted : f + 1;
                 back = f + 2;
             }
-        cr_assert(thick ? parted == 0 : parted > 11 && parted < 17, "they part at frame %d", parted);
+        cr_assert(thick ? parted == 0 : parted > 11 && parted < 17, "they part at frame %d",
+                  parted);
         cr_assert_eq(contacts_at(&run, 19, scene) > 0, thick, "at frame 20");
         cr_assert(thick ? back == 0 : back > 21 && back < 57, "they stay from frame %d on", back);
         lab_run_free(&run);

@@ -281,8 +281,8 @@ int count_files(const char *folder, const char *part) {
 /* --- what experiments found --- */
 
 static void row_must_be_whole(const struct text_table *rows, int row) {
-    static const char *const verdicts[] = {"holds", "does not hold", "tells nothing",
-                                           "not reached", "not asked"};
+    static const char *const verdicts[] = {"holds", "does not hold", "tells nothing", "not reached",
+                                           "not asked"};
     const char *key = text_table_cell(rows, row, "key"),
                *verdict = text_table_cell(rows, row, "verdict"),
                *sentence = text_table_cell(rows, row, "statement"),

@@ -1,5 +1,5 @@
-/* The figures of the thesis's chapter 5 beside each other: how nearly their scenes are one model, and
- * what a wisp costs in each. */
+/* The figures of the thesis's chapter 5 beside each other: how nearly their scenes are one model,
+ * and what a wisp costs in each. */
 #include "hair_study.h"
 
 #include <math.h>
@@ -26,7 +26,7 @@ static const struct row rows[] = {
     {"5.4 sphere", "sphere", {NULL}, 21.6},
     {"5.5 without", "subdivision", {"subdivision.ratio=1e-6"}, 0.88},
     {"5.5 with", "subdivision", {NULL}, 1.66},
-    {"5.6 wind", "wind", {NULL}, 235},
+    {"5.6 wind", "wind", {HAIR_START_PROJECTION}, 235},
 };
 enum { ROWS = sizeof rows / sizeof *rows, NONE = 0 };
 
@@ -156,16 +156,17 @@ static int read_prices(struct plan *plan, struct price *prices) {
 
 static int write_prices(struct plan *plan, const char *folder, const struct price *prices) {
     struct atomic_file file;
-    if (open_table(&file, folder, "figures",
-                   "what a wisp of the scene takes for a frame: CPU time, s, of repeated runs; over "
-                   "the first row's, with what the spreads allow, and the thesis's (up to four wisps "
-                   "are computed side by side, for the price of one: where there are two, each is "
-                   "twice as dear); evaluations of forces; contacts, at all ticks of a frame, with "
-                   "wisps and bodies",
-                   NULL,
-                   "figure\tcpu\tleast\tgreatest\tours\tours_least\tours_greatest\tthesis"
-                   "\tevaluations\tcontacts",
-                   plan->reason))
+    if (open_table(
+            &file, folder, "figures",
+            "what a wisp of the scene takes for a frame: CPU time, s, of repeated runs; over "
+            "the first row's, with what the spreads allow, and the thesis's (up to four wisps "
+            "are computed side by side, for the price of one: where there are two, each is "
+            "twice as dear); evaluations of forces; contacts, at all ticks of a frame, with "
+            "wisps and bodies",
+            NULL,
+            "figure\tcpu\tleast\tgreatest\tours\tours_least\tours_greatest\tthesis"
+            "\tevaluations\tcontacts",
+            plan->reason))
         return -1;
     for (int i = 0; i < ROWS; i++) {
         const struct price *price = &prices[i];

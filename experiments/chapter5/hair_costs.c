@@ -83,7 +83,8 @@ static void write_variant(FILE *stream, const struct hair_study *study, int i) {
     fprintf(stream, "\t%s\n", words);
 }
 
-/* Times are of one machine and its load: what they show is stated, and nothing is judged by them. */
+/* Times are of one machine and its load: what they show is stated, and nothing is judged by them.
+ */
 static void state_variant(struct hair_study *study, int i) {
     const struct hair_run *run = &study->runs[i], *one = &study->runs[0];
     const struct spread first = hair_cpu_per_frame(one), cpu = hair_cpu_per_frame(run);
@@ -124,7 +125,8 @@ int hair_costs(struct plan *plan, const char *folder, struct hair_study *study) 
             &file, folder, "table",
             "CPU time, s per frame, of repeated runs, beside the thesis's (one processor, MIPS "
             "R4400 at 200 MHz); normalised: over the first row's, with what the spreads allow; "
-            "real_time: simulated over CPU time; force_evaluations: of a wisp's forces; wisp_contacts: how often a node or sample was in "
+            "real_time: simulated over CPU time; force_evaluations: of a wisp's forces; "
+            "wisp_contacts: how often a node or sample was in "
             "a "
             "section of another wisp at a tick, body_contacts: in a body; nan: there is no number",
             study->subject->scene, table_columns, plan->reason))

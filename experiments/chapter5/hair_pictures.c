@@ -167,12 +167,13 @@ static void write_pictures(FILE *lines, FILE *cells, struct hair_study *study) {
 
 int hair_pictures(struct plan *plan, const char *folder, struct hair_study *study) {
     struct atomic_file lines, cells;
-    if (open_table(&lines, folder, "strip",
-                   "lines on paper, m, in blocks: of each cell the outlines of bodies, of the "
-                   "envelopes of even and of odd wisps (few wisps), of wisps and of those that split "
-                   "off from them, or of all, and their skeletons; "
-                   "nan: the pen is lifted",
-                   study->subject->scene, "x\ty\tkind", plan->reason))
+    if (open_table(
+            &lines, folder, "strip",
+            "lines on paper, m, in blocks: of each cell the outlines of bodies, of the "
+            "envelopes of even and of odd wisps (few wisps), of wisps and of those that split "
+            "off from them, or of all, and their skeletons; "
+            "nan: the pen is lifted",
+            study->subject->scene, "x\ty\tkind", plan->reason))
         return -1;
     if (open_table(&cells, folder, "strip-cells",
                    "the frames shown, numbered from 1 at 30 a second", study->subject->scene,
@@ -222,13 +223,17 @@ int hair_strip(struct plan *plan, const char *folder, const struct hair_study *s
             continue;
         if (path_format(paths[i], "%s/states.tsv", run->timed->run.folder))
             return -1;
-        rows[row_count++] = (struct strip_row){.label = run->variant->label,
-                                               .states = paths[i],
-                                               .scene = run->timed->run.scene};
+        rows[row_count++] = (struct strip_row){
+            .label = run->variant->label, .states = paths[i], .scene = run->timed->run.scene};
     }
     if (row_count == 1)
         rows[0].label = "";
+    /* with --quick a head of hair is sparse: drawing takes longer than what is drawn */
+    static const char *const sparse[] = {"render={ hairs = 12; }"};
+    const int is_sparse = plan->quick && study->subject->scene->wisp_count > 60;
     const struct strip_request request = {.rows = rows,
+                                          .sets = sparse,
+                                          .set_count = is_sparse,
                                           .row_count = row_count,
                                           .views = VIEW_HAIR,
                                           .width = study->question->width,

@@ -149,7 +149,8 @@ static void state_result(struct hair_study *study, const struct result *result,
 
 static const char choice[] = "explicit Euler with projection at 9000 Hz";
 
-/* The cheapest of those that are nearer and have less to compute than the thesis's choice, or NULL. */
+/* The cheapest of those that are nearer and have less to compute than the thesis's choice, or NULL.
+ */
 static const struct result *better_than(const struct result *own, const struct result *results,
                                         int count) {
     const struct result *best = NULL;

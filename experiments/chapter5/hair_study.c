@@ -62,10 +62,11 @@ struct run_request hair_timed_request(const struct plan *plan, const struct scen
 }
 
 /* A variant at a frame rate, over the whole scene or its first seconds. */
-static const struct scene *variant_scene(struct plan *plan, const struct hair_variant *variant,
-                                         double frame_rate, double most) {
+static const struct scene *variant_scene(struct plan *plan, const struct hair_question *question,
+                                         const struct hair_variant *variant, double frame_rate,
+                                         double most) {
     const struct subject *subject = &plan->subjects[0];
-    const char *sets[HAIR_SETS + 2];
+    const char *sets[HAIR_SETS + 3];
     char rate[64], duration[64];
     int count = 0;
     while (count < HAIR_SETS && variant->sets[count]) {
@@ -76,6 +77,8 @@ static const struct scene *variant_scene(struct plan *plan, const struct hair_va
     snprintf(duration, sizeof duration, "duration=%.17e", fmin(most, subject->scene->duration));
     sets[count++] = rate;
     sets[count++] = duration;
+    if (question->start && plan->scene_count == 0)
+        sets[count++] = question->start;
     return plan_scene(plan, subject->source, sets, count);
 }
 
@@ -83,7 +86,7 @@ static const struct scene *variant_scene(struct plan *plan, const struct hair_va
 static int plan_variant(struct plan *plan, const struct hair_question *question,
                         const struct hair_variant *variant, const struct stepper_method *method) {
     const double rate = plan->subjects[0].scene->frame_rate;
-    const struct scene *scene = variant_scene(plan, variant, rate, INFINITY);
+    const struct scene *scene = variant_scene(plan, question, variant, rate, INFINITY);
     if (!scene)
         return -1;
     struct run_request request = hair_timed_request(plan, scene, method);
@@ -93,8 +96,8 @@ static int plan_variant(struct plan *plan, const struct hair_question *question,
         return 0; /* where its energy goes is not asked */
     request.timings = 0;
     request.diagnostics = 1;
-    scene = variant_scene(plan, variant, question->watch_rate > 0 ? question->watch_rate : rate,
-                          INFINITY);
+    scene = variant_scene(plan, question, variant,
+                          question->watch_rate > 0 ? question->watch_rate : rate, INFINITY);
     return scene ? plan_add(plan, scene, &request, "watched", "%s", variant->label) : -1;
 }
 
@@ -115,7 +118,7 @@ static int plan_stepper(struct plan *plan, const struct hair_question *question,
     const struct run_request request = hair_request(scene, method);
     const double until = trial_duration(plan, question, scene, method);
     if (until < scene->duration)
-        scene = variant_scene(plan, variant, scene->frame_rate, until);
+        scene = variant_scene(plan, question, variant, scene->frame_rate, until);
     if (!scene)
         return -1;
     char reason[REASON_SIZE];
@@ -367,8 +370,7 @@ static int keep_diagnoses(struct plan *plan, const char *folder, struct hair_stu
     for (int i = 0; i < study->count && !code; i++)
         if (study->runs[i].watched != study->runs[i].timed)
             code = keep_diagnostics(&study->runs[i].watched->run, folder,
-                                    study->runs[i].variant->label, study->statements,
-                                    plan->reason);
+                                    study->runs[i].variant->label, study->statements, plan->reason);
     return code;
 }
 
@@ -392,8 +394,7 @@ int hair_tabulate(struct plan *plan, const char *folder, const struct hair_quest
     struct hair_study study = {
         .question = question, .subject = &plan->subjects[0], .statements = &statements};
     if (statements_open(&statements, folder, study.subject->scene,
-                        plan->quick ? "--quick: the table of steppers is cut" : NULL,
-                        plan->reason))
+                        plan->quick ? "--quick: the table of steppers is cut" : NULL, plan->reason))
         return -1;
     int code = read_runs(plan, &study);
     if (!code)

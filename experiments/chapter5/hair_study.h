@@ -11,6 +11,10 @@
 #include "experiments/common/statements.h"
 #include "hair_frames.h"
 
+/* The start of the shipped wind and shake is at rest under `generalised`. Under `projection` hair
+ * has another shape at rest, and this is it, as a set. */
+#define HAIR_START_PROJECTION "start=\"wind-start-projection.tsv\""
+
 enum { HAIR_VARIANTS = 4, HAIR_SETS = 3, HAIR_SERIES = 3, HAIR_PICTURES = 12, HAIR_NEEDS = 2 };
 
 struct hair_variant {
@@ -27,7 +31,8 @@ struct hair_run;
 /* The static description of an experiment. */
 struct hair_question {
     const char *scene; /* its name */
-    const char *needs[HAIR_NEEDS]; /* groups of a scene in which the variants differ; NULL: no more */
+    const char
+        *needs[HAIR_NEEDS]; /* groups of a scene in which the variants differ; NULL: no more */
     struct hair_variant variants[HAIR_VARIANTS];
     int main;                  /* the variant on which all steppers are tried */
     int control;               /* the variant in which what the figure is about is switched off */
@@ -35,6 +40,7 @@ struct hair_question {
     int columns;               /* of the pictures */
     int width, height;         /* of a picture of hair, pixels; 0: as usual */
     double azimuth, elevation; /* of the eye, degrees: 0, 0 sees x to the right and y up */
+    const char *start;         /* a set for the experiment's own scene; NULL: none */
     double quick;              /* how far steppers are tried with --quick, s; 0: 0.4 */
     double watch_rate;         /* of the frames that are measured, Hz; 0: the scene's frames */
     const char *series[HAIR_SERIES]; /* column names */

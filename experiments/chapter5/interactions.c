@@ -49,9 +49,10 @@ static void state_crossings(struct hair_study *study, int variant) {
     if (!wisps_meet(run))
         snprintf(sentence, sizeof sentence, "the wisps do not meet");
     else if (count > 0)
-        snprintf(sentence, sizeof sentence,
-                 "the wisps pass through each other: %.0f crossing%s, net %.0f, the first at %.2f s",
-                 count, count > 1 ? "s" : "", net, run->hair.frames[first].t);
+        snprintf(
+            sentence, sizeof sentence,
+            "the wisps pass through each other: %.0f crossing%s, net %.0f, the first at %.2f s",
+            count, count > 1 ? "s" : "", net, run->hair.frames[first].t);
     else
         snprintf(sentence, sizeof sentence, "the wisps do not pass through each other");
     if (is_free) /* the control's own */
@@ -86,15 +87,16 @@ static void state_influence(struct hair_study *study, int variant) {
         t = here > most ? run->hair.frames[f].t : t;
         most = here > most ? here : most;
     }
-    hair_claim(study,
-               (struct statement){.key = key,
-                                  .by = THESIS,
-                                  .verdict = wisps_meet(run) ? holds_if(most > radius) : NOT_REACHED,
-                                  .value = most,
-                                  .unit = "mm"},
-               "%s nodes are up to %.1f mm from where they are without interaction, at %.2f s (a "
-               "wisp's radius is %.0f mm).",
-               with[variant], most, t, radius);
+    hair_claim(
+        study,
+        (struct statement){.key = key,
+                           .by = THESIS,
+                           .verdict = wisps_meet(run) ? holds_if(most > radius) : NOT_REACHED,
+                           .value = most,
+                           .unit = "mm"},
+        "%s nodes are up to %.1f mm from where they are without interaction, at %.2f s (a "
+        "wisp's radius is %.0f mm).",
+        with[variant], most, t, radius);
 }
 
 /* The thesis puts the differences of its times down to how long wisps were in contact. */
@@ -106,7 +108,8 @@ static void state_cost(struct hair_study *study) {
         met &= i == NONE || contacts[i] > 0;
     }
     const int ordered = contacts[NONE] < contacts[COLLIDING] &&
-                        contacts[COLLIDING] < contacts[RUBBING] && contacts[RUBBING] < contacts[ALL];
+                        contacts[COLLIDING] < contacts[RUBBING] &&
+                        contacts[RUBBING] < contacts[ALL];
     hair_claim(study,
                (struct statement){.key = "contacts",
                                   .figure = "cost",

@@ -91,9 +91,10 @@ static void state(struct hair_study *study) {
                                   .verdict = turns ? holds_if(lag > 0) : NOT_REACHED,
                                   .value = lag,
                                   .unit = "s"},
-               turns ? "The hair lags the head: its turn fits best the head's of %.3f s before "
-                       "(correlation %.2f)."
-                     : "The head does not turn, so that nothing lags it (%.3f s, correlation %.2f).",
+               turns
+                   ? "The hair lags the head: its turn fits best the head's of %.3f s before "
+                     "(correlation %.2f)."
+                   : "The head does not turn, so that nothing lags it (%.3f s, correlation %.2f).",
                lag, correlation(run, lag));
     hair_state(study, (struct statement){.key = "behind", .value = most, .unit = "deg"},
                "Hair and head are at most %.1f degrees apart, at %.2f s.", most,
@@ -123,6 +124,7 @@ static const struct hair_question question = {
     .elevation = 15,
     .quick = 0.1,
     .series = {"head", "hair", "behind"},
+    .start = HAIR_START_PROJECTION,
     .measure = measure,
     .state = state,
 };

@@ -69,11 +69,11 @@ static void state_depths(struct hair_study *study, const struct hair_run *run) {
                "At the frames nodes and samples are at most %.2g mm inside (%.2g mm are allowed: a "
                "sample whose node is at the surface).",
                points, margin);
-    hair_state(study,
-               (struct statement){
-                   .key = "deepest segment", .value = largest(run, SEGMENTS), .unit = "mm"},
-               "The straight lines between nodes cut into it by at most %.2g mm, at %.2f s.",
-               largest(run, SEGMENTS), run->hair.frames[segments].t);
+    hair_state(
+        study,
+        (struct statement){.key = "deepest segment", .value = largest(run, SEGMENTS), .unit = "mm"},
+        "The straight lines between nodes cut into it by at most %.2g mm, at %.2f s.",
+        largest(run, SEGMENTS), run->hair.frames[segments].t);
 }
 
 /* A claim that a push does no harm: the control is what it is compared with. */

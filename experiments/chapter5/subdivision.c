@@ -76,14 +76,14 @@ static void state_split(struct hair_study *study, const struct hair_run *whole,
     int same = 0;
     while (same < divided && hair_same(&whole->hair, &split->hair, same))
         same++;
-    hair_claim(study,
-               (struct statement){.key = "the same until",
-                                  .verdict = has_split(split) ? holds_if(same == divided)
-                                                              : NOT_REACHED,
-                                  .value = same,
-                                  .unit = "frame"},
-               "Of the %d frames before the first split %d are the same in both runs, bit for bit.",
-               divided, same);
+    hair_claim(
+        study,
+        (struct statement){.key = "the same until",
+                           .verdict = has_split(split) ? holds_if(same == divided) : NOT_REACHED,
+                           .value = same,
+                           .unit = "frame"},
+        "Of the %d frames before the first split %d are the same in both runs, bit for bit.",
+        divided, same);
     if (has_split(split)) {
         const double number = split->hair.frames[divided].t * 30 + 1;
         hair_state(study, (struct statement){.key = "split", .value = number, .unit = "frame"},
@@ -102,8 +102,8 @@ static void state_complexity(struct hair_study *study, const struct hair_run *sp
                  radius = 1e3 * split->hair.scene->wisps[0].radius;
     const struct statement row = {.key = "complexity",
                                   .by = THESIS,
-                                  .verdict = has_split(split) ? holds_if(most > radius)
-                                                              : NOT_REACHED,
+                                  .verdict =
+                                      has_split(split) ? holds_if(most > radius) : NOT_REACHED,
                                   .value = most,
                                   .unit = "mm"};
     if (has_split(split))
@@ -129,8 +129,9 @@ static void state_cost(struct hair_study *study, const struct hair_run *whole,
                                   .figure = "cost",
                                   .tables = "table",
                                   .by = THESIS,
-                                  .verdict = has_split(split) ? holds_if(fabs(ours / theirs - 1) < 0.1)
-                                                              : NOT_REACHED,
+                                  .verdict = has_split(split)
+                                                 ? holds_if(fabs(ours / theirs - 1) < 0.1)
+                                                 : NOT_REACHED,
                                   .value = ours,
                                   .unit = "1"},
                "More wisps cost as much more as they are more, from the split on: %.2f times the "

@@ -112,8 +112,8 @@ static void state_sticking(struct hair_study *study, const struct hair_run *run)
     const int parted = parting(run);
     struct statement row = {.key = "stuck", .by = THESIS, .unit = "frame"};
     row.value = parted < 0 ? last_number(run) : number_of(run, parted);
-    row.verdict = hair_contacts(run) == 0                  ? NOT_REACHED
-                  : parted >= 0                            ? HOLDS_NOT
+    row.verdict = hair_contacts(run) == 0                   ? NOT_REACHED
+                  : parted >= 0                             ? HOLDS_NOT
                   : hair_frame_numbered(run, TOGETHER) >= 0 ? HOLDS
                                                             : NOT_REACHED;
     if (hair_contacts(run) == 0)
@@ -128,8 +128,7 @@ static void state_sticking(struct hair_study *study, const struct hair_run *run)
 /* What the figure shows: the same two wisps, side by side and in each other. */
 static void state_difference(struct hair_study *study, const struct hair_run *thin,
                              const struct hair_run *thick) {
-    const int frame = hair_frame_numbered(thin, PARTED),
-              other = hair_frame_numbered(thick, PARTED);
+    const int frame = hair_frame_numbered(thin, PARTED), other = hair_frame_numbered(thick, PARTED);
     struct statement row = {
         .key = "held together", .by = THESIS, .verdict = NOT_REACHED, .value = NAN, .unit = "1"};
     if (frame < 0 || other < 0) {

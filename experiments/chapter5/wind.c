@@ -36,8 +36,35 @@ static double mean_length(const struct scene *scene) {
     return 100 * sum / scene->wisp_count;
 }
 
+/* How far the free nodes are from where they started, rms, m. */
+static double moved(const struct hair *hair, int frame) {
+    double squares = 0, count = 0;
+    for (int w = 0; w < hair->frames[0].wisps; w++)
+        for (int i = 2; i < hair_nodes(hair, frame, w); i++, count++) {
+            double apart[3] = {0, 0, 0};
+            vector_add(apart, 1, hair_node(hair, frame, w, i));
+            vector_add(apart, -1, hair_node(hair, 0, w, i));
+            squares += vector_dot(apart, apart);
+        }
+    return sqrt(squares / count);
+}
+
+/* Of a start that is not at rest the gust would not be all that moves the hair. */
+static void state_rest(struct hair_study *study) {
+    const struct hair *hair = &study->runs[STILL].hair;
+    double most = 0;
+    for (int f = 0; f < hair->frame_count; f++)
+        most = fmax(most, 1e3 * moved(hair, f));
+    hair_state(study,
+               (struct statement){
+                   .key = "at rest", .verdict = holds_if(most < 1), .value = most, .unit = "mm"},
+               "It starts at rest: in still air nodes move by at most %.2g mm (rms; 1 mm is none).",
+               most);
+}
+
 static void state(struct hair_study *study) {
     const struct hair_run *run = &study->runs[GUST];
+    state_rest(study);
     const struct wind *wind = &study->subject->scene->around.wind;
     const int frame = hair_largest(run, DOWNWIND), last = run->hair.frame_count - 1;
     const double most = run->series[DOWNWIND][frame], end = run->series[DOWNWIND][last];
@@ -77,8 +104,9 @@ static const struct hair_question question = {
     .without = "in still air",
     .columns = 3,
     .elevation = 8,
-    .quick = 0.2,
+    .quick = 0.1,
     .series = {"downwind", "mean_inclination", "largest_inclination"},
+    .start = HAIR_START_PROJECTION,
     .measure = measure,
     .state = state,
 };

@@ -165,7 +165,8 @@ static unsigned hair_colour(const struct brush *brush, const struct spot *a, con
     }
     const struct shine shine = shade_hair(tangent, brush->light, eye, gloss);
     for (int k = 0; k < 3; k++)
-        colour[k] = tone * (brush->tint[k] * brush->render->colour[k] * (around + (1 - around) * shine.diffuse) +
+        colour[k] = tone * (brush->tint[k] * brush->render->colour[k] *
+                                (around + (1 - around) * shine.diffuse) +
                             sheen[k] * shine.specular);
     return pack(colour);
 }
