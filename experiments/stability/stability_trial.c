@@ -11,7 +11,7 @@
 
 #include <math.h>
 
-static const double longest_run = 6; /* CPU s, roughly */
+static const double longest_run = 3; /* CPU s, roughly */
 
 static int resolution(const struct plan *plan) {
     return plan->quick ? 4 : 1; /* 12 %, 3 % */
@@ -30,7 +30,7 @@ static int add_run(struct plan *plan, const struct cell *cell, struct trial *tri
 
 static int is_beyond(struct plan *plan, const struct cell *cell, struct trial *trial) {
     const double step = limits_step(cell, trial->place.at);
-    if (estimated_cost(cell->scene, cell->treatment, trial->contestant->cost, step) <= longest_run)
+    if (estimated_cost(cell->scene, cell->treatment, trial->contestant, step) <= longest_run)
         return 0;
     snprintf(trial->note, sizeof trial->note, "a run of shorter steps would take more than %g s",
              longest_run);
