@@ -296,8 +296,9 @@ static int tabulate_all(struct plan *plan, struct output *output) {
             return -1;
         drawn += there > 0;
         if (there > 0)
-            fprintf(output->list, "%s\t%s\t%d\t%.17g\n", subject->name, subject->scene->name,
-                    subject->scene->wisps[0].samples, longest_wisp(subject->scene));
+            fprintf(output->list, "%s\t%s\t%d\t%.17g\t%d\n", subject->name, subject->scene->name,
+                    subject->scene->wisps[0].samples, longest_wisp(subject->scene),
+                    subject->scene->wisp_count);
     }
     race_state_all(&output->statements, &output->answers);
     if (drawn > 0)
@@ -314,7 +315,7 @@ static int write_all(struct plan *plan, struct output *output) {
     const char *cut = plan->quick ? strstr(drawn, "--quick") : NULL;
     struct atomic_file list;
     if (open_table(&list, output->folder, "scenes", plan->quick ? drawn : "scenes drawn", NULL,
-                   "file\tname\tsamples\tlength", plan->reason))
+                   "file\tname\tsamples\tlength\twisps", plan->reason))
         return -1;
     if (statements_open(&output->statements, output->folder, NULL, cut, plan->reason)) {
         atomic_discard(&list);
