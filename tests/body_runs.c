@@ -152,6 +152,80 @@ Test(body_runs, steppers_agree_on_a_bounce) {
         }
 }
 
+/* How high above the floor a free node gets in each of some seconds, that falls 0.1 m onto it. Its
+ * springs have next to no stiffness, and the floor is a ball of 1 km. */
+static void bounce(const char *elasticity, int seconds, double *height) {
+    char body[400];
+    snprintf(body, sizeof body,
+             "body=({ name=\"floor\"; center=[10.0, -1000.1, 0.0]; radii=[1e3, 1e3, 1e3];"
+             "        friction=0.0; elasticity=%s; offset=0.0; })",
+             elasticity);
+    struct scene *scene =
+        LAB_LOAD("swing", "frame_rate=300.0", "material.stretch_stiffness=1e-9",
+                 "material.stretch_time=0.0", "material.bending=\"none\"", "material.drag_rate=0.0",
+                 "wisps=({ root=[-10, 0, 0]; direction=[1, 0, 0]; length=20.0; nodes=3; })",
+                 "run.step=1e-3", body);
+    const struct run_request request = {.stepper = "rk4"};
+    struct lab_run run;
+    scene->duration = seconds;
+    run_to(scene, &request, &run);
+    for (int i = 0; i < seconds; i++)
+        height[i] = 0;
+    for (int f = 0; f < run.frames; f++) {
+        const double y = run.row[(f * run.rows + 2) * run.columns + 3] + 0.1;
+        const int second = (int)fmin(run.t[f], seconds - 1);
+        height[second] = fmax(height[second], y);
+        cr_assert_geq(y, -1e-12, "in the floor at %g s", run.t[f]);
+    }
+    cr_assert_gt(run.result.counters.body_contacts, seconds, "hardly a bounce");
+    lab_run_free(&run);
+    scene_free(scene);
+}
+
+/* Gravity's work inside the floor is none of the bounce's: energy never grows, and what loses some
+ * at each bounce comes to rest. */
+Test(body_runs, a_ball_that_bounces_never_gets_higher) {
+    double height[10];
+    bounce("1.0", 10, height);
+    for (int i = 1; i < 10; i++)
+        cr_assert(height[i] <= 0.1 + 1e-9 && height[i] > 0.05, "%g m in second %d", height[i], i);
+    bounce("0.9", 10, height);
+    for (int i = 1; i < 10; i++)
+        cr_assert(height[i] < height[i - 1] + 1e-12, "%g m in second %d", height[i], i);
+    cr_assert_lt(height[9], 1e-3, "it never comes to rest: %g m", height[9]);
+}
+
+/* Whether a body moves is said by the scene, not by its speed: one at 0 is one at next to 0. */
+Test(body_runs, a_body_moves_where_its_entry_has_a_velocity) {
+    static const char *const bodies[] = {"", "velocity=[0.0, 0.0, 0.0];",
+                                         "velocity=[1e-12, 0.0, 0.0];"};
+    struct lab_run run[3];
+    const struct run_request request = {.stepper = "reference", .rtol = 1e-9, .atol = 1e-11};
+    for (int i = 0; i < 3; i++) {
+        char body[400];
+        snprintf(body, sizeof body,
+                 "body=({ name=\"b\"; center=[0.05, -0.12, 0.02]; radii=[0.08, 0.09, 0.08];"
+                 "        friction=50.0; elasticity=0.1; offset=1e-4; %s })",
+                 bodies[i]);
+        struct scene *scene =
+            LAB_LOAD("swing", "duration=0.5", body, "wisps.[0].direction=[1.0, 0.0, 0.2]");
+        cr_assert_eq(scene->bodies[0].moves, i > 0);
+        run_to(scene, &request, &run[i]);
+        scene_free(scene);
+    }
+    const double same = lab_distance(&run[1], &run[2], 1, 2).largest,
+                 other = lab_distance(&run[0], &run[1], 1, 2).largest;
+    cr_assert_lt(same, 1e-9, "at 0 and at 1e-12 m/s: %g m apart", same);
+    cr_assert_gt(other, 1e-3, "the two rules are one: %g m apart", other);
+    for (int i = 0; i < 3; i++)
+        lab_run_free(&run[i]);
+    struct scene *scene = LAB_LOAD("swing", BALL,
+                                   "head={ times=[0.0]; positions=([0, 0, 0]);"
+                                   "       rotations=([0, 0, 0]); }");
+    cr_assert(scene->bodies[0].moves, "a head that may move takes its bodies along");
+    scene_free(scene);
+}
+
 /* A body that nobody touches changes no bit; without envelope and body there are no ticks. */
 Test(body_runs, a_distant_body_changes_nothing) {
     static const char *const distant =
