@@ -390,6 +390,45 @@ Test(wisp_clock, the_end_of_a_gust_is_a_stop) {
     }
 }
 
+/* What was before a kink says nothing of what comes: every method with a history begins anew there,
+ * for all wisps, once where two kinks fall together. */
+Test(wisp_clock, methods_with_a_history_restart_at_every_kink) {
+    static const struct {
+        const char *set;
+        int kinks;
+    } cases[] = {
+        {GUST("0.0637"), 1},
+        {"style={ times = [0.0, 0.031, 0.07, 0.5]; accelerations = ([0.0, 0.0, 0.0], [1.0, 0.0, "
+         "0.0], [0.0, 0.0, 2.0], [0.0, 0.0, 0.0]); }",
+         2},
+        {"head={ times = [0.011, 0.02, 0.09]; positions = ([0.0, 0.0, 0.0], [0.001, 0.0, 0.0], "
+         "[0.0, 0.0, 0.0]); rotations = ([0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]); }",
+         3},
+        {"wind={ kind = \"irregular\"; velocity = [1.0, 0.0, 0.0]; amplitudes = [1.0]; "
+         "frequencies = [9.0]; }",
+         0},
+    };
+    for (int i = 0; i < 4; i++)
+        for (int m = 0; stepper_methods[m]; m++) {
+            const struct stepper_method *method = stepper_methods[m];
+            struct scene *scene =
+                LAB_LOAD("swing", LIMP, "duration=0.1", "frame_rate=20.0",
+                         "wisps=({ root = [0.0, 0.0, 0.0]; direction = [1.0, 0.0, 0.0]; length = "
+                         "0.3; nodes = 5; }, { root = [0.0, 0.0, 1.0]; direction = [0.0, 0.1, "
+                         "1.0]; length = 0.3; nodes = 5; })",
+                         cases[i].set);
+            const struct run_request request = lab_request(method, WISP_GENERALISED);
+            struct lab_run run;
+            lab_run(scene, &request, &run);
+            cr_assert_eq(run.result.outcome, FINISHED, "%s: %s", method->name, run.result.reason);
+            cr_assert_eq(run.result.counters.restarts, method->reset ? 2 * cases[i].kinks : 0,
+                         "%s: %lld restarts of two wisps at %d kinks: %s", method->name,
+                         run.result.counters.restarts, cases[i].kinks, cases[i].set);
+            lab_run_free(&run);
+            scene_free(scene);
+        }
+}
+
 /* A kink inside a step would leave an error of h^2 times the jump of the force's slope, once: order
  * 2 for all methods. With the stop there they keep their own. */
 Test(wisp_clock, steppers_keep_their_order_across_the_end_of_a_gust) {
