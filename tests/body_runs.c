@@ -8,6 +8,8 @@
 
 #include <criterion/criterion.h>
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static void run_to(struct scene *scene, const struct run_request *request, struct lab_run *run) {
@@ -253,4 +255,63 @@ Test(body_runs, a_distant_body_changes_nothing) {
     wisp_problem.free(ticking);
     scene_free(without);
     scene_free(with);
+}
+
+/* --- warnings --- */
+
+/* One hair, and a body of this radius that moves like that. */
+#define HAIR_AND_BODY                                                                      \
+    "name = \"hair\"; duration = 0.5; frame_rate = 30.0; gravity = [0.0, -9.81, 0.0];\n"   \
+    "material = { }; wisps = ( { root = [0.0, 0.0, 0.0]; direction = [0.0, -1.0, 0.0];\n"  \
+    "length = 0.3; nodes = 11; } );\n%s\n"                                                 \
+    "body = ( { name = \"ball\"; center = [-1.0, -0.15, 0.0]; radii = [0.03, %s, 0.02];\n" \
+    "friction = 50.0; elasticity = 0.1; offset = 1.0e-4; velocity = [%s, 0.0, 0.0]; } );\n"
+
+static int count_of(const char *text, const char *part) {
+    int count = 0;
+    for (const char *at = text; (at = strstr(at, part)); at += strlen(part))
+        count++;
+    return count;
+}
+
+/* What passes between two ticks or between two nodes is said once, with the body's name, and is in
+ * run.json; 12 m/s are 4 cm from tick to tick at 300 Hz, and half a segment is 15 mm. */
+Test(body_runs, bodies_that_can_pass_unseen_are_warned_of) {
+    static const char turning[] = "head = { times = [0.0, 0.1]; positions = ([0.0, 0.0, 0.0], [0.0,"
+                                  "0.0, 0.0]); rotations = ([0.0, 0.0, 0.0], [0.0, 0.82, 0.0]); };";
+    static const struct {
+        const char *head, *radius, *velocity;
+        const char *said; /* NULL: nothing */
+    } cases[] = {
+        {"", "0.02", "11.99", NULL},
+        {"", "0.02", "12.01", "tick to tick (300 Hz), and its least diameter is 0.04 m"},
+        {"contacts = { collision_rate = 600.0; interpenetration = false; collision = false; };",
+         "0.02", "12.01", NULL},
+        {"", "0.0151", "0.0", NULL},
+        {"", "0.0149", "0.0", "its least radius is 0.0149 m, below half a segment of 0.03 m"},
+        {turning, "0.02", "0.0", "tick to tick"}, /* by 1.5 * 8.2 rad/s at 1 m */
+        {"", "0.0149", "-30.0", "tick to tick"},
+    };
+    char folder[PATH_SIZE], path[PATH_SIZE], scene[PATH_SIZE], text[2048];
+    folder_make(folder);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        static struct finished f;
+        snprintf(text, sizeof text, HAIR_AND_BODY, cases[i].head, cases[i].radius,
+                 cases[i].velocity);
+        file_write(folder, "hair.cfg", text, scene);
+        path_format(path, "%s/run", folder);
+        PROGRAM(&f, NULL, "run", scene, "--out", path, "--duration", "0.11", "--no-progress");
+        cr_assert_eq(f.code, 0, "%s", f.err);
+        path_format(path, "%s/run/run.json", folder);
+        char *json = file_read(path);
+        const int count = i == 6 ? 2 : cases[i].said != NULL;
+        cr_assert_eq(count_of(f.err, "warning: body 'ball' can pass"), count, "case %zu: %s", i,
+                     f.err);
+        cr_assert_eq(count_of(json, "\"body 'ball' can pass"), count, "case %zu", i);
+        cr_assert(!cases[i].said || (strstr(f.err, cases[i].said) && strstr(json, cases[i].said)),
+                  "case %zu: %s", i, f.err);
+        cr_assert(strstr(json, "\"warnings\": ["), "case %zu: no list in run.json", i);
+        free(json);
+    }
+    folder_remove(folder);
 }
