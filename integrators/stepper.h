@@ -82,7 +82,8 @@ struct stepper_method {
      * `stop`, which is met exactly; *t becomes the time reached. */
     int (*advance)(struct stepper *stepper, double *t, double stop, double *q, double *v);
 
-    /* Forgets the history: an event changed the state, the system or both. NULL: has none. */
+    /* Forgets the history: an event changed the state, the system or both, or the forces have a
+     * kink here. NULL: has none. */
     int (*reset)(struct stepper *stepper);
 
     void (*free)(struct stepper *stepper);
