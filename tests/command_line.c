@@ -344,7 +344,7 @@ Test(command_line, run_json_says_everything) {
     path_format(path, "%s/states.tsv", folder);
     char *states = file_read(path);
     cr_assert(states &&
-                  strstr(states, "\nt\twisp\tnode\tx\ty\tz\tvx\tvy\tvz\n0\t0\t0\t0.9"),
+                  strstr(states, "\nt\twisp\tnode\tx\ty\tz\tvx\tvy\tvz\tparent\n0\t0\t0\t0.9"),
               "states.tsv does not begin as promised");
     cr_assert_eq(count_lines(strstr(states, "\nt\twisp") + 1), 202, "%d rows and names",
                  count_lines(strstr(states, "\nt\twisp") + 1));

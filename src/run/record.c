@@ -39,7 +39,7 @@ struct frame_writer {
 static void write_names(FILE *stream, const struct model *model) {
     for (int i = 0; i < model->column_count; i++)
         fprintf(stream, "\t%s", model->columns[i]);
-    fputc('\n', stream);
+    fputs("\tparent\n", stream);
 }
 
 static void write_diagnosis(struct frame_writer *writer, const struct diagnosis *diagnosis) {
@@ -59,7 +59,7 @@ static int write_frame(void *ctx, const struct model *model, double t, const dou
         fprintf(stream, "%.17g", t);
         for (int j = 0; j < columns; j++)
             fprintf(stream, "\t%.17g", rows[i * columns + j]);
-        fputc('\n', stream);
+        fprintf(stream, "\t%d\n", model->parent[(int)rows[i * columns]]);
     }
     if (fflush(stream)) /* now, so that a killed run keeps its frames and a full disk shows */
         writer->error = errno;
