@@ -54,12 +54,28 @@ double race_predicted(const struct field *field, const struct entry *entry, int 
     return steps_cost(field, contestant, field->scene->wisp_count / pace);
 }
 
+/* A run that takes so long, s, is done once, and once more for its time. */
+static const double dear = 0.5;
+
+int race_is_dear(const struct field *field, const struct entry *entry, int k) {
+    return race_predicted(field, entry, k) > dear;
+}
+
+int race_jitters(const struct plan *plan, const struct field *field, const struct entry *entry,
+                 int k) {
+    return !contestant_is_adaptive(entry->contestant) || race_is_dear(field, entry, k) ? 1
+           : plan->quick                                                               ? 3
+                                                                                       : JITTERS;
+}
+
 int race_timings(const struct plan *plan, const struct field *field, const struct entry *entry,
                  int k) {
-    if (contestant_is_adaptive(entry->contestant))
-        return 1; /* jittered runs are each other's repetitions */
     const double cost = race_predicted(field, entry, k);
-    return plan->quick ? 2 : cost < 0.2 ? 5 : 2;
+    return contestant_is_adaptive(entry->contestant) || cost > dear
+               ? 1 /* jittered ones repeat it */
+           : plan->quick ? 2
+           : cost < 0.2  ? 5
+                         : 2;
 }
 
 /* --- the largest stable step --- */
@@ -151,11 +167,9 @@ void race_fit(const struct plan *plan, struct field *fields, int field_count) {
     for (int f = 0; f < field_count; f++)
         for (int i = 0; i < fields[f].entry_count; i++) {
             struct entry *entry = &fields[f].entries[i];
-            const int adaptive = contestant_is_adaptive(entry->contestant);
-            entry->jitters = !adaptive ? 1 : plan->quick ? 3 : JITTERS;
             if (entry->refused[0])
                 continue;
-            if (adaptive)
+            if (contestant_is_adaptive(entry->contestant))
                 fit_adaptive(&fields[f], entry, cap);
             else
                 fit_fixed(&fields[f], entry, cap);
@@ -185,13 +199,43 @@ static double charts_cost(const struct plan *plan, const struct scene *scene, in
     return together * plan->configuration_count * cap / scene->duration;
 }
 
-double race_duration(const struct plan *plan, const struct race *race, const struct scene *scene,
-                     const int *treatments, int treatment_count) {
-    const double budget = plan->quick ? race->quick_seconds : race->seconds;
-    const double least = plan->quick ? 0.1 : 1; /* s: a scene that moves is worth that much */
-    double cost = 0;
-    for (int i = 0; i < treatment_count; i++)
-        cost += charts_cost(plan, scene, treatments[i]) +
-                reference_cost(scene) * (scene_has_contacts(scene) ? 2 : 1);
-    return fmin(scene->duration, fmax(least, budget / plan->subject_count / cost));
+/* Of one treatment, with its references, per simulated second. */
+static double treatment_cost(const struct plan *plan, const struct scene *scene, int treatment) {
+    return charts_cost(plan, scene, treatment) +
+           reference_cost(scene) * (scene_has_contacts(scene) ? 2 : 1);
+}
+
+/* Takes the dearest of the treatments out, of equal ones the last. Returns which it was. */
+static int drop_dearest(const struct plan *plan, const struct scene *scene, int *treatments,
+                        int count) {
+    int dearest_at = 0;
+    double most = 0;
+    for (int i = 0; i < count; i++) {
+        const double cost = treatment_cost(plan, scene, treatments[i]);
+        if (cost >= most) {
+            most = cost;
+            dearest_at = i;
+        }
+    }
+    const int dropped = treatments[dearest_at];
+    for (int i = dearest_at; i + 1 < count; i++)
+        treatments[i] = treatments[i + 1];
+    return dropped;
+}
+
+double race_afford(const struct plan *plan, const struct race *race, const struct scene *scene,
+                   int *treatments, int *count, char left_out[64]) {
+    const double budget = (plan->quick ? race->quick_seconds : race->seconds) / plan->subject_count;
+    const double least = fmin(scene->duration, plan->quick ? 0.1 : 1);
+    for (left_out[0] = '\0';;) {
+        double cost = 0;
+        for (int i = 0; i < *count; i++)
+            cost += treatment_cost(plan, scene, treatments[i]);
+        if (*count == 1 || cost * least <= budget)
+            return fmin(scene->duration, fmax(least, budget / cost));
+        const size_t used = strlen(left_out);
+        snprintf(left_out + used, 64 - used, "%s%s", used ? " and " : "",
+                 race_treatment(drop_dearest(plan, scene, treatments, *count)));
+        --*count;
+    }
 }
