@@ -15,7 +15,7 @@ is_failed(status) = status ne 'finished' && status ne 'refused' && status ne 'le
     && status ne 'status'
 is_point(m) = strcol(1) eq word(names, m) && strcol(2) eq treatment
 is_good(m) = is_point(m) && strcol(STATUS) eq 'finished'
-# At most so many curves have a name: those on a front, then methods as they are, then variants. The
+# At most so many curves have a name: those on the front of CPU time, then methods as they are, then variants. The
 # rest are thin and grey, and in the table.
 NAMED = 8
 named(list, more) = words(list) < NAMED ? with_name(list, more) : list
@@ -49,8 +49,8 @@ do for [s = 1:words(scene_files)] {
     pitch = (page_width - 85) / columns # from panel to panel
     eval names_of(scene)
     chosen = ''
-    stats table(scene.'-front') using (strcol(1) eq 'treatment' ? 0 \
-        : (chosen = named(chosen, strcol(5)), 0)) nooutput
+    stats table(scene.'-front') using (strcol(2) eq 'cpu' \
+        ? (chosen = named(chosen, strcol(5)), 0) : 0) nooutput
     do for [m = 1:words(names)] { if (words(word(names, m)) == 1) { chosen = named(chosen, word(names, m)) } }
     do for [m = 1:words(names)] { chosen = named(chosen, word(names, m)) }
     rest = ''; own = ''
