@@ -52,6 +52,8 @@ do for [s = 1:words(scene_files)] {
     stats table(scene.'-front') using (strcol(2) eq 'cpu' \
         ? (chosen = named(chosen, strcol(5)), 0) : 0) nooutput
     do for [m = 1:words(names)] { if (words(word(names, m)) == 1) { chosen = named(chosen, word(names, m)) } }
+    stats table(scene.'-front') using (strcol(2) eq 'evaluations' \
+        ? (chosen = named(chosen, strcol(5)), 0) : 0) nooutput
     do for [m = 1:words(names)] { chosen = named(chosen, word(names, m)) }
     rest = ''; own = ''
     do for [m = 1:words(names)] {
