@@ -412,7 +412,7 @@ Test(eval, a_state_without_direction_exits_3, .init = open_folder, .fini = close
     file_write(folder, "bad.tsv", text, path);
     PROGRAM(&f, NULL, "eval", "swing", "--state", path);
     cr_assert_eq(f.code, 3, "exit code %d, '%s'", f.code, f.err);
-    cr_assert(count_lines(f.err) == 1 && strstr(f.err, "coincide"), "'%s'", f.err);
+    cr_assert(count_lines(f.err) == 1 && strstr(f.err, "wisp 0: nodes 1 and 3 coincide"), "'%s'", f.err);
     cr_assert_eq(f.out[0], '\0', "prints '%.60s'", f.out);
     free(text);
 }
