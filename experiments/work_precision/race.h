@@ -174,7 +174,7 @@ void race_fit(const struct plan *plan, struct field *fields, int field_count);
 /* How long of a scene the race may take by predicted costs, s: what the budget allows, but a second
  * at least (with --quick a tenth of one). Where that is too dear, treatments are taken out, the
  * dearest first, down to one; `left_out` names them. */
-double race_afford(const struct plan *plan, const struct race *race, const struct scene *scene,
+double race_afford(struct plan *plan, const struct race *race, const struct scene *scene,
                    int *treatments, int *count, char left_out[64]);
 
 /* --- race_statements.c --- */

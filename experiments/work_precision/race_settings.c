@@ -17,7 +17,7 @@ static const double process_cost = 0.012, point_cost = 100e-9;
 
 /* No run that is predicted to take longer is tried, s. */
 static double dearest(const struct plan *plan) {
-    return plan->quick ? 0.5 : 5;
+    return plan->quick ? 0.5 : 1.5;
 }
 
 /* What costs no more is in every chart, s. */
@@ -182,32 +182,44 @@ int race_takes(const struct plan *plan, const struct entry *entry, int k) {
 
 /* --- how long a scene is run --- */
 
+static int would_run(struct plan *plan, const struct field *field, const struct entry *entry) {
+    struct run_request request = contestant_request(
+        entry->contestant, race_setting(field, entry, 0), field->scene->run.atol);
+    char reason[REASON_SIZE];
+    request.treatment = race_treatment(field->treatment);
+    return plan_takes(plan, field->scene, &request, reason);
+}
+
 /* What the charts of one treatment will cost for a simulated second, by linear theory: the rungs of
  * one method together cost 3.4 times the dearest of them, and each is run with diagnoses, which
- * takes 1.6 times as long, and twice for its time. */
-static double charts_cost(const struct plan *plan, const struct scene *scene, int treatment) {
-    const double together = 3.4 * (1.6 + 2), below = exp2(RUNGS_BELOW / 2.);
+ * takes 1.6 times as long, and twice for its time; or where it is dear, twice. */
+static double charts_cost(struct plan *plan, const struct scene *scene, int treatment) {
+    const double together = 3.4, below = exp2(RUNGS_BELOW / 2.);
     struct field field = {.whole = scene, .scene = scene, .treatment = treatment};
     double cap = 0;
+    int count = 0;
     for (int c = 0; c < plan->configuration_count; c++) {
         const struct entry entry = {.contestant = &plan->configurations[c]};
+        if (!would_run(plan, &field, &entry))
+            continue;
+        count++;
         if (contestant_is_adaptive(entry.contestant))
             continue;
         const double step = race_setting(&field, &entry, first_seen_stable(&field, &entry));
         cap = fmax(cap, steps_cost(&field, entry.contestant, step / below));
     }
-    return together * plan->configuration_count * cap / scene->duration;
+    cap = fmin(cap, dearest(plan));
+    return together * (cap > dear ? 2 : 3.6) * count * cap / scene->duration;
 }
 
 /* Of one treatment, with its references, per simulated second. */
-static double treatment_cost(const struct plan *plan, const struct scene *scene, int treatment) {
+static double treatment_cost(struct plan *plan, const struct scene *scene, int treatment) {
     return charts_cost(plan, scene, treatment) +
            reference_cost(scene) * (scene_has_contacts(scene) ? 2 : 1);
 }
 
 /* Takes the dearest of the treatments out, of equal ones the last. Returns which it was. */
-static int drop_dearest(const struct plan *plan, const struct scene *scene, int *treatments,
-                        int count) {
+static int drop_dearest(struct plan *plan, const struct scene *scene, int *treatments, int count) {
     int dearest_at = 0;
     double most = 0;
     for (int i = 0; i < count; i++) {
@@ -223,7 +235,7 @@ static int drop_dearest(const struct plan *plan, const struct scene *scene, int 
     return dropped;
 }
 
-double race_afford(const struct plan *plan, const struct race *race, const struct scene *scene,
+double race_afford(struct plan *plan, const struct race *race, const struct scene *scene,
                    int *treatments, int *count, char left_out[64]) {
     const double budget = (plan->quick ? race->quick_seconds : race->seconds) / plan->subject_count;
     const double least = fmin(scene->duration, plan->quick ? 0.1 : 1);
