@@ -148,24 +148,26 @@ static int record_parting(struct point *p, const struct outcome_of_run *run) {
 
 static int read_point(struct plan *plan, struct field *field, const struct entry *entry, int k) {
     struct outcome_of_run runs[JITTERS];
-    struct point *p = new_point(field, entry, k, outcome_name(FINISHED), "");
-    p->runs = entry->jitters;
+    struct point *p = new_point(field, entry, k, outcome_name(FINISHED),
+                                race_is_dear(field, entry, k) ? "not diagnosed, for its cost" : "");
+    const int count = race_jitters(plan, field, entry, k);
+    p->runs = count;
     p->failed = 0;
-    for (int j = 0; j < entry->jitters; j++) {
+    for (int j = 0; j < count; j++) {
         if (read_run(plan, field, race_case(plan, field, entry, k, j), &runs[j]))
             return -1;
         p->failed += runs[j].outcome != FINISHED;
     }
     int parted = 0;
-    for (int j = 0; j < entry->jitters && !p->failed && !parted; j++)
+    for (int j = 0; j < count && !p->failed && !parted; j++)
         if (!isnan(runs[j].deviation.parted))
             parted = record_parting(p, &runs[j]);
     if (p->failed)
-        record_failure(p, runs, entry->jitters);
+        record_failure(p, runs, count);
     else if (parted)
-        p->failed = entry->jitters;
+        p->failed = count;
     else
-        summarise(p, runs, entry->jitters);
+        summarise(p, runs, count);
     p->limited = p->deviation.rms < 10 * field->bound;
     return 0;
 }
