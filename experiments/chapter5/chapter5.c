@@ -242,8 +242,8 @@ const struct experiment chapter5_experiment = {
     .question = "how nearly are its figures one model, and what does a wisp cost in each?",
     .thesis = "chapter 5",
     .place = 14,
-    .quick = {.seconds = 2},
-    .full = {.seconds = 8},
+    .quick_seconds = 2,
+    .full_seconds = 8,
     .plan = chapter5_plan,
     .tabulate = chapter5_tabulate,
 };

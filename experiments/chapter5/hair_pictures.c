@@ -236,6 +236,7 @@ int hair_strip(struct plan *plan, const char *folder, const struct hair_study *s
                                           .set_count = is_sparse,
                                           .row_count = row_count,
                                           .views = VIEW_HAIR,
+                                          .trajectories = plan->trajectories,
                                           .width = study->question->width,
                                           .height = study->question->height,
                                           .columns = study->question->columns};

@@ -14,7 +14,7 @@ enum { WHOLE, SPLIT };
 static double twins_apart(const struct hair *hair, int frame) {
     double largest = 0;
     for (int w = hair->scene->wisp_count; w < hair->frames[frame].wisps; w++) {
-        const int twin = hair_ancestor(hair, frame, w);
+        const int twin = hair->states->parent[w];
         for (int i = 2; i < hair_nodes(hair, frame, w); i++) {
             double apart[3] = {0, 0, 0};
             vector_add(apart, 1, hair_node(hair, frame, w, i));
@@ -185,8 +185,8 @@ const struct experiment subdivision_experiment = {
     .question = "what does adaptive subdivision add, and what does it cost?",
     .thesis = "section 5.5",
     .place = 11,
-    .quick = {.seconds = 2},
-    .full = {.seconds = 15},
+    .quick_seconds = 2,
+    .full_seconds = 15,
     .answers = 1u << ANSWERS_CHOICE,
     .plan = subdivision_plan,
     .tabulate = subdivision_tabulate,

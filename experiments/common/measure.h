@@ -24,9 +24,10 @@ const struct labelled_case *find_case(const struct plan *plan, const char *group
 int open_table(struct atomic_file *file, const char *folder, const char *name, const char *what,
                const struct scene *scene, const char *columns, char *reason);
 
-/* CPU time of one run with fixed steps, s, roughly; `cost` of a step, s per unknown. */
-double estimated_cost(const struct scene *scene, enum wisp_treatment treatment, double cost,
-                      double step);
+/* CPU time of one run in steps of that length, s, as the table of configurations predicts it on all
+ * machines; wisps that are computed side by side cost one. */
+double estimated_cost(const struct scene *scene, enum wisp_treatment treatment,
+                      const struct configuration *contestant, double step);
 
 /* What a run took, whether or not it got to its end; NaN where it could not say. */
 struct cost {
@@ -35,6 +36,11 @@ struct cost {
     struct spread cpu; /* of one that failed: the one time that it took to get there */
 };
 struct cost run_cost(const struct run_files *run);
+
+/* Whether a cost is known to be less than another: no time of the one reaches a time of the other,
+ * and the medians are farther apart than those of the same work at two moments, which on a machine
+ * with other users differ by up to 30 %. Else they are tied. */
+int cost_is_less(const struct spread *one, const struct spread *other);
 
 /* Of a run that there was not. */
 extern const struct cost no_cost;
@@ -57,12 +63,12 @@ struct deviation {
  * the scd of the Test Set for IVP Solvers with a floor of 0, and its mescd with atol/rtol. */
 double mixed_error(const double *a, const double *b, int n, double floor);
 
-/* Compares run and reference, tables of states of `scene`; samples, where both have the same ones.
+/* Compares run and reference, runs of `scene`; samples, where both have the same ones.
  * The reference may go on for longer. `floor` is atol/rtol of the mescd. Where they part, frames
  * before that are compared, and what belongs to the last frame is NaN. Returns 0, or -1 with a
  * reason where their frames differ. */
-int measure_deviation(const struct scene *scene, const struct table *run,
-                      const struct table *reference, double floor, struct deviation *deviation,
+int measure_deviation(const struct scene *scene, const struct trajectory *run,
+                      const struct trajectory *reference, double floor, struct deviation *deviation,
                       char *reason);
 
 /* Distance of a run's wisps from another's as curves, at equal shares of their arc length: their
@@ -73,10 +79,11 @@ struct curve_deviation {
     double end;          /* rms at the last frame, m */
 };
 
-/* Compares run and reference, tables of states of `scene` or of one with as many wisps. Returns 0,
- * or -1 with a reason where their frames differ. */
-int measure_curves(const struct scene *scene, const struct table *run,
-                   const struct table *reference, struct curve_deviation *deviation, char *reason);
+/* Compares run and reference, runs of `scene` or of one with as many wisps. Returns 0, or -1 with a
+ * reason where their frames differ. */
+int measure_curves(const struct scene *scene, const struct trajectory *run,
+                   const struct trajectory *reference, struct curve_deviation *deviation,
+                   char *reason);
 
 /* --- how long trajectories can be compared --- */
 
@@ -92,14 +99,15 @@ double reference_cost(const struct scene *scene);
 #define HORIZON_DISTANCE     1e-3
 
 /* The last frame, s, at which no node of two runs is farther from the other one's than
- * HORIZON_DISTANCE, but at least the second one. NaN where a run did not finish. Returns 0, or -1
- * with a reason. */
-int measure_horizon(const char *folder, const char *other_folder, double *horizon, char *reason);
+ * HORIZON_DISTANCE, but at least the second one. NaN where a run did not finish. `owner`: of their
+ * states, or NULL. Returns 0, or -1 with a reason. */
+int measure_horizon(struct trajectories *owner, const char *folder, const char *other_folder,
+                    double *horizon, char *reason);
 
 /* Writes rows "name, t, largest distance of a node, m", one for each frame of both runs. Returns 0,
  * or -1 with a reason. */
-int measure_separation(const char *folder, const char *other_folder, const char *name, FILE *stream,
-                       char *reason);
+int measure_separation(struct trajectories *owner, const char *folder, const char *other_folder,
+                       const char *name, FILE *stream, char *reason);
 
 /* The slope of log error over log cost, of points added from coarse to fine. */
 enum { SLOPE_POINTS = 48, SLOPE_FINEST = 3 };
