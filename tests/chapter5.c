@@ -375,6 +375,42 @@ Test(chapter5, slow_costs_are_normalised_to_the_first_row, QUIET) {
     forget(&answer);
 }
 
+/* The thesis's times of a wisp over those of figure 5.2 without interaction, worked out by hand
+ * from its tables; and where the scenes are off the common model. */
+Test(chapter5, slow_figures_are_compared_by_the_wisp, QUIET) {
+    static const struct {
+        const char *name;
+        double thesis;
+        const char *deviates;
+    } rows[] = {{"5.2 none", 1, "no wisp contact"},      {"5.1 radius 1 cm", 1.146, "length"},
+                {"5.1 radius 3 cm", 1.503, "viscosity"}, {"5.3 viscosity 0.5", 1.118, "bending"},
+                {"5.4 sphere", 1.579, "nothing"},        {"5.5 without", 1.158, "drag"},
+                {"5.5 with", 2.184, "one-sided"},        {"5.6 wind", 6.184, "nothing"}};
+    struct answer answer;
+    struct finished f;
+    char text[400];
+    folder_make(answer.folder);
+    PROGRAM(&f, NULL, "experiment", "chapter5", "--quick", "--out", answer.folder);
+    cr_assert_eq(f.code, 0, "%s", f.err);
+    char *figures = table_of(&answer, "chapter5", "figures"),
+         *models = table_of(&answer, "chapter5", "models");
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        const double cpu = number(figures, rows[i].name, "cpu"),
+                     none = number(figures, "5.2 none", "cpu");
+        cr_assert_float_eq(number(figures, rows[i].name, "thesis"), rows[i].thesis, 6e-4, "%s: %g",
+                           rows[i].name, number(figures, rows[i].name, "thesis"));
+        cr_assert_float_eq(number(figures, rows[i].name, "ours"), cpu / none, 1e-9);
+        field(row_named(models, rows[i].name), column_named(models, "deviates"), text);
+        cr_assert(strstr(text, rows[i].deviates), "%s deviates: %s", rows[i].name, text);
+    }
+    cr_assert_eq(number(figures, "5.2 none", "contacts"), 0);
+    free(figures);
+    free(models);
+    PROGRAM(&f, NULL, "experiment", "chapter5", "--scene", "swing", "--out", answer.folder);
+    cr_assert(f.code == 1 && strstr(f.err, "takes no --scene"), "%d: %s", f.code, f.err);
+    folder_remove(answer.folder);
+}
+
 /* Every stepper has a row; two are compared by their distance. */
 Test(chapter5, slow_every_stepper_has_a_row, QUIET) {
     struct answer answer;

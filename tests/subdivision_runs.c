@@ -356,7 +356,7 @@ Test(subdivision_runs, states_name_the_parents) {
     static struct finished f;
     struct trajectory states;
     folder_make(folder);
-    PROGRAM(&f, NULL, "run", "subdivision", "--duration", "0.25", "--out", folder, "--no-progress");
+    PROGRAM(&f, NULL, "run", "subdivision", "--duration", "0.9", "--out", folder, "--no-progress");
     path_format(path, "%s/states.tsv", folder);
     cr_assert_eq(trajectory_read(&states, path, reason), 0, "%s", reason);
     const int last = states.frame_count - 1;
