@@ -1,0 +1,321 @@
+/* What contact-rate says of its numbers. */
+#include "contact_rate.h"
+
+#include <math.h>
+#include <string.h>
+
+/* The thesis's rate of contacts, a hundredth of its rate of everything else; ours of bodies. */
+static const double thesis_rate = 90, our_body_rate = 300;
+
+/* A motion that converges has at least order 1/2 (what bounces off what is a matter of when); one
+ * that does not has order 0. Halfway is where a verdict turns. */
+static const double converging = 0.25;
+
+static double millimetres(double length) {
+    return 1e3 * length;
+}
+
+static void make_key(char key[192], const struct study *study, const char *what, const char *more) {
+    snprintf(key, 192, "%.70s, %.50s%s%.50s", study->subject->name, what, *more ? ", " : "", more);
+}
+
+/* --- whether it converges --- */
+
+/* "12, 3.1 mm at 90, 300 Hz" of the rates below the yardstick's. */
+static void list_errors(const struct series *series, char text[256]) {
+    int used = 0;
+    for (int i = 0; i + 1 < series->rate_count; i++)
+        used += snprintf(text + used, 256 - (size_t)used, "%s%.3g", i ? ", " : "",
+                         millimetres(series->point[i].error));
+    used += snprintf(text + used, 256 - (size_t)used, " mm at ");
+    for (int i = 0; i + 1 < series->rate_count; i++)
+        used +=
+            snprintf(text + used, 256 - (size_t)used, "%s%g", i ? ", " : "", series->point[i].rate);
+    snprintf(text + used, 256 - (size_t)used, " Hz");
+}
+
+static void state_convergence(struct statements *statements, const struct study *study,
+                              const struct series *series) {
+    const char *scene = study->subject->name;
+    char key[192], errors[256];
+    make_key(key, study, series->name, "converges");
+    list_errors(series, errors);
+    struct statement row = {
+        .key = key,
+        .figure = scene,
+        .tables = "rates series",
+        .verdict = series->has_order ? holds_if(series->order.slope >= converging) : NOT_REACHED,
+        .value = series->order.slope,
+        .unit = "1"};
+    if (isnan(series->horizon))
+        statements_add(statements, row, "On %s with %s the run at 9000 Hz fails.", scene,
+                       series->name);
+    else if (!series->has_order)
+        statements_add(statements, row,
+                       "On %s with %s too few rates' errors can be told from what the yardstick "
+                       "itself is unsure of, %.2g mm: %s.",
+                       scene, series->name, millimetres(series->doubt), errors);
+    else
+        statements_add(statements, row,
+                       "On %s with %s the motion converges in the rate: up to %.3g s it is %s from "
+                       "that at 9000 Hz, of order %.1f in the interval.",
+                       scene, series->name, series->horizon, errors, series->order.slope);
+}
+
+/* --- whether a hundred times rarer does harm --- */
+
+static int is_told(const struct series *series, const struct rate_point *point) {
+    return point && isfinite(point->error) && series->effect > HARM;
+}
+
+static void state_harm(struct statements *statements, const struct study *study,
+                       const struct series *series) {
+    const struct rate_point *point = point_at(series, thesis_rate);
+    const char *scene = study->subject->name;
+    char key[192];
+    if (!point)
+        return;
+    make_key(key, study, series->name, "90 Hz");
+    struct statement row = {.key = key,
+                            .figure = scene,
+                            .tables = "rates series",
+                            .by = THESIS,
+                            .verdict = is_told(series, point) ? holds_if(point->error <= HARM)
+                                                              : NOT_REACHED,
+                            .value = millimetres(point->error),
+                            .unit = "mm"};
+    if (!isfinite(point->error))
+        statements_add(statements, row, "On %s with %s the run at 90 Hz or that at 9000 Hz fails.",
+                       scene, series->name);
+    else if (!is_told(series, point))
+        statements_add(statements, row,
+                       "On %s with %s rare contacts can do no harm: up to %.3g s all that contact "
+                       "does is %.2g mm.",
+                       scene, series->name, series->horizon, millimetres(series->effect));
+    else
+        statements_add(statements, row,
+                       "On %s with %s contacts a hundred times rarer do no harm: up to %.3g s hair "
+                       "at 90 Hz is %.3g mm (rms) from hair at 9000 Hz, %.2g of what contact does.",
+                       scene, series->name, series->horizon, millimetres(point->error),
+                       point->error / series->effect);
+}
+
+/* Runs of two rates are of one distribution for all that these numbers tell if they are no farther
+ * from each other than those of one rate are. */
+static void state_after(struct statements *statements, const struct study *study,
+                        const struct series *series) {
+    const struct rate_point *point = point_at(series, thesis_rate),
+                            *yardstick = point_at(series, YARDSTICK_RATE);
+    const char *scene = study->subject->name;
+    char key[192];
+    if (!point || point->after.pairs == 0 || yardstick->after.pairs == 0)
+        return;
+    make_key(key, study, series->name, "90 Hz after the horizon");
+    statements_add(
+        statements,
+        (struct statement){.key = key,
+                           .figure = scene,
+                           .tables = "rates",
+                           .by = THESIS,
+                           .verdict = holds_if(point->after.median <= yardstick->after.upper),
+                           .value = millimetres(point->after.median),
+                           .unit = "mm"},
+        "On %s with %s, after %.3g s, hair at 90 Hz is no farther from hair at 9000 Hz "
+        "than that is from itself after starts 1e-6 m apart: median %.3g mm (quartiles "
+        "%.3g, %.3g) against %.3g (%.3g, %.3g).",
+        scene, series->name, series->horizon, millimetres(point->after.median),
+        millimetres(point->after.lower), millimetres(point->after.upper),
+        millimetres(yardstick->after.median), millimetres(yardstick->after.lower),
+        millimetres(yardstick->after.upper));
+}
+
+/* --- bodies --- */
+
+static void state_bodies(struct statements *statements, const struct study *study) {
+    const struct series *series = own_series(study, BODY_TICKS);
+    const struct rate_point *point = point_at(series, our_body_rate);
+    const char *scene = study->subject->name;
+    char key[192];
+    if (!point)
+        return;
+    const int bodies = study->subject->scene->body_count > 0;
+    make_key(key, study, "bodies", "300 Hz");
+    struct statement row = {
+        .key = key,
+        .figure = scene,
+        .tables = "rates series",
+        .verdict = bodies && isfinite(point->error) ? holds_if(point->error <= HARM) : NOT_REACHED,
+        .value = millimetres(point->error),
+        .unit = "mm"};
+    if (!isfinite(point->error))
+        statements_add(statements, row,
+                       "On %s the run with bodies at 300 Hz or that at 9000 Hz fails.", scene);
+    else if (!bodies)
+        statements_add(statements, row,
+                       "On %s there are no bodies; what is left of their ticks, to keep samples "
+                       "off their nodes, makes %.2g mm at 300 Hz.",
+                       scene, millimetres(point->error));
+    else
+        statements_add(statements, row,
+                       "On %s bodies at 300 Hz do no harm: up to %.3g s hair is %.3g mm (rms) from "
+                       "where bodies at 9000 Hz leave it.",
+                       scene, series->horizon, millimetres(point->error));
+    if (bodies)
+        state_convergence(statements, study, series);
+}
+
+/* --- controls and costs --- */
+
+static void state_control(struct statements *statements, const struct study *study) {
+    const struct rate_point *point = point_at(series_of(study, 0, 1), thesis_rate);
+    const char *scene = study->subject->name;
+    char key[192];
+    make_key(key, study, "control", "");
+    struct statement row = {.key = key,
+                            .figure = scene,
+                            .tables = "rates",
+                            .verdict =
+                                isfinite(point->error) ? holds_if(point->error == 0) : NOT_REACHED,
+                            .value = millimetres(point->error),
+                            .unit = "mm"};
+    statements_add(statements, row,
+                   "On %s with its contact off, runs at 90 and 9000 Hz are the same to the last "
+                   "bit: %g mm apart.",
+                   scene, millimetres(point->error));
+    if (study->own_contact > 0)
+        return;
+    make_key(key, study, "contact", "");
+    row.verdict = NOT_REACHED;
+    row.unit = NULL;
+    statements_add(statements, row,
+                   "On %s wisps do nothing to each other, and nothing is told of how often they "
+                   "should.",
+                   scene);
+}
+
+static void state_cost(struct statements *statements, const struct study *study) {
+    const struct series *series = own_series(study, WISP_TICKS);
+    const struct rate_point *rare = point_at(series, thesis_rate),
+                            *often = point_at(series, YARDSTICK_RATE);
+    char key[192];
+    if (!rare || !(rare->sections > 0))
+        return;
+    const double sections = often->sections / rare->sections;
+    make_key(key, study, "cost", "");
+    statements_add(statements,
+                   (struct statement){.key = key,
+                                      .figure = "cost",
+                                      .tables = "rates",
+                                      .by = THESIS,
+                                      .verdict = holds_if(sections >= 50),
+                                      .value = sections,
+                                      .unit = "1"},
+                   "On %s rare contacts are cheap: at 9000 Hz points are looked for in %.3g times "
+                   "as many sections as at 90 Hz, found %.3g times as often, and the advance stops "
+                   "%.3g times as often.",
+                   study->subject->name, sections, often->contacts / rare->contacts,
+                   often->stops / rare->stops);
+}
+
+/* --- where effort belongs --- */
+
+static int beyond(const struct source_error *a, const struct source_error *b) {
+    return a->error - a->doubt > b->error + b->doubt;
+}
+
+/* The larger of two errors, of which either may not be there. */
+static const struct source_error *larger(const struct source_error *a,
+                                         const struct source_error *b) {
+    return isnan(a->error) || b->error > a->error ? b : a;
+}
+
+/* The ticks' error is the largest, or another is, beyond what both are in doubt by. */
+static void state_sources(struct statements *statements, const struct study *study) {
+    const struct source_error *error = study->error,
+                              *ticks = larger(&error[OF_WISP_TICKS], &error[OF_BODY_TICKS]),
+                              *other = larger(&error[INTEGRATOR], &error[TREATMENT]);
+    const char *scene = study->subject->name;
+    const int told = study->has_sources && (beyond(ticks, other) || beyond(other, ticks));
+    char key[192];
+    make_key(key, study, "sources", "");
+    struct statement row = {.key = key,
+                            .figure = "sources",
+                            .tables = "sources",
+                            .verdict = told ? holds_if(beyond(ticks, other)) : NOT_REACHED,
+                            .value = millimetres(ticks->error),
+                            .unit = "mm"};
+    if (!study->has_sources)
+        statements_add(statements, row, "On %s there is no envelope, and no treatment to compare.",
+                       scene);
+    else if (isnan(study->span) || isnan(error[INTEGRATOR].error) || isnan(error[TREATMENT].error))
+        statements_add(statements, row, "On %s a run fails that an error is measured by.", scene);
+    else
+        statements_add(
+            statements, row,
+            "On %s rare ticks are the largest error: up to %.3g s those of wisps make %.3g mm, "
+            "those of bodies %.3g, the treatment %.3g, the integrator %.3g.",
+            scene, study->span, millimetres(error[OF_WISP_TICKS].error),
+            millimetres(error[OF_BODY_TICKS].error), millimetres(error[TREATMENT].error),
+            millimetres(error[INTEGRATOR].error));
+}
+
+/* --- of all scenes --- */
+
+/* The thesis's claim by kind of contact. */
+static void state_kind(struct statements *statements, const struct contact_rate *all, int contact,
+                       int reciprocal) {
+    const char *response = reciprocal ? "reciprocal" : "one-sided";
+    int told = 0, harmless = 0;
+    double worst = 0;
+    char key[192];
+    for (int i = 0; i < all->count; i++) {
+        const struct series *series = series_of(&all->study[i], contact, reciprocal);
+        const struct rate_point *point = point_at(series, thesis_rate);
+        if (!point || !is_told(series, point))
+            continue;
+        told++;
+        harmless += point->error <= HARM;
+        worst = fmax(worst, point->error);
+    }
+    snprintf(key, sizeof key, "%s, %s", contact_names[contact], response);
+    struct statement row = {.key = key,
+                            .tables = "rates series",
+                            .by = THESIS,
+                            .verdict = told ? holds_if(harmless == told) : NOT_REACHED,
+                            .value = millimetres(worst),
+                            .unit = "mm"};
+    if (told == 0)
+        statements_add(statements, row,
+                       "On no scene %s contact, %s, does more than 1 mm, and nothing is told of "
+                       "its rate.",
+                       contact == BOTH ? "of both kinds" : contact_names[contact], response);
+    else
+        statements_add(statements, row,
+                       "Contacts a hundred times rarer do no harm with %s, %s: on %d of %d scenes "
+                       "where contact does more than 1 mm hair stays within 1 mm (rms); at most it "
+                       "is %.3g mm off.",
+                       contact_names[contact], response, harmless, told, millimetres(worst));
+}
+
+static void state_study(struct statements *statements, const struct study *study) {
+    state_sources(statements, study);
+    for (int i = 0; i < study->series_count; i++) {
+        const struct series *series = &study->series[i];
+        if (series->ticks != WISP_TICKS || series->contact == 0)
+            continue;
+        state_harm(statements, study, series);
+        state_after(statements, study, series);
+        state_convergence(statements, study, series);
+    }
+    state_control(statements, study);
+    state_bodies(statements, study);
+    state_cost(statements, study);
+}
+
+void state_all(struct statements *statements, const struct contact_rate *all) {
+    for (int contact = FRICTION; contact <= BOTH; contact++)
+        for (int reciprocal = 1; reciprocal >= 0; reciprocal--)
+            state_kind(statements, all, contact, reciprocal);
+    for (int i = 0; i < all->count; i++)
+        state_study(statements, &all->study[i]);
+}

@@ -1,0 +1,2 @@
+load plots.'/style.gp'
+eval require('rates series sources')
