@@ -21,17 +21,18 @@ static void make_key(char key[192], const struct study *study, const char *what,
 
 /* --- whether it converges --- */
 
-/* "12, 3.1 mm at 90, 300 Hz" of the rates below the yardstick's. */
+/* "12 mm at 90 Hz, 3.1 at 300" of the rates below the yardstick's. */
 static void list_errors(const struct series *series, char text[256]) {
-    int used = 0;
-    for (int i = 0; i + 1 < series->rate_count; i++)
-        used += snprintf(text + used, 256 - (size_t)used, "%s%.3g", i ? ", " : "",
-                         millimetres(series->point[i].error));
-    used += snprintf(text + used, 256 - (size_t)used, " mm at ");
-    for (int i = 0; i + 1 < series->rate_count; i++)
-        used +=
-            snprintf(text + used, 256 - (size_t)used, "%s%g", i ? ", " : "", series->point[i].rate);
-    snprintf(text + used, 256 - (size_t)used, " Hz");
+    const char *mm = " mm", *hz = " Hz";
+    int used = snprintf(text, 256, "%s", "");
+    for (int i = 0; i + 1 < series->rate_count; i++) {
+        const struct rate_point *point = &series->point[i];
+        if (!isfinite(point->error))
+            continue;
+        used += snprintf(text + used, 256 - (size_t)used, "%s%.3g%s at %g%s", used ? ", " : "",
+                         millimetres(point->error), mm, point->rate, hz);
+        mm = hz = "";
+    }
 }
 
 static void state_convergence(struct statements *statements, const struct study *study,
@@ -169,19 +170,22 @@ static void state_bodies(struct statements *statements, const struct study *stud
 static void state_control(struct statements *statements, const struct study *study) {
     const struct rate_point *point = point_at(series_of(study, 0, 1), thesis_rate);
     const char *scene = study->subject->name;
+    const int told = isfinite(point->error);
     char key[192];
     make_key(key, study, "control", "");
     struct statement row = {.key = key,
                             .figure = scene,
                             .tables = "rates",
-                            .verdict =
-                                isfinite(point->error) ? holds_if(point->error == 0) : NOT_REACHED,
+                            .verdict = told ? holds_if(point->error == 0) : NOT_REACHED,
                             .value = millimetres(point->error),
                             .unit = "mm"};
-    statements_add(statements, row,
-                   "On %s with its contact off, runs at 90 and 9000 Hz are the same to the last "
-                   "bit: %g mm apart.",
-                   scene, millimetres(point->error));
+    if (told)
+        statements_add(statements, row,
+                       "On %s with its contact off, runs at 90 and 9000 Hz are the same to the "
+                       "last bit: %g mm apart.",
+                       scene, millimetres(point->error));
+    else
+        statements_add(statements, row, "On %s with its contact off a run fails.", scene);
     if (study->own_contact > 0)
         return;
     make_key(key, study, "contact", "");
@@ -198,7 +202,7 @@ static void state_cost(struct statements *statements, const struct study *study)
     const struct rate_point *rare = point_at(series, thesis_rate),
                             *often = point_at(series, YARDSTICK_RATE);
     char key[192];
-    if (!rare || !(rare->sections > 0))
+    if (!rare || rare->outcome != FINISHED || often->outcome != FINISHED || rare->contacts == 0)
         return;
     const double sections = often->sections / rare->sections;
     make_key(key, study, "cost", "");
@@ -229,6 +233,15 @@ static const struct source_error *larger(const struct source_error *a,
     return isnan(a->error) || b->error > a->error ? b : a;
 }
 
+/* "treatment 2 mm, integrator 1 mm" of those that are there. */
+static void list_sources(const struct source_error *error, char text[256]) {
+    int used = snprintf(text, 256, "%s", "");
+    for (int i = SOURCES - 1; i >= 0; i--)
+        if (isfinite(error[i].error))
+            used += snprintf(text + used, 256 - (size_t)used, "%s%s %.3g mm", used ? ", " : "",
+                             source_names[i], millimetres(error[i].error));
+}
+
 /* The ticks' error is the largest, or another is, beyond what both are in doubt by. */
 static void state_sources(struct statements *statements, const struct study *study) {
     const struct source_error *error = study->error,
@@ -236,8 +249,9 @@ static void state_sources(struct statements *statements, const struct study *stu
                               *other = larger(&error[INTEGRATOR], &error[TREATMENT]);
     const char *scene = study->subject->name;
     const int told = study->has_sources && (beyond(ticks, other) || beyond(other, ticks));
-    char key[192];
+    char key[192], list[256];
     make_key(key, study, "sources", "");
+    list_sources(error, list);
     struct statement row = {.key = key,
                             .figure = "sources",
                             .tables = "sources",
@@ -250,13 +264,8 @@ static void state_sources(struct statements *statements, const struct study *stu
     else if (isnan(study->span) || isnan(error[INTEGRATOR].error) || isnan(error[TREATMENT].error))
         statements_add(statements, row, "On %s a run fails that an error is measured by.", scene);
     else
-        statements_add(
-            statements, row,
-            "On %s rare ticks are the largest error: up to %.3g s those of wisps make %.3g mm, "
-            "those of bodies %.3g, the treatment %.3g, the integrator %.3g.",
-            scene, study->span, millimetres(error[OF_WISP_TICKS].error),
-            millimetres(error[OF_BODY_TICKS].error), millimetres(error[TREATMENT].error),
-            millimetres(error[INTEGRATOR].error));
+        statements_add(statements, row, "On %s rare ticks are the largest error up to %.3g s: %s.",
+                       scene, study->span, list);
 }
 
 /* --- of all scenes --- */

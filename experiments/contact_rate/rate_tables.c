@@ -19,7 +19,7 @@ static const struct {
      "quartiles of the distance, after the horizon, of runs from starts displaced by 1e-6 m (rms; "
      "draws 2 to 9, --quick 2 to 5) from as many at 9000 Hz, there from each other, m; nan: it "
      "failed, or there is no such thing or run",
-     "scene\tseries\tticks\tcontact\tresponse\trate\tstatus\tfailure_time\terror\tlargest\twhole"
+     "scene\tseries\tticks\tcontact\tresponse\trate\toutcome\tfailure_time\terror\tlargest\twhole"
      "\tparted\tcontacts\tsections\tstops\tevaluations\tcpu\tpairs\tafter_lower\tafter_median"
      "\tafter_upper"},
     {"series",
