@@ -4,8 +4,8 @@ load plots.'/style.gp'
 eval require('rates series sources')
 
 # columns of rates.tsv, series.tsv, sources.tsv
-SERIES = 2; TICKS = 3; CONTACT = 4; RESPONSE = 5; RATE = 6; ERROR = 9; SECTIONS = 15
-PAIRS = 19; LOWER = 20; MEDIAN = 21; UPPER = 22
+SERIES = 2; TICKS = 3; CONTACT = 4; RESPONSE = 5; RATE = 6; ERROR = 9; SECTIONS = 14
+PAIRS = 18; LOWER = 19; MEDIAN = 20; UPPER = 21
 OWN = 6; HORIZON = 7; COMPARED = 8; DOUBT = 10
 scenes = ''
 stats table('series') using (strcol(1) eq 'scene' ? 0 : (scenes = with_name(scenes, strcol(1)), 0), 0) nooutput
@@ -28,7 +28,7 @@ response(one_sided) = one_sided ? 'one-sided' : 'reciprocal'
 # What is less is drawn here: no eye sees a micrometre, and 0 has no logarithm.
 LEAST = 1e-3 # mm
 mm(x) = x == x ? (1e3 * x > LEAST ? 1e3 * x : LEAST) : NaN
-TOP = 300
+TOP = 500
 
 # --- each scene by itself ---
 
@@ -37,7 +37,7 @@ of(scene, kind, one_sided) = strcol(1) eq scene && strcol(TICKS) eq 'wisps' \
 
 do for [s = 1:words(scenes)] {
     scene = word(scenes, s)
-    eval figure(scene, 1100, 560)
+    eval figure(scene, 1100, 600)
     compared = ''; nearest = 1e300; farthest = 0; pairs = 0
     unset logscale; set autoscale
     stats table('series') using (strcol(1) eq scene && strcol(CONTACT) ne 'no contact' \
@@ -49,7 +49,7 @@ do for [s = 1:words(scenes)] {
         : sprintf('up to the horizon of each, %.2g to %.2g s', nearest, farthest)
     set multiplot
     do for [p = 1:3] {
-        eval panel(p == 1 ? 75 : p == 2 ? 475 : 845, 95, p == 1 ? 340 : p == 2 ? 310 : 230, 330)
+        eval panel(p == 1 ? 75 : p == 2 ? 470 : 840, 95, p == 1 ? 350 : p == 2 ? 330 : 235, 345)
         if (p == 1) {
             eval heading('How often must contacts be looked at? '.escaped(scene), \
                 'rms distance of free nodes from the motion with ticks at 9000 Hz; rk4 with the same steps at all rates; treatment generalised')
@@ -59,6 +59,7 @@ do for [s = 1:words(scenes)] {
         set logscale xy; set format y '%g'; set format x '%g'; unset mxtics
         set yrange [LEAST:TOP]
         set ytics (sprintf('≤ %g', LEAST) LEAST, 0.01, 0.1, 1, 10, 100)
+        if (p > 1) { set ytics ('' LEAST, '' 0.01, '' 0.1, '' 1, '' 10, '' 100) }
         set xrange [p == 3 ? 220 : 22:p == 2 ? 12500 : 4100]
         set xtics (30, 90, 300, 900, 3000, 9000) offset 0, 0.2
         set xlabel 'ticks (Hz)' offset 0, 0.3
@@ -90,7 +91,7 @@ do for [s = 1:words(scenes)] {
         }
         eval heading_done
     }
-    eval legend(0, 480, 1100, 60, 2)
+    eval legend(0, 495, 1100, 95, 4)
     plot @BLANK, for [k = 1:3] keyentry with linespoints lt line_of(k, 0) \
             title word(kinds, k).', reciprocal', \
          keyentry with linespoints lt 50 title 'bodies', \
@@ -166,9 +167,9 @@ do for [s = 1:words(scenes)] {
 }
 eval figure('cost', 900, 540)
 set multiplot
-eval panel(80, 70, 780, 375)
+eval panel(95, 70, 775, 375)
 eval heading('What does looking more often buy, and cost?', \
-    'the contact of each scene as it is, at 30 to 3000 Hz, from left to right; what is not reckoned in: the stops of the advance, one a tick')
+    'the contact of each scene as it is, each mark a rate (left to right; 30 to 3000 Hz); beside it each tick is a stop of the advance')
 set logscale xy; set format y '%g'; eval powers('x')
 set yrange [LEAST:TOP]; set ytics (sprintf('≤ %g', LEAST) LEAST, 0.01, 0.1, 1, 10, 100)
 set xlabel 'sections in which points are looked for, in a simulated second'

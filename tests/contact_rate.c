@@ -64,13 +64,12 @@ static void read_table(struct text_table *table, const char *name) {
     cr_assert_eq(text_table_check(table, path, reason), 0, "%s", reason);
 }
 
-static void carry_out_quick(const char *contacts) {
+static void carry_out_quick(const char *text) {
     static struct finished f;
-    char text[2048], scene[PATH_SIZE], path[PATH_SIZE];
+    char scene[PATH_SIZE], path[PATH_SIZE];
     folder_make(folder);
     gnuplot_stub_quiet();
-    snprintf(text, sizeof text, rubbing, contacts);
-    file_write(folder, "rubbing.cfg", text, scene);
+    file_write(folder, "scene.cfg", text, scene);
     PROGRAM(&f, NULL, "experiment", "contact-rate", "--quick", "--scene", scene, "--out", folder,
             "--no-progress");
     cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
@@ -82,6 +81,12 @@ static void carry_out_quick(const char *contacts) {
     PROGRAM(&f, NULL, "experiment", "contact-rate", "--quick", "--scene", scene, "--out", folder,
             "--no-progress");
     cr_assert(strstr(f.out, " 0 of them new"), "what is there is run again: %s", f.out);
+}
+
+static void carry_out_rubbing(const char *contacts) {
+    char text[2048];
+    snprintf(text, sizeof text, rubbing, contacts);
+    carry_out_quick(text);
 }
 
 static void clean_up(void) {
@@ -111,11 +116,11 @@ static const char *verdict_of(const char *key) {
  * which it stops at once, at any rate; its linearisation would turn velocities round, and is
  * decimetres off. */
 Test(contact_rate, strong_friction_is_near_its_limit_at_any_rate, .fini = clean_up) {
-    carry_out_quick("collision = false;");
+    carry_out_rubbing("collision = false;");
     for (int one_sided = 0; one_sided < 2; one_sided++) {
         const char *name = one_sided ? "friction, one-sided" : "friction, reciprocal";
         const double error = at_rate(name, 90, "error"), finer = at_rate(name, 900, "error");
-        cr_expect(error < 5e-3 && finer < error && finer > 0, "%s: %g, %g", name, error, finer);
+        cr_expect(error < 8e-3 && finer < error && finer > 0, "%s: %g, %g", name, error, finer);
         cr_expect_eq(at_rate(name, 9000, "error"), 0);
     }
     cr_expect_str_eq(verdict_of("rubbing, friction, reciprocal, converges"), "holds");
@@ -136,7 +141,7 @@ Test(contact_rate, strong_friction_is_near_its_limit_at_any_rate, .fini = clean_
 
 /* A scene in which nothing touches passes no claim on contact. */
 Test(contact_rate, without_contact_nothing_is_told, .fini = clean_up) {
-    carry_out_quick("interpenetration = false; collision = false;");
+    carry_out_rubbing("interpenetration = false; collision = false;");
     cr_expect_str_eq(verdict_of("rubbing, control"), "holds");
     cr_expect_eq(at_rate("no contact", 90, "error"), 0);
     for (int row = 0; row < statements.row_count; row++) {
@@ -146,6 +151,38 @@ Test(contact_rate, without_contact_nothing_is_told, .fini = clean_up) {
             cr_expect_str_eq(verdict, "not reached", "%s", key);
     }
     cr_expect_str_eq(verdict_of("rubbing, contact"), "not reached");
+}
+
+/* Two wisps that meet crosswise, as in `interactions`. */
+static const char meeting[] =
+    "name = \"meeting\"; duration = 0.5; frame_rate = 30.0; gravity = [0.0, -9.81, 0.0];\n"
+    "material = { drag_rate = 1.15; bending = \"hinge\"; bending_stiffness = 8.5e-6; };\n"
+    "envelope = { radius = 0.03; };\n"
+    "wisps = (\n"
+    "  { root = [0.0, 0.0, 0.0]; direction = [0.99, -0.08, 0.4]; length = 0.16; nodes = 7; },\n"
+    "  { root = [0.087, 0.033, -0.066]; direction = [-0.58, 0.81, 0.95]; length = 0.16; nodes = 7; "
+    "} );\n"
+    "contacts = { threshold = 0.44; };\n"
+    "run = { step = 1.0e-4; rtol = 1.0e-6; atol = 1.0e-9; };\n";
+
+/* From half the step the motion with ticks at 9000 Hz is another one after 0.3 s. */
+Test(contact_rate, after_the_horizon_pairs_of_runs_are_compared, .fini = clean_up) {
+    static const char own[] = "both, reciprocal";
+    carry_out_quick(meeting);
+    const int row = text_table_find(&series, "meeting", own);
+    cr_assert(row >= 0);
+    const double horizon = text_table_number(&series, row, "horizon");
+    cr_assert(horizon > 0.1 && horizon < 0.45, "%g", horizon);
+    cr_expect_lt(text_table_number(&series, row, "doubt"), 1e-3);
+    cr_expect_eq(at_rate(own, 9000, "pairs"), 4 * 3 / 2, "each two of four starts");
+    cr_expect_eq(at_rate(own, 90, "pairs"), 4 * 4, "each with each");
+    cr_expect_eq(at_rate("both, one-sided", 90, "pairs"), 0, "of its own contact alone");
+    const double lower = at_rate(own, 90, "after_lower"), middle = at_rate(own, 90, "after_median"),
+                 upper = at_rate(own, 90, "after_upper");
+    cr_expect(lower > 0 && lower <= middle && middle <= upper);
+    /* What comes after the horizon is more than the whole, which has the start in it. */
+    cr_expect_gt(middle, at_rate(own, 90, "whole"));
+    cr_expect_gt(at_rate(own, 90, "whole"), at_rate(own, 90, "error"));
 }
 
 Test(contact_rate, compares_rates_and_not_steppers) {
@@ -262,7 +299,7 @@ Test(contact_rate, verdicts_turn_with_the_numbers) {
     folder_make(folder);
     prepare(&p);
     p.touch->point[1].error = 1.1e-3;
-    p.touch->order.slope = 0.2;
+    p.touch->order.slope = 0.4;
     p.touch->point[1].after = (struct spread_of_pairs){16, 2e-3, 3.6e-3, 4e-3};
     p.touch->point[2].after = (struct spread_of_pairs){6, 1e-3, 2e-3, 3.5e-3};
     p.touch->point[2].sections = 400;
@@ -277,8 +314,13 @@ Test(contact_rate, verdicts_turn_with_the_numbers) {
     row_is(&rows, "two, cost", "does not hold", NULL);
     row_is(&rows, "both, reciprocal", "does not hold", NULL);
     text_table_free(&rows);
-    /* what contact does is less than harm; errors are within their doubts; too few of them are not
-     */
+    /* Errors that rise do not converge, whatever their slope. */
+    p.touch->order.slope = 0.9;
+    p.touch->point[0].error = 1e-3;
+    state(&p, &rows);
+    row_is(&rows, "two, both, reciprocal, converges", "does not hold", NULL);
+    text_table_free(&rows);
+    /* Contact does less than harm, errors are within their doubts, or too few of them are not. */
     p.touch->effect = 0.9e-3;
     p.touch->has_order = 0;
     set_errors(p.study, 1e-3, 2e-3, 2.1e-3);

@@ -167,13 +167,13 @@ static int add_control(struct plan *plan, struct study *study) {
                                                                                                 : 0;
 }
 
-/* Part of the scene's contact at a time, with either response; of a dear scene parts and the other
- * response are not combined. */
+/* Part of the scene's contact at a time, with either response; of a dear scene parts have its own
+ * response alone, with --quick all that it has. */
 static int is_asked(const struct plan *plan, const struct study *study, int contact,
                     int reciprocal) {
     if ((contact & study->own_contact) != contact)
         return 0;
-    return is_cheap(plan, study) || contact == study->own_contact ||
+    return is_cheap(plan, study) || (contact == study->own_contact && !plan->quick) ||
            reciprocal == study->subject->scene->interaction.reciprocal;
 }
 
