@@ -49,7 +49,7 @@ do for [s = 1:words(scenes)] {
         : sprintf('up to the horizon of each, %.2g to %.2g s', nearest, farthest)
     set multiplot
     do for [p = 1:3] {
-        eval panel(p == 1 ? 75 : p == 2 ? 470 : 840, 95, p == 1 ? 350 : p == 2 ? 330 : 235, 345)
+        eval panel(p == 1 ? 95 : p == 2 ? 480 : 845, 95, p == 1 ? 345 : p == 2 ? 325 : 230, 345)
         if (p == 1) {
             eval heading('How often must contacts be looked at? '.escaped(scene), \
                 'rms distance of free nodes from the motion with ticks at 9000 Hz; rk4 with the same steps at all rates; treatment generalised')
@@ -114,7 +114,7 @@ array span[64]
 do for [s = 1:words(scenes)] {
     span[s] = ''
     stats table('sources') using (strcol(1) eq word(scenes, s) \
-        ? (span[s] = $6 == $6 ? sprintf('%.2g of %.3g s', $6, $7) : 'no span', 0) : 0, 0) nooutput
+        ? (span[s] = $7 == $7 ? sprintf('%.2g of %.3g s', $7, $8) : 'no span', 0) : 0, 0) nooutput
 }
 eval figure('sources', 900, 170 + 95 * words(scenes))
 set multiplot
@@ -135,10 +135,10 @@ do for [s = 1:words(scenes)] {
     }
 }
 row_of(k) = place(scenes, strcol(1)) + 0.2 * (k - 2.5)
-is(k) = strcol(2) eq word(sources, k)
-plot for [k = 1:4] table('sources') using (is(k) ? mm($3) : NaN):(row_of(k)):(mm($4) - mm($3)):(0) \
+is(k) = strcol(2) eq word(sources, k) && !($3 < 1e-12) # none, where there are no bodies
+plot for [k = 1:4] table('sources') using (is(k) ? mm($3) : NaN):(row_of(k)):(mm($5) - mm($3)):(0) \
         with vectors nohead lt 60 + k lw 1, \
-     for [k = 1:4] '' using (is(k) ? mm($4) : NaN):(row_of(k)) with points lt 60 + k pt hollow_of(k), \
+     for [k = 1:4] '' using (is(k) ? mm($5) : NaN):(row_of(k)) with points lt 60 + k pt hollow_of(k), \
      for [k = 1:4] '' using (is(k) ? mm($3) : NaN):(row_of(k)) with points lt 60 + k
 eval heading_done
 eval legend(0, HEIGHT - 55, WIDTH, 40, 1)

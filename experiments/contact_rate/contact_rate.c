@@ -348,14 +348,18 @@ static int add_members(struct plan *plan, const struct study *study, struct seri
     return 0;
 }
 
-/* Where the horizon comes before the end, in scenes in which so many runs are not too dear; else of
- * the scene's own contact alone, and with --quick not then. */
+/* Where the horizon comes before the end, of the scene's own contact; of its parts and the other
+ * response in as much as the scene is cheap. */
 static int wants_members(const struct plan *plan, const struct study *study,
                          const struct series *series) {
     const int own = series == own_series(study, WISP_TICKS);
-    return series->again >= 0 && series->ticks == WISP_TICKS &&
-           series->horizon < study->duration - 1e-9 &&
-           (is_cheap(plan, study) ? own || !plan->quick : own && !plan->quick);
+    const int whole = series->contact == study->own_contact;
+    if (series->again < 0 || series->ticks != WISP_TICKS ||
+        !(series->horizon < study->duration - 1e-9))
+        return 0;
+    if (plan->quick)
+        return own && is_cheap(plan, study);
+    return own || study->work <= cheap_quick_work || (whole && is_cheap(plan, study));
 }
 
 static int contact_rate_refine(struct plan *plan) {

@@ -66,11 +66,11 @@ enum { SERIES_MAX = 8 };
 enum source { INTEGRATOR, TREATMENT, OF_WISP_TICKS, OF_BODY_TICKS, SOURCES };
 extern const char *const source_names[SOURCES];
 
-/* Errors of the same frames, m. */
+/* An error up to the scene's span and over all frames, with how far what it is measured by is in
+ * doubt over the same frames, m. */
 struct source_error {
-    double error; /* up to the scene's span */
-    double whole; /* over all frames */
-    double doubt; /* of either yardstick, up to the span */
+    double error, doubt;
+    double whole, whole_doubt;
     char against[96];
 };
 

@@ -259,31 +259,34 @@ static int find_span(struct plan *plan, struct study *study) {
     return 0;
 }
 
-/* Error of run `at` against `states`. */
-static int read_error(struct plan *plan, const struct study *study, int at,
-                      const struct table *states, struct source_error *error) {
-    return distance_of(plan, study, at, states, study->span, &error->error) ||
-                   distance_of(plan, study, at, states, INFINITY, &error->whole)
+/* Distances of a run from states: up to the span, over all frames. */
+static int read_both(struct plan *plan, const struct study *study, int at,
+                     const struct table *states, double *near, double *whole) {
+    return distance_of(plan, study, at, states, study->span, near) ||
+                   distance_of(plan, study, at, states, INFINITY, whole)
                ? -1
                : 0;
 }
 
-static int read_integrator(struct plan *plan, struct study *study) {
-    struct source_error *error = &study->error[INTEGRATOR];
-    struct run_files tight;
-    if (read_run(plan, study->tight, &tight))
+/* The error of run `at` by the states of another, which are in doubt by run `again`. */
+static int read_error(struct plan *plan, const struct study *study, int at, int yardstick,
+                      int again, struct source_error *error) {
+    struct run_files run;
+    if (read_run(plan, yardstick, &run))
         return -1;
     int code = 0;
+    if (run.outcome == FINISHED)
+        code = read_both(plan, study, at, &run.states, &error->error, &error->whole) ||
+               read_both(plan, study, again, &run.states, &error->doubt, &error->whole_doubt);
+    run_free(&run);
+    return code ? -1 : 0;
+}
+
+static int read_integrator(struct plan *plan, struct study *study) {
+    struct source_error *error = &study->error[INTEGRATOR];
     snprintf(error->against, sizeof error->against,
              "euler at 9000 Hz, from rk4 at %g Hz, both with projection", 2 / study->step);
-    if (tight.outcome == FINISHED)
-        code = read_error(plan, study, study->euler, &tight.states, error) ||
-                       distance_of(plan, study, study->tight_again, &tight.states, study->span,
-                                   &error->doubt)
-                   ? -1
-                   : 0;
-    run_free(&tight);
-    return code;
+    return read_error(plan, study, study->euler, study->tight, study->tight_again, error);
 }
 
 /* Projection's distance from the limit of penalty; in doubt by twice what one ratio and one degree
@@ -292,7 +295,7 @@ static int compare_treatments(struct plan *plan, const struct study *study,
                               const struct run_files runs[PENALTIES], struct source_error *error) {
     const struct table *tables[PENALTIES];
     struct table limit, more = {.value = NULL};
-    struct deviation d = {.rms = NAN};
+    struct deviation near = {.rms = NAN}, whole = near;
     for (int i = 0; i < PENALTIES; i++)
         tables[i] = &runs[i].states;
     int code = penalty_limit(tables + 1, penalty_ratios + 1, PENALTIES - 1, &limit) ||
@@ -300,9 +303,11 @@ static int compare_treatments(struct plan *plan, const struct study *study,
     if (code)
         snprintf(plan->reason, REASON_SIZE, "scene %s: no limit of penalty could be taken",
                  study->subject->name);
-    code = code || read_error(plan, study, study->tight, &limit, error) ||
-           compare(plan, study, &more, &limit, -1, study->span, &d);
-    error->doubt = 2 * d.rms;
+    code = code || read_both(plan, study, study->tight, &limit, &error->error, &error->whole) ||
+           compare(plan, study, &more, &limit, -1, study->span, &near) ||
+           compare(plan, study, &more, &limit, -1, INFINITY, &whole);
+    error->doubt = 2 * near.rms;
+    error->whole_doubt = 2 * whole.rms;
     free(limit.value);
     free(more.value);
     return code ? -1 : 0;
@@ -334,23 +339,17 @@ static int read_ticks(struct plan *plan, struct study *study, enum tick_kind tic
     const double rate = ticks == WISP_TICKS ? scene->interaction.rate : scene->collision_rate;
     const struct series *series = own_series(study, ticks);
     const struct rate_point *point = point_at(series, rate);
-    struct run_files yardstick;
     snprintf(error->against, sizeof error->against, "%s at %g Hz, from %g Hz, both rk4",
              ticks == WISP_TICKS ? "wisps" : "bodies", rate, YARDSTICK_RATE);
     if (!point || isnan(study->span))
         return 0;
-    if (read_run(plan, series->point[series->rate_count - 1].at, &yardstick))
-        return -1;
-    const int code =
-        read_error(plan, study, point->at, &yardstick.states, error) ||
-        distance_of(plan, study, series->again, &yardstick.states, study->span, &error->doubt);
-    run_free(&yardstick);
-    return code ? -1 : 0;
+    return read_error(plan, study, point->at, series->point[series->rate_count - 1].at,
+                      series->again, error);
 }
 
 static int read_sources(struct plan *plan, struct study *study) {
     for (int i = 0; i < SOURCES; i++)
-        study->error[i] = (struct source_error){.error = NAN, .whole = NAN, .doubt = NAN};
+        study->error[i] = (struct source_error){NAN, NAN, NAN, NAN, ""};
     study->span = NAN;
     return find_span(plan, study) || read_integrator(plan, study) || read_treatment(plan, study) ||
                    read_ticks(plan, study, WISP_TICKS) || read_ticks(plan, study, BODY_TICKS)

@@ -4,8 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-/* The thesis's rate of contacts, a hundredth of its rate of everything else; ours of bodies. */
-static const double thesis_rate = 90, our_body_rate = 300;
+/* The thesis's rate of contacts, a hundredth of its rate of everything else. */
+static const double thesis_rate = 90;
 
 /* Where contacts come a little too late the error is proportional to the interval, order 1; what
  * does not converge has order 0. Halfway is where a verdict turns. */
@@ -72,6 +72,25 @@ static void state_convergence(struct statements *statements, const struct study 
 }
 
 /* --- whether a hundred times rarer does harm --- */
+
+/* Whether this contact does anything that can be told; where a run failed nobody knows. */
+static int acts(const struct series *series) {
+    return !(series->effect <= series->doubt);
+}
+
+static void state_nothing(struct statements *statements, const struct study *study,
+                          const struct series *series) {
+    char key[192];
+    make_key(key, study, series->name, "");
+    statements_add(statements,
+                   (struct statement){.key = key,
+                                      .figure = study->subject->name,
+                                      .tables = "series",
+                                      .verdict = NOT_REACHED,
+                                      .by = THESIS},
+                   "On %s with %s nothing happens up to %.3g s, and no rate could do harm.",
+                   study->subject->name, series->name, series->horizon);
+}
 
 static int is_told(const struct series *series, const struct rate_point *point) {
     return point && isfinite(point->error) && series->effect > HARM;
@@ -140,35 +159,37 @@ static void state_after(struct statements *statements, const struct study *study
 
 /* --- bodies --- */
 
+/* At the scene's own rate. */
 static void state_bodies(struct statements *statements, const struct study *study) {
     const struct series *series = own_series(study, BODY_TICKS);
-    const struct rate_point *point = point_at(series, our_body_rate);
+    const struct rate_point *point = point_at(series, study->subject->scene->collision_rate);
+    const int bodies = study->subject->scene->body_count > 0;
     const char *scene = study->subject->name;
     char key[192];
     if (!point)
         return;
-    const int bodies = study->subject->scene->body_count > 0;
-    make_key(key, study, "bodies", "300 Hz");
-    struct statement row = {
-        .key = key,
-        .figure = scene,
-        .tables = "rates series",
-        .verdict = bodies && isfinite(point->error) ? holds_if(point->error <= HARM) : NOT_REACHED,
-        .value = millimetres(point->error),
-        .unit = "mm"};
-    if (!isfinite(point->error))
+    const int told = bodies && isfinite(point->error);
+    make_key(key, study, "bodies", "");
+    struct statement row = {.key = key,
+                            .figure = scene,
+                            .tables = "rates series",
+                            .verdict = told ? holds_if(point->error <= HARM) : NOT_REACHED,
+                            .value = millimetres(point->error),
+                            .unit = "mm"};
+    if (!bodies)
         statements_add(statements, row,
-                       "On %s the run with bodies at 300 Hz or that at 9000 Hz fails.", scene);
-    else if (!bodies)
+                       "On %s there are no bodies, and nothing is told of how often they should be "
+                       "looked at.",
+                       scene);
+    else if (!told)
         statements_add(statements, row,
-                       "On %s there are no bodies; what is left of their ticks, to keep samples "
-                       "off their nodes, makes %.2g mm at 300 Hz.",
-                       scene, millimetres(point->error));
+                       "On %s the run with bodies at %g Hz or that at 9000 Hz fails.", scene,
+                       point->rate);
     else
         statements_add(statements, row,
-                       "On %s bodies at 300 Hz do no harm: up to %.3g s hair is %.3g mm (rms) from "
+                       "On %s bodies at %g Hz do no harm: up to %.3g s hair is %.3g mm (rms) from "
                        "where bodies at 9000 Hz leave it.",
-                       scene, series->horizon, millimetres(point->error));
+                       scene, point->rate, series->horizon, millimetres(point->error));
     if (bodies)
         state_convergence(statements, study, series);
 }
@@ -231,49 +252,73 @@ static void state_cost(struct statements *statements, const struct study *study)
 
 /* --- where effort belongs --- */
 
-static int beyond(const struct source_error *a, const struct source_error *b) {
-    return a->error - a->doubt > b->error + b->doubt;
+/* Errors of one span, with what each is in doubt by. */
+struct judged {
+    double error[SOURCES], doubt[SOURCES];
+};
+
+static struct judged judge(const struct source_error *all, int whole) {
+    struct judged judged;
+    for (int i = 0; i < SOURCES; i++) {
+        judged.error[i] = whole ? all[i].whole : all[i].error;
+        judged.doubt[i] = whole ? all[i].whole_doubt : all[i].doubt;
+    }
+    return judged;
 }
 
-/* The larger of two errors, of which either may not be there. */
-static const struct source_error *larger(const struct source_error *a,
-                                         const struct source_error *b) {
-    return isnan(a->error) || b->error > a->error ? b : a;
+static int beyond(const struct judged *e, int a, int b) {
+    return e->error[a] - e->doubt[a] > e->error[b] + e->doubt[b];
 }
 
-/* "treatment 2 mm, integrator 1 mm" of those that are there. */
-static void list_sources(const struct source_error *error, char text[256]) {
+/* That with the larger error, of which either may not be there. */
+static int larger(const struct judged *e, int a, int b) {
+    return isnan(e->error[a]) || e->error[b] > e->error[a] ? b : a;
+}
+
+/* "wisp ticks 4 mm, treatment 2, integrator 1" of those that are there, with their doubts where
+ * these matter. */
+static void list_sources(const struct judged *e, char text[256]) {
+    static const enum source order[] = {OF_WISP_TICKS, OF_BODY_TICKS, TREATMENT, INTEGRATOR};
+    const char *mm = " mm";
     int used = snprintf(text, 256, "%s", "");
-    for (int i = SOURCES - 1; i >= 0; i--)
-        if (isfinite(error[i].error))
-            used += snprintf(text + used, 256 - (size_t)used, "%s%s %.3g mm", used ? ", " : "",
-                             source_names[i], millimetres(error[i].error));
+    for (int k = 0; k < SOURCES; k++) {
+        const int i = (int)order[k];
+        if (!(e->error[i] > 1e-9)) /* none, or bodies where there are none */
+            continue;
+        used += snprintf(text + used, 256 - (size_t)used, "%s%s %.3g%s", used ? ", " : "",
+                         source_names[i], millimetres(e->error[i]), mm);
+        if (e->doubt[i] > 0.1 * e->error[i])
+            used += snprintf(text + used, 256 - (size_t)used, " (in doubt by %.2g)",
+                             millimetres(e->doubt[i]));
+        mm = "";
+    }
 }
 
 /* The ticks' error is the largest, or another is, beyond what both are in doubt by. */
-static void state_sources(struct statements *statements, const struct study *study) {
-    const struct source_error *error = study->error,
-                              *ticks = larger(&error[OF_WISP_TICKS], &error[OF_BODY_TICKS]),
-                              *other = larger(&error[INTEGRATOR], &error[TREATMENT]);
+static void state_sources(struct statements *statements, const struct study *study, int whole) {
+    const struct judged e = judge(study->error, whole);
+    const int ticks = larger(&e, OF_WISP_TICKS, OF_BODY_TICKS),
+              other = larger(&e, INTEGRATOR, TREATMENT);
     const char *scene = study->subject->name;
-    const int told = study->has_sources && (beyond(ticks, other) || beyond(other, ticks));
+    const int told = study->has_sources && (beyond(&e, ticks, other) || beyond(&e, other, ticks));
     char key[192], list[256];
-    make_key(key, study, "sources", "");
-    list_sources(error, list);
+    make_key(key, study, "sources", whole ? "to the end" : "");
+    list_sources(&e, list);
     struct statement row = {.key = key,
                             .figure = "sources",
                             .tables = "sources",
-                            .verdict = told ? holds_if(beyond(ticks, other)) : NOT_REACHED,
-                            .value = millimetres(ticks->error),
+                            .verdict = told ? holds_if(beyond(&e, ticks, other)) : NOT_REACHED,
+                            .value = millimetres(e.error[ticks]),
                             .unit = "mm"};
     if (!study->has_sources)
         statements_add(statements, row, "On %s there is no envelope, and no treatment to compare.",
                        scene);
-    else if (isnan(study->span) || isnan(error[INTEGRATOR].error) || isnan(error[TREATMENT].error))
+    else if (isnan(study->span) || isnan(e.error[INTEGRATOR]) || isnan(e.error[TREATMENT]))
         statements_add(statements, row, "On %s a run fails that an error is measured by.", scene);
     else
-        statements_add(statements, row, "On %s rare ticks are the largest error up to %.3g s: %s.",
-                       scene, study->span, list);
+        statements_add(statements, row, "On %s rare ticks are the largest error %s %.3g s: %s.",
+                       scene, whole ? "over all" : "up to", whole ? study->duration : study->span,
+                       list);
 }
 
 /* --- of all scenes --- */
@@ -314,12 +359,25 @@ static void state_kind(struct statements *statements, const struct contact_rate 
                        contact_names[contact], response, harmless, told, millimetres(worst));
 }
 
+/* Where nothing collides friction alone is all of the contact, whose rows speak for both. */
+static int is_said(const struct study *study, const struct series *series) {
+    const struct series *collision = series_of(study, COLLISION, series->reciprocal);
+    return series->ticks == WISP_TICKS && series->contact > 0 &&
+           (series->contact != FRICTION || !collision || acts(collision));
+}
+
 static void state_study(struct statements *statements, const struct study *study) {
-    state_sources(statements, study);
+    state_sources(statements, study, 0);
+    if (study->has_sources && study->span < study->duration - 1e-9)
+        state_sources(statements, study, 1);
     for (int i = 0; i < study->series_count; i++) {
         const struct series *series = &study->series[i];
-        if (series->ticks != WISP_TICKS || series->contact == 0)
+        if (!is_said(study, series))
             continue;
+        if (!acts(series)) {
+            state_nothing(statements, study, series);
+            continue;
+        }
         state_harm(statements, study, series);
         state_after(statements, study, series);
         state_convergence(statements, study, series);

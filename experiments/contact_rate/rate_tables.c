@@ -35,11 +35,11 @@ static const struct {
      "\torder\torder_spread\torder_points\tstep"},
     {"sources",
      "who errs on the scene as it is: distances, rms over free nodes and frames, m, up to `span`, "
-     "s, the least horizon of all that is compared with (error), and over all frames (whole); "
-     "doubt: how far the motion that is compared with is from itself in half or twice the step, "
-     "from a start 1e-10 m away, or for the treatment twice what penalty ratio 100 changes in the "
-     "limit; nan: a run failed, or the scene has no such ticks",
-     "scene\tsource\terror\twhole\tdoubt\tspan\tcompared\tagainst"},
+     "s, the least horizon of all that is compared with (error, doubt), and over all frames "
+     "(whole, whole_doubt); doubts: how far the motion that is compared with is from itself in "
+     "half or twice the step, from a start 1e-10 m away, or for the treatment twice what penalty "
+     "ratio 100 changes in the limit; nan: a run failed, or the scene has no such ticks",
+     "scene\tsource\terror\tdoubt\twhole\twhole_doubt\tspan\tcompared\tagainst"},
 };
 
 static const char *tick_name(enum tick_kind ticks) {
@@ -92,7 +92,8 @@ static void write_series(FILE *stream, const struct study *study, const struct s
 static void write_sources(FILE *stream, const struct study *study) {
     for (int i = 0; i < SOURCES && study->has_sources; i++) {
         const struct source_error *e = &study->error[i];
-        const double numbers[] = {e->error, e->whole, e->doubt, study->span, study->duration};
+        const double numbers[] = {e->error,       e->doubt,    e->whole,
+                                  e->whole_doubt, study->span, study->duration};
         fprintf(stream, "%s\t%s", study->subject->name, source_names[i]);
         write_numbers(stream, numbers, sizeof numbers / sizeof *numbers);
         fprintf(stream, "\t%s\n", e->against);
