@@ -21,6 +21,8 @@ do for [k = 1:3] {
     eval sprintf('set linetype %d lc rgb "%s" dt (6,4) pt %s ps 1.05 lw 1.8', 40 + k, \
         word(colours, k), word(hollow, k))
 }
+set linetype 31 ps 1.6 # seen also where friction or collision is all there is
+set linetype 41 ps 1.7
 set linetype 50 lc rgb '#7A3E9D' dt (10,3,2,3) pt 13 ps 1.1 lw 1.8 # bodies
 line_of(k, one_sided) = (one_sided ? 40 : 30) + k
 response(one_sided) = one_sided ? 'one-sided' : 'reciprocal'
@@ -37,7 +39,7 @@ of(scene, kind, one_sided) = strcol(1) eq scene && strcol(TICKS) eq 'wisps' \
 
 do for [s = 1:words(scenes)] {
     scene = word(scenes, s)
-    eval figure(scene, 1100, 600)
+    eval figure(scene, 1100, 620)
     compared = ''; nearest = 1e300; farthest = 0; pairs = 0
     unset logscale; set autoscale
     stats table('series') using (strcol(1) eq scene && strcol(CONTACT) ne 'no contact' \
@@ -65,7 +67,6 @@ do for [s = 1:words(scenes)] {
         set xlabel 'ticks (Hz)' offset 0, 0.3
         set ylabel p == 1 ? 'distance (mm)' : '' offset 1, 0
         set arrow 1 from graph 0, first 1 to graph 1, first 1 nohead lt 2 lw 1.2
-        set label 3 '1 mm' at graph 0.005, first 1 left offset 0.2, 0.5 font ',11' textcolor rgb GREY
         unset label 4
         if (p == 2 && pairs == 0) {
             set label 4 'no runs: horizons are at the end,\nor they are left out' at graph 0.5, graph 0.5 \
@@ -91,10 +92,10 @@ do for [s = 1:words(scenes)] {
         }
         eval heading_done
     }
-    eval legend(0, 495, 1100, 95, 4)
+    eval legend(0, 500, 1100, 110, 5)
     plot @BLANK, for [k = 1:3] keyentry with linespoints lt line_of(k, 0) \
             title word(kinds, k).', reciprocal', \
-         keyentry with linespoints lt 50 title 'bodies', \
+         keyentry with linespoints lt 50 title 'bodies', keyentry with lines lt 2 title 'a millimetre', \
          for [k = 1:3] keyentry with linespoints lt line_of(k, 1) title word(kinds, k).', one-sided', \
          keyentry with yerrorbars lt 1 lc rgb GREY title 'median and quartiles of pairs of runs'
     unset multiplot

@@ -330,6 +330,23 @@ Test(contact_rate, verdicts_turn_with_the_numbers) {
     row_is(&rows, "two, sources", "not reached", NULL);
     row_is(&rows, "both, reciprocal", "not reached", NULL);
     text_table_free(&rows);
+    /* To the end the ticks' error is as large, but in doubt; of contact that does nothing nothing
+     * is told. */
+    set_errors(p.study, 1e-3, 2e-3, 4e-3);
+    p.study->duration = 2;
+    for (int i = 0; i < SOURCES; i++)
+        p.study->error[i].whole = p.study->error[i].error;
+    p.study->error[OF_WISP_TICKS].whole_doubt = 2.1e-3;
+    p.touch->effect = 1e-9;
+    p.touch->doubt = 2e-9;
+    state(&p, &rows);
+    row_is(&rows, "two, sources", "holds", NULL);
+    row_is(&rows, "two, sources, to the end", "not reached",
+           "On two rare ticks are the largest error over all 2 s: wisp ticks 4 mm (in doubt by "
+           "2.1), treatment 2, integrator 1.");
+    row_is(&rows, "two, both, reciprocal", "not reached", NULL);
+    cr_expect_lt(text_table_find(&rows, "two, both, reciprocal, converges", NULL), 0);
+    text_table_free(&rows);
     free(p.all);
     scene_free(p.scene);
     folder_remove(folder);
