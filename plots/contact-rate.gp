@@ -111,44 +111,48 @@ set linetype 62 lc rgb '#D55E00' pt 5 ps 1.25 lw 1.6
 set linetype 63 lc rgb '#0072B2' pt 9 ps 1.45 lw 1.6
 set linetype 64 lc rgb '#7A3E9D' pt 13 ps 1.55 lw 1.6
 hollow_of(k) = int(word('6 4 8 12', k))
-array span[64]
+array span[words(scenes)]
+there = 0
+stats table('sources') using (strcol(1) eq 'scene' ? 0 : (there = there + 1, 0), 0) nooutput
 do for [s = 1:words(scenes)] {
     span[s] = ''
     stats table('sources') using (strcol(1) eq word(scenes, s) \
         ? (span[s] = $7 == $7 ? sprintf('%.2g of %.3g s', $7, $8) : 'no span', 0) : 0, 0) nooutput
 }
-eval figure('sources', 900, 170 + 95 * words(scenes))
-set multiplot
-eval panel(175, 75, 690, 95 * words(scenes) - 10)
-eval heading('Where does effort belong?', \
-    'error of the source''s recipe by where it comes from, rms over free nodes and frames: up to the span (filled), to the end (open)')
-set logscale x; set format x '%g'; unset mxtics
-set xrange [LEAST:TOP]; set yrange [words(scenes) + 0.5:0.5]
-set xtics (sprintf('≤ %g', LEAST) LEAST, 0.01, 0.1, 1, 10, 100) offset 0, 0.2
-set xlabel 'error (mm)' offset 0, 0.3
-unset ytics; unset grid; set grid xtics lc rgb '#E2E2E2' lw 0.8 dt solid
-do for [s = 1:words(scenes)] {
-    set label 10 + s '{/:Bold '.escaped(word(scenes, s)).'}' at graph 0, first s right offset -1, 0.5
-    set label 80 + s span[s] at graph 0, first s right offset -1, -0.6 font ',11' textcolor rgb GREY
-    if (s > 1) {
-        set arrow 10 + s from graph 0, first s - 0.5 to graph 1, first s - 0.5 nohead \
-            lc rgb '#CCCCCC' lw 0.8
+if (there > 0) {
+    eval figure('sources', 900, 170 + 95 * words(scenes))
+    set multiplot
+    eval panel(175, 75, 690, 95 * words(scenes) - 10)
+    eval heading('Where does effort belong?', \
+        'error of the source''s recipe by where it comes from, rms over free nodes and frames: up to the span (filled), to the end (open)')
+    set logscale x; set format x '%g'; unset mxtics
+    set xrange [LEAST:TOP]; set yrange [words(scenes) + 0.5:0.5]
+    set xtics (sprintf('≤ %g', LEAST) LEAST, 0.01, 0.1, 1, 10, 100) offset 0, 0.2
+    set xlabel 'error (mm)' offset 0, 0.3
+    unset ytics; unset grid; set grid xtics lc rgb '#E2E2E2' lw 0.8 dt solid
+    do for [s = 1:words(scenes)] {
+        set label 10 + s '{/:Bold '.escaped(word(scenes, s)).'}' at graph 0, first s right offset -1, 0.5
+        set label 80 + s span[s] at graph 0, first s right offset -1, -0.6 font ',11' textcolor rgb GREY
+        if (s > 1) {
+            set arrow 10 + s from graph 0, first s - 0.5 to graph 1, first s - 0.5 nohead \
+                lc rgb '#CCCCCC' lw 0.8
+        }
     }
+    row_of(k) = place(scenes, strcol(1)) + 0.2 * (k - 2.5)
+    is(k) = strcol(2) eq word(sources, k) && !($3 < 1e-12) # none, where there are no bodies
+    plot for [k = 1:4] table('sources') using (is(k) ? mm($3) : NaN):(row_of(k)):(mm($5) - mm($3)):(0) \
+            with vectors nohead lt 60 + k lw 1, \
+         for [k = 1:4] '' using (is(k) ? mm($5) : NaN):(row_of(k)) with points lt 60 + k pt hollow_of(k), \
+         for [k = 1:4] '' using (is(k) ? mm($3) : NaN):(row_of(k)) with points lt 60 + k
+    eval heading_done
+    eval legend(0, HEIGHT - 55, WIDTH, 40, 1)
+    plot @BLANK, keyentry with points lt 61 title 'integrator (Euler, 9000 Hz)', \
+         keyentry with points lt 62 title 'treatment (projection)', \
+         keyentry with points lt 63 title 'ticks of wisps', \
+         keyentry with points lt 64 title 'ticks of bodies'
+    unset multiplot
+    set output
 }
-row_of(k) = place(scenes, strcol(1)) + 0.2 * (k - 2.5)
-is(k) = strcol(2) eq word(sources, k) && !($3 < 1e-12) # none, where there are no bodies
-plot for [k = 1:4] table('sources') using (is(k) ? mm($3) : NaN):(row_of(k)):(mm($5) - mm($3)):(0) \
-        with vectors nohead lt 60 + k lw 1, \
-     for [k = 1:4] '' using (is(k) ? mm($5) : NaN):(row_of(k)) with points lt 60 + k pt hollow_of(k), \
-     for [k = 1:4] '' using (is(k) ? mm($3) : NaN):(row_of(k)) with points lt 60 + k
-eval heading_done
-eval legend(0, HEIGHT - 55, WIDTH, 40, 1)
-plot @BLANK, keyentry with points lt 61 title 'integrator (Euler, 9000 Hz)', \
-     keyentry with points lt 62 title 'treatment (projection)', \
-     keyentry with points lt 63 title 'ticks of wisps', \
-     keyentry with points lt 64 title 'ticks of bodies'
-unset multiplot
-set output
 
 # --- what looking more often buys and costs ---
 
@@ -161,29 +165,32 @@ scene_line(s) = 71 + (s - 1) % 5
 own = ''
 stats table('series') using (strcol(1) ne 'scene' && strcol(TICKS) eq 'wisps' && column(OWN) == 1 \
     ? (own = with_name(own, strcol(1).'/'.strcol(SERIES)), 0) : 0, 0) nooutput
-array seconds[64]
+array seconds[words(scenes)]
 do for [s = 1:words(scenes)] {
     seconds[s] = NaN
     stats table('series') using (strcol(1) eq word(scenes, s) ? (seconds[s] = column(COMPARED), 0) : 0, 0) nooutput
 }
-eval figure('cost', 900, 540)
-set multiplot
-eval panel(95, 70, 775, 375)
-eval heading('What does looking more often buy, and cost?', \
-    'the contact of each scene as it is, each mark a rate (left to right; 30 to 3000 Hz); beside it each tick is a stop of the advance')
-set logscale xy; set format y '%g'; eval powers('x')
-set yrange [LEAST:TOP]; set ytics (sprintf('≤ %g', LEAST) LEAST, 0.01, 0.1, 1, 10, 100)
-set xlabel 'sections in which points are looked for, in a simulated second'
-set ylabel 'distance from 9000 Hz (mm)' offset 1, 0
-set arrow 1 from graph 0, first 1 to graph 1, first 1 nohead lt 2 lw 1.2
-set label 3 '1 mm' at graph 0.005, first 1 left offset 0.2, 0.5 font ',11' textcolor rgb GREY
-is_own(s) = strcol(1) eq word(scenes, s) && strcol(TICKS) eq 'wisps' \
-    && place(own, strcol(1).'/'.strcol(SERIES)) > 0 && $6 < 9000
-plot for [s = 1:words(scenes)] table('rates') \
-    using (is_own(s) ? column(SECTIONS) / seconds[s] : NaN):(mm(column(ERROR))) \
-    with linespoints lt scene_line(s)
-eval heading_done
-eval legend(0, 492, 900, 40, 1)
-plot @BLANK, for [s = 1:words(scenes)] keyentry with linespoints lt scene_line(s) title word(scenes, s)
-unset multiplot
+if (words(own) > 0) {
+    eval figure('cost', 900, 540)
+    set multiplot
+    eval panel(95, 70, 775, 375)
+    eval heading('What does looking more often buy, and cost?', \
+        'the contact of each scene as it is, each mark a rate (left to right; 30 to 3000 Hz); beside it each tick is a stop of the advance')
+    set logscale xy; set format y '%g'; eval powers('x')
+    set yrange [LEAST:TOP]; set ytics (sprintf('≤ %g', LEAST) LEAST, 0.01, 0.1, 1, 10, 100)
+    set xlabel 'sections in which points are looked for, in a simulated second'
+    set ylabel 'distance from 9000 Hz (mm)' offset 1, 0
+    set arrow 1 from graph 0, first 1 to graph 1, first 1 nohead lt 2 lw 1.2
+    set label 3 '1 mm' at graph 0.005, first 1 left offset 0.2, 0.5 font ',11' textcolor rgb GREY
+    is_own(s) = strcol(1) eq word(scenes, s) && strcol(TICKS) eq 'wisps' \
+        && place(own, strcol(1).'/'.strcol(SERIES)) > 0 && $6 < 9000
+    plot for [s = 1:words(scenes)] table('rates') \
+        using (is_own(s) ? column(SECTIONS) / seconds[s] : NaN):(mm(column(ERROR))) \
+        with linespoints lt scene_line(s)
+    eval heading_done
+    eval legend(0, 492, 900, 40, 1)
+    plot @BLANK, for [s = 1:words(scenes)] keyentry with linespoints lt scene_line(s) title word(scenes, s)
+    unset multiplot
+    set output
+}
 set output

@@ -159,16 +159,21 @@ static void state_after(struct statements *statements, const struct study *study
 
 /* --- bodies --- */
 
+/* Whether hair was in a body at all. */
+static int bodies_act(const struct study *study) {
+    const struct rate_point *yardstick = point_at(own_series(study, BODY_TICKS), YARDSTICK_RATE);
+    return yardstick && yardstick->contacts > 0;
+}
+
 /* At the scene's own rate. */
 static void state_bodies(struct statements *statements, const struct study *study) {
     const struct series *series = own_series(study, BODY_TICKS);
     const struct rate_point *point = point_at(series, study->subject->scene->collision_rate);
-    const int bodies = study->subject->scene->body_count > 0;
     const char *scene = study->subject->name;
     char key[192];
     if (!point)
         return;
-    const int told = bodies && isfinite(point->error);
+    const int acting = bodies_act(study), told = acting && isfinite(point->error);
     make_key(key, study, "bodies", "");
     struct statement row = {.key = key,
                             .figure = scene,
@@ -176,11 +181,11 @@ static void state_bodies(struct statements *statements, const struct study *stud
                             .verdict = told ? holds_if(point->error <= HARM) : NOT_REACHED,
                             .value = millimetres(point->error),
                             .unit = "mm"};
-    if (!bodies)
+    if (!acting)
         statements_add(statements, row,
-                       "On %s there are no bodies, and nothing is told of how often they should be "
-                       "looked at.",
-                       scene);
+                       "On %s no body touches hair within %.3g s, and nothing is told of how often "
+                       "they should be looked at.",
+                       scene, study->duration);
     else if (!told)
         statements_add(statements, row,
                        "On %s the run with bodies at %g Hz or that at 9000 Hz fails.", scene,
@@ -190,7 +195,7 @@ static void state_bodies(struct statements *statements, const struct study *stud
                        "On %s bodies at %g Hz do no harm: up to %.3g s hair is %.3g mm (rms) from "
                        "where bodies at 9000 Hz leave it.",
                        scene, point->rate, series->horizon, millimetres(point->error));
-    if (bodies)
+    if (acting)
         state_convergence(statements, study, series);
 }
 
@@ -300,7 +305,10 @@ static void state_sources(struct statements *statements, const struct study *stu
     const int ticks = larger(&e, OF_WISP_TICKS, OF_BODY_TICKS),
               other = larger(&e, INTEGRATOR, TREATMENT);
     const char *scene = study->subject->name;
-    const int told = study->has_sources && (beyond(&e, ticks, other) || beyond(&e, other, ticks));
+    const struct series *own = own_series(study, WISP_TICKS);
+    const int touches = (own && acts(own)) || bodies_act(study);
+    const int told =
+        study->has_sources && touches && (beyond(&e, ticks, other) || beyond(&e, other, ticks));
     char key[192], list[256];
     make_key(key, study, "sources", whole ? "to the end" : "");
     list_sources(&e, list);
@@ -315,6 +323,10 @@ static void state_sources(struct statements *statements, const struct study *stu
                        scene);
     else if (isnan(study->span) || isnan(e.error[INTEGRATOR]) || isnan(e.error[TREATMENT]))
         statements_add(statements, row, "On %s a run fails that an error is measured by.", scene);
+    else if (!touches)
+        statements_add(statements, row,
+                       "On %s nothing touches, and nothing is told of where the largest error is.",
+                       scene);
     else
         statements_add(statements, row, "On %s rare ticks are the largest error %s %.3g s: %s.",
                        scene, whole ? "over all" : "up to", whole ? study->duration : study->span,
@@ -348,9 +360,9 @@ static void state_kind(struct statements *statements, const struct contact_rate 
                             .unit = "mm"};
     if (told == 0)
         statements_add(statements, row,
-                       "On no scene %s contact, %s, does more than 1 mm, and nothing is told of "
-                       "its rate.",
-                       contact == BOTH ? "of both kinds" : contact_names[contact], response);
+                       "On no scene contact does more than 1 mm with %s, %s, and nothing is told "
+                       "of its rate.",
+                       contact_names[contact], response);
     else
         statements_add(statements, row,
                        "Contacts a hundred times rarer do no harm with %s, %s: on %d of %d scenes "
