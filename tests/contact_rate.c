@@ -308,7 +308,7 @@ Test(contact_rate, verdicts_turn_with_the_numbers) {
     p.touch->point[1].after = (struct spread_of_pairs){16, 2e-3, 3.6e-3, 4e-3};
     p.touch->point[2].after = (struct spread_of_pairs){6, 1e-3, 2e-3, 3.5e-3};
     p.touch->point[2].sections = 400;
-    p.study->series[1].point[1].error = 1e-12;
+    p.study->series[1].point[1].error = 2e-12;
     set_errors(p.study, 1e-3, 4e-3, 2e-3);
     state(&p, &rows);
     row_is(&rows, "two, both, reciprocal, 90 Hz", "does not hold", NULL);

@@ -217,6 +217,35 @@ static void fit_order(struct series *series) {
     series->has_order = series->order.points > 0;
 }
 
+static int read_points(struct plan *plan, const struct study *study, struct series *series,
+                       const struct run_files *yardstick) {
+    for (int i = 0; i < series->rate_count; i++)
+        if (read_point(plan, study, series, yardstick, &series->point[i]))
+            return -1;
+    return 0;
+}
+
+/* The first time at which a rate's wisps are others than the yardstick's; NaN: there is none. */
+static double first_parting(const struct series *series) {
+    double first = NAN;
+    for (int i = 0; i < series->rate_count; i++)
+        first = fmin(first, series->point[i].parted); /* which passes NaN over */
+    return first;
+}
+
+/* All rates are compared over the same frames: where wisps split at ticks that depend on the rate,
+ * up to the frame before the first that differs. */
+static int compare_points(struct plan *plan, const struct study *study, struct series *series,
+                          const struct run_files *yardstick) {
+    if (read_points(plan, study, series, yardstick))
+        return -1;
+    const double parted = first_parting(series), frame = 1 / study->frame_rate;
+    if (!(parted <= series->horizon + 1e-9))
+        return 0;
+    series->horizon = fmax(0, parted - frame);
+    return read_points(plan, study, series, yardstick);
+}
+
 static int read_series(struct plan *plan, struct study *study, struct series *series) {
     const struct series *control = series_of(study, 0, 1);
     struct run_files yardstick;
@@ -226,17 +255,15 @@ static int read_series(struct plan *plan, struct study *study, struct series *se
         return -1;
     if (read_run(plan, series->point[series->rate_count - 1].at, &yardstick))
         return -1;
-    int code = 0;
     if (yardstick.outcome != FINISHED)
         series->horizon = NAN;
-    if (series->again >= 0)
+    int code = compare_points(plan, study, series, &yardstick);
+    if (!code && series->again >= 0)
         code = distance_of(plan, study, series->again, &yardstick.states, series->horizon,
                            &series->doubt);
     if (!code && series->ticks == WISP_TICKS)
         code = distance_of(plan, study, control->point[control->rate_count - 1].at,
                            &yardstick.states, series->horizon, &series->effect);
-    for (int i = 0; i < series->rate_count && !code; i++)
-        code = read_point(plan, study, series, &yardstick, &series->point[i]);
     run_free(&yardstick);
     fit_order(series);
     return code || read_after(plan, study, series) ? -1 : 0;

@@ -201,6 +201,8 @@ static void state_bodies(struct statements *statements, const struct study *stud
 
 /* --- controls and costs --- */
 
+static const double rounding = 1e-12; /* m: of stops at other times, where wisps may split */
+
 static void state_control(struct statements *statements, const struct study *study) {
     const struct rate_point *point = point_at(series_of(study, 0, 1), thesis_rate);
     const char *scene = study->subject->name;
@@ -210,13 +212,13 @@ static void state_control(struct statements *statements, const struct study *stu
     struct statement row = {.key = key,
                             .figure = scene,
                             .tables = "rates",
-                            .verdict = told ? holds_if(point->error == 0) : NOT_REACHED,
+                            .verdict = told ? holds_if(point->error <= rounding) : NOT_REACHED,
                             .value = millimetres(point->error),
                             .unit = "mm"};
     if (told)
         statements_add(statements, row,
-                       "On %s with its contact off, runs at 90 and 9000 Hz are the same to the "
-                       "last bit: %g mm apart.",
+                       "On %s with its contact off, runs at 90 and 9000 Hz are the same: %.2g mm "
+                       "apart.",
                        scene, millimetres(point->error));
     else
         statements_add(statements, row, "On %s with its contact off a run fails.", scene);
@@ -321,8 +323,11 @@ static void state_sources(struct statements *statements, const struct study *stu
     if (!study->has_sources)
         statements_add(statements, row, "On %s there is no envelope, and no treatment to compare.",
                        scene);
-    else if (isnan(study->span) || isnan(e.error[INTEGRATOR]) || isnan(e.error[TREATMENT]))
-        statements_add(statements, row, "On %s a run fails that an error is measured by.", scene);
+    else if (!there)
+        statements_add(statements, row,
+                       "On %s no error can be told from another: a run fails, or wisps split at "
+                       "other times.",
+                       scene);
     else if (!touches)
         statements_add(statements, row,
                        "On %s nothing touches, and nothing is told of where the largest error is.",
