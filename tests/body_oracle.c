@@ -46,7 +46,8 @@ static void twin_normal(const struct body *b, const double x[3], double n[3]) {
         n[k] /= size;
 }
 
-static void twin_node(struct strand *s, int i, const struct body *b, double t, double dt) {
+static void twin_node(struct strand *s, int i, const struct body *b, const double gravity[3],
+                      double t, double dt) {
     double x[3], u[3], back[3], g[3], n[3], *v = s->v[i];
     if (!twin_inside(b, t, s->p[i], x))
         return;
@@ -57,8 +58,7 @@ static void twin_node(struct strand *s, int i, const struct body *b, double t, d
     }
     const double *ray = g;
     double way = twin_exit(b->radii, x, g);
-    if (vector_length(b->velocity) == 0 && vector_dot(u, g) < 0 &&
-        twin_exit(b->radii, x, back) <= dt) {
+    if (!b->moves && vector_dot(u, g) < 0 && twin_exit(b->radii, x, back) <= dt) {
         ray = back;
         way = twin_exit(b->radii, x, back);
     }
@@ -66,9 +66,11 @@ static void twin_node(struct strand *s, int i, const struct body *b, double t, d
         x[k] += way * ray[k];
     twin_normal(b, x, n);
     const double across = vector_dot(u, n);
+    const double speed =
+        sqrt(fmax(0, across * across + 2 * way * vector_dot(gravity, ray))); /* at the surface */
     for (int k = 0; k < 3; k++) {
         if (across < 0)
-            u[k] = exp(-b->friction * dt) * (u[k] - across * n[k]) - b->elasticity * across * n[k];
+            u[k] = exp(-b->friction * dt) * (u[k] - across * n[k]) + b->elasticity * speed * n[k];
         const double p = b->centre[k] + t * b->velocity[k] + x[k] + b->offset * n[k];
         for (int j = 0; j < s->wisp->samples; j++) {
             s->e[i * s->wisp->samples + j][k] += p - s->p[i][k];
@@ -100,13 +102,14 @@ static void twin_sample(struct strand *s, int i, int j, const struct body *b, do
     s->rate[at] = rate;
 }
 
-int twin_contact(struct strand *s, const struct body *b, int count, double t, double dt) {
+int twin_contact(struct strand *s, const struct body *b, int count, const double gravity[3],
+                 double t, double dt) {
     int left = 0;
     double x[3];
     for (int i = 2; i < s->wisp->nodes; i++)
         for (int pass = 0; pass < 4; pass++)
             for (int k = 0; k < count; k++)
-                twin_node(s, i, &b[k], t, dt);
+                twin_node(s, i, &b[k], gravity, t, dt);
     strand_refresh(s);
     for (int i = 2; i < s->wisp->nodes; i++) {
         int inside = 0;

@@ -14,7 +14,8 @@ double twin_exit(const double radii[3], const double x[3], const double d[3]);
 /* Whether p is in the body at t; x = p - c(t). */
 int twin_inside(const struct body *b, double t, const double p[3], double x[3]);
 
-/* A tick of dt at t; returns how many nodes are left inside. */
-int twin_contact(struct strand *s, const struct body *b, int count, double t, double dt);
+/* A tick of dt at t, under gravity; returns how many nodes are left inside. */
+int twin_contact(struct strand *s, const struct body *b, int count, const double gravity[3],
+                 double t, double dt);
 
 #endif

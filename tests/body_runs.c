@@ -8,6 +8,8 @@
 
 #include <criterion/criterion.h>
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static void run_to(struct scene *scene, const struct run_request *request, struct lab_run *run) {
@@ -152,6 +154,80 @@ Test(body_runs, steppers_agree_on_a_bounce) {
         }
 }
 
+/* How high above the floor a free node gets in each of some seconds, that falls 0.1 m onto it. Its
+ * springs have next to no stiffness, and the floor is a ball of 1 km. */
+static void bounce(const char *elasticity, int seconds, double *height) {
+    char body[400];
+    snprintf(body, sizeof body,
+             "body=({ name=\"floor\"; center=[10.0, -1000.1, 0.0]; radii=[1e3, 1e3, 1e3];"
+             "        friction=0.0; elasticity=%s; offset=0.0; })",
+             elasticity);
+    struct scene *scene =
+        LAB_LOAD("swing", "frame_rate=300.0", "material.stretch_stiffness=1e-9",
+                 "material.stretch_time=0.0", "material.bending=\"none\"", "material.drag_rate=0.0",
+                 "wisps=({ root=[-10, 0, 0]; direction=[1, 0, 0]; length=20.0; nodes=3; })",
+                 "run.step=1e-3", body);
+    const struct run_request request = {.stepper = "rk4"};
+    struct lab_run run;
+    scene->duration = seconds;
+    run_to(scene, &request, &run);
+    for (int i = 0; i < seconds; i++)
+        height[i] = 0;
+    for (int f = 0; f < run.frames; f++) {
+        const double y = run.row[(f * run.rows + 2) * run.columns + 3] + 0.1;
+        const int second = (int)fmin(run.t[f], seconds - 1);
+        height[second] = fmax(height[second], y);
+        cr_assert_geq(y, -1e-12, "in the floor at %g s", run.t[f]);
+    }
+    cr_assert_gt(run.result.counters.body_contacts, seconds, "hardly a bounce");
+    lab_run_free(&run);
+    scene_free(scene);
+}
+
+/* Gravity's work inside the floor is none of the bounce's: energy never grows, and what loses some
+ * at each bounce comes to rest. */
+Test(body_runs, a_ball_that_bounces_never_gets_higher) {
+    double height[10];
+    bounce("1.0", 10, height);
+    for (int i = 1; i < 10; i++)
+        cr_assert(height[i] <= 0.1 + 1e-9 && height[i] > 0.05, "%g m in second %d", height[i], i);
+    bounce("0.9", 10, height);
+    for (int i = 1; i < 10; i++)
+        cr_assert(height[i] < height[i - 1] + 1e-12, "%g m in second %d", height[i], i);
+    cr_assert_lt(height[9], 1e-3, "it never comes to rest: %g m", height[9]);
+}
+
+/* Whether a body moves is said by the scene, not by its speed: one at 0 is one at next to 0. */
+Test(body_runs, a_body_moves_where_its_entry_has_a_velocity) {
+    static const char *const bodies[] = {"", "velocity=[0.0, 0.0, 0.0];",
+                                         "velocity=[1e-12, 0.0, 0.0];"};
+    struct lab_run run[3];
+    const struct run_request request = {.stepper = "reference", .rtol = 1e-9, .atol = 1e-11};
+    for (int i = 0; i < 3; i++) {
+        char body[400];
+        snprintf(body, sizeof body,
+                 "body=({ name=\"b\"; center=[0.05, -0.12, 0.02]; radii=[0.08, 0.09, 0.08];"
+                 "        friction=50.0; elasticity=0.1; offset=1e-4; %s })",
+                 bodies[i]);
+        struct scene *scene =
+            LAB_LOAD("swing", "duration=0.5", body, "wisps.[0].direction=[1.0, 0.0, 0.2]");
+        cr_assert_eq(scene->bodies[0].moves, i > 0);
+        run_to(scene, &request, &run[i]);
+        scene_free(scene);
+    }
+    const double same = lab_distance(&run[1], &run[2], 1, 2).largest,
+                 other = lab_distance(&run[0], &run[1], 1, 2).largest;
+    cr_assert_lt(same, 1e-9, "at 0 and at 1e-12 m/s: %g m apart", same);
+    cr_assert_gt(other, 1e-3, "the two rules are one: %g m apart", other);
+    for (int i = 0; i < 3; i++)
+        lab_run_free(&run[i]);
+    struct scene *scene = LAB_LOAD("swing", BALL,
+                                   "head={ times=[0.0]; positions=([0, 0, 0]);"
+                                   "       rotations=([0, 0, 0]); }");
+    cr_assert(scene->bodies[0].moves, "a head that may move takes its bodies along");
+    scene_free(scene);
+}
+
 /* A body that nobody touches changes no bit; without envelope and body there are no ticks. */
 Test(body_runs, a_distant_body_changes_nothing) {
     static const char *const distant =
@@ -179,4 +255,63 @@ Test(body_runs, a_distant_body_changes_nothing) {
     wisp_problem.free(ticking);
     scene_free(without);
     scene_free(with);
+}
+
+/* --- warnings --- */
+
+/* One hair, and a body of this radius that moves like that. */
+#define HAIR_AND_BODY                                                                      \
+    "name = \"hair\"; duration = 0.5; frame_rate = 30.0; gravity = [0.0, -9.81, 0.0];\n"   \
+    "material = { }; wisps = ( { root = [0.0, 0.0, 0.0]; direction = [0.0, -1.0, 0.0];\n"  \
+    "length = 0.3; nodes = 11; } );\n%s\n"                                                 \
+    "body = ( { name = \"ball\"; center = [-1.0, -0.15, 0.0]; radii = [0.03, %s, 0.02];\n" \
+    "friction = 50.0; elasticity = 0.1; offset = 1.0e-4; velocity = [%s, 0.0, 0.0]; } );\n"
+
+static int count_of(const char *text, const char *part) {
+    int count = 0;
+    for (const char *at = text; (at = strstr(at, part)); at += strlen(part))
+        count++;
+    return count;
+}
+
+/* What passes between two ticks or between two nodes is said once, with the body's name, and is in
+ * run.json; 12 m/s are 4 cm from tick to tick at 300 Hz, and half a segment is 15 mm. */
+Test(body_runs, bodies_that_can_pass_unseen_are_warned_of) {
+    static const char turning[] = "head = { times = [0.0, 0.1]; positions = ([0.0, 0.0, 0.0], [0.0,"
+                                  "0.0, 0.0]); rotations = ([0.0, 0.0, 0.0], [0.0, 0.82, 0.0]); };";
+    static const struct {
+        const char *head, *radius, *velocity;
+        const char *said; /* NULL: nothing */
+    } cases[] = {
+        {"", "0.02", "11.99", NULL},
+        {"", "0.02", "12.01", "tick to tick (300 Hz), and its least diameter is 0.04 m"},
+        {"contacts = { collision_rate = 600.0; interpenetration = false; collision = false; };",
+         "0.02", "12.01", NULL},
+        {"", "0.0151", "0.0", NULL},
+        {"", "0.0149", "0.0", "its least radius is 0.0149 m, below half a segment of 0.03 m"},
+        {turning, "0.02", "0.0", "tick to tick"}, /* by 1.5 * 8.2 rad/s at 1 m */
+        {"", "0.0149", "-30.0", "tick to tick"},
+    };
+    char folder[PATH_SIZE], path[PATH_SIZE], scene[PATH_SIZE], text[2048];
+    folder_make(folder);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        static struct finished f;
+        snprintf(text, sizeof text, HAIR_AND_BODY, cases[i].head, cases[i].radius,
+                 cases[i].velocity);
+        file_write(folder, "hair.cfg", text, scene);
+        path_format(path, "%s/run", folder);
+        PROGRAM(&f, NULL, "run", scene, "--out", path, "--duration", "0.11", "--no-progress");
+        cr_assert_eq(f.code, 0, "%s", f.err);
+        path_format(path, "%s/run/run.json", folder);
+        char *json = file_read(path);
+        const int count = i == 6 ? 2 : cases[i].said != NULL;
+        cr_assert_eq(count_of(f.err, "warning: body 'ball' can pass"), count, "case %zu: %s", i,
+                     f.err);
+        cr_assert_eq(count_of(json, "\"body 'ball' can pass"), count, "case %zu", i);
+        cr_assert(!cases[i].said || (strstr(f.err, cases[i].said) && strstr(json, cases[i].said)),
+                  "case %zu: %s", i, f.err);
+        cr_assert(strstr(json, "\"warnings\": ["), "case %zu: no list in run.json", i);
+        free(json);
+    }
+    folder_remove(folder);
 }

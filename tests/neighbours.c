@@ -234,7 +234,7 @@ static void check_part(int lanes, int count, int samples, enum wisp_treatment tr
     for (int k = 0; k < lanes; k++) {
         const enum lab_state kind = (enum lab_state)lab_between(seed, 0, STATES - 0.01);
         draw_state(&wisps[k < count ? k : 0], treatment, kind, seed, q, v);
-        lab_scatter(&part, k, q, Q);
+        lab_place(&part, k, q, Q);
         lab_scatter(&part, k, v, V);
         if (k < count && k != 1) /* lane 1 stays closed */
             cr_assert(opened[k] = strand_create(&wisps[k], treatment), "no memory");

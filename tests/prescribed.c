@@ -104,6 +104,27 @@ Test(prescribed, slopes_at_knots_are_those_of_the_chords) {
     }
 }
 
+/* The acceleration jumps at knots: what is asked for at one is what comes after it, at the last one
+ * rest. Between 0 and 1 s the head goes 1 m, from rest to the slope of 1 m/s, with 4 - 6 t; then
+ * 2 m in 2 s to rest, with 1 - 1.5 (t - 1). */
+Test(prescribed, accelerations_at_knots_are_those_after_them) {
+    static const struct head_motion jerky = {
+        .knots = 3, .time = {0, 1, 3}, .position = {{0, 0, 0}, {1, 0, 0}, {3, 0, 0}}};
+    static const struct {
+        double t, position, velocity, acceleration;
+    } cases[] = {{-1e-9, 0, 0, 0},      {0, 0, 0, 4}, {0.5, 0.375, 1.25, 1}, {1, 1, 1, 1},
+                 {2, 2.25, 1.25, -0.5}, {3, 3, 0, 0}, {9, 3, 0, 0}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct placement at;
+        head_placement(&jerky, cases[i].t, &at);
+        cr_assert(fabs(at.position[0][0] - cases[i].position) <= 1e-15 &&
+                      fabs(at.position[1][0] - cases[i].velocity) <= 1e-15 &&
+                      fabs(at.position[2][0] - cases[i].acceleration) <= 1e-14,
+                  "at %g s: %.17g, %.17g, %.17g", cases[i].t, at.position[0][0], at.position[1][0],
+                  at.position[2][0]);
+    }
+}
+
 Test(prescribed, style_is_linear_between_knots_and_held_outside) {
     const struct style style = {
         .knots = 3, .time = {1, 2, 4}, .acceleration = {{1, 0, 0}, {3, 2, 0}, {3, -2, 6}}};

@@ -245,7 +245,7 @@ static void check_child(const struct strand *parent, const struct strand *child,
     for (int i = 0; i < parent->wisp->nodes; i++) {
         const double none[3] = {0}, *expected = i == node ? dv : none;
         double v[3];
-        cr_assert(memcmp(parent->p[i], child->p[i], sizeof v) == 0, "node %d jumps", i);
+        cr_assert_leq(largest_difference(child->p[i], parent->p[i], 3), 1e-15, "node %d jumps", i);
         for (int k = 0; k < 3; k++)
             v[k] = child->v[i][k] - parent->v[i][k];
         /* differences of 1e-6 s in the head's velocity, of 1 m/s: rounding / 1e-6 */
@@ -518,6 +518,34 @@ Test(subdivision, the_limit_goes_by_index) {
 static void move_tip(struct strand *s, double distance) {
     const double by[3] = {0, 0, distance * s->wisp->nodes}, none[3] = {0};
     strand_move_node(s, s->wisp->nodes - 1, by, none);
+}
+
+/* At the distance they are twins still, and farther apart no longer; and coming back changes that
+ * no more. (Powers of two, so that the distance is met.) */
+Test(subdivision, twins_are_separated_farther_than_the_separation) {
+    static const double separation[] = {0.0078125, 0.0625};
+    const struct wisp wisp = {.direction = {1, 0, 0}, .length = 0.25, .nodes = 4};
+    for (int i = 0; i < 2; i++) {
+        const struct subdivision rule = {.ratio = 0.5, .separation = separation[i], .limit = 2};
+        struct strand *a = strand_create(&wisp, WISP_GENERALISED),
+                      *b = strand_create(&wisp, WISP_GENERALISED);
+        cr_assert(a && b, "no memory");
+        a->twin = b;
+        b->twin = a;
+        memset(a->p, 0, 4 * sizeof *a->p);
+        memset(b->p, 0, 4 * sizeof *b->p);
+        b->p[3][2] = 4 * separation[i];
+        subdivision_separate(&rule, a);
+        cr_assert(a->twin == b && b->twin == a, "separated at the distance");
+        b->p[3][2] *= 1 + 1e-15;
+        subdivision_separate(&rule, a);
+        cr_assert(!a->twin && !b->twin, "not separated beyond it");
+        b->p[3][2] = 0;
+        subdivision_separate(&rule, a);
+        cr_assert(!a->twin && !b->twin, "twins again");
+        strand_free(a);
+        strand_free(b);
+    }
 }
 
 /* Twins, though in each other and still flat, do nothing until they are apart; then they touch and

@@ -33,8 +33,9 @@ static void distance_and_rate(struct wisp_twin *twin, const double *q, const dou
     }
 }
 
-/* Of all samples of random states: r < 1e-3 R becomes that, an inward rate is removed, and nothing
- * else changes by a bit: nodes, samples that are further out, what is across the line. */
+/* Of all samples of random states: up to 1e-3 R (1 + 1e-9) r becomes 1e-3 R, an inward rate is
+ * removed, and nothing else changes by a bit: nodes, samples that are further out, what is across
+ * the line. */
 static void check_clamp(int lanes, enum wisp_treatment treatment, int samples, unsigned *seed) {
     static struct wisp_twin twin;
     static double q[LAB_LANES][LAB_SIZE], v[LAB_LANES][LAB_SIZE], q1[LAB_SIZE], v1[LAB_SIZE];
@@ -52,12 +53,16 @@ static void check_clamp(int lanes, enum wisp_treatment treatment, int samples, u
         for (int i = 0; i < (NODES - 2) * samples && treatment != WISP_PENALTY; i++)
             if (lab_between(seed, 0, 1) < 0.5) /* in penalty half are behind their node already */
                 q[k][i / samples * (3 + samples) + 3 + i % samples] *= lab_between(seed, -1, 2e-3);
-        lab_scatter(&part, k, q[k], Q);
+        for (int i = 0; i < 3 && treatment != WISP_PENALTY; i++) /* there, or next to it */
+            q[k][3 + i] = (1 + (i - 1) * 4e-10) * 1e-3 * wisps[k].radius;
+        lab_place(&part, k, q[k], Q);
+        lab_gather(&part, k, Q, q[k]); /* from the root, and so are the twin's below */
         lab_scatter(&part, k, v[k], V);
     }
     changed = kernel_of(lanes)->clamp(part.system.ctx, Q, V);
     for (int k = 0; k < lanes; k++) {
         const double least = 1e-3 * wisps[k].radius;
+        memset(wisps[k].root, 0, sizeof wisps[k].root);
         wisp_twin_init(&twin, &wisps[k], &around, treatment);
         lab_gather(&part, k, Q, q1);
         lab_gather(&part, k, V, v1);
@@ -72,7 +77,7 @@ static void check_clamp(int lanes, enum wisp_treatment treatment, int samples, u
                 double before, rate, r, rate1;
                 distance_and_rate(&twin, q[k], v[k], i, j, &before, &rate);
                 distance_and_rate(&twin, q1, v1, i, j, &r, &rate1);
-                if (before >= least) {
+                if (before > (1 + 1e-9) * least) {
                     cr_assert(memcmp(q1 + e, q[k] + e, bytes) == 0 &&
                                   memcmp(v1 + e, v[k] + e, bytes) == 0,
                               "a sample at %g changes", before);
@@ -89,13 +94,14 @@ static void check_clamp(int lanes, enum wisp_treatment treatment, int samples, u
                     moved += pow(q1[e + c] - q[k][e + c], 2);
                     slower += pow(v1[e + c] - v[k][e + c], 2);
                 }
-                cr_assert(fabs(sqrt(moved) - (least - before)) <= 1e-14 + slack &&
+                cr_assert(fabs(sqrt(moved) - fabs(least - before)) <= 1e-14 + slack &&
                               fabs(sqrt(slower) - fmax(-rate, 0)) <= 1e-14 + 10 * slack,
                           "a sample moves across its line");
             }
         }
     }
     cr_assert_eq(changed != 0, inside > 0, "%d inside, changed says %d", inside, changed);
+    cr_assert_geq(inside, treatment == WISP_PENALTY ? 0 : 3 * lanes);
     /* what has been put there stays */
     if (treatment != WISP_PENALTY)
         cr_assert_eq(kernel_of(lanes)->clamp(part.system.ctx, Q, V), 0,
@@ -111,6 +117,66 @@ Test(wisp_clock, the_clamp_sets_what_is_inside_and_nothing_else) {
             for (int lanes = 1; lanes <= 4; lanes += 3)
                 for (int repeat = 0; repeat < 5; repeat++)
                     check_clamp(lanes, (enum wisp_treatment)treatment, samples[m], &seed);
+}
+
+/* A body that ends 1e-6 m below a node puts the sample between them at 1e-3 R, and leaves it the
+ * rate at which it goes inwards; the clamp of the same tick does not. */
+Test(wisp_clock, a_sample_that_a_body_puts_at_its_node_stops) {
+    for (int treatment = 0; treatment < TREATMENTS; treatment++)
+        for (int count = 1; count <= 5; count += 4) {
+            struct scene *scene = LAB_LOAD("swing-envelope", "wisps.[0].nodes=5",
+                                           "body=({ name=\"b\"; center=[0.15, -1.0, 0.0];"
+                                           "        radii=[0.999999, 0.999999, 0.999999];"
+                                           "        friction=0; elasticity=0; offset=0; })");
+            struct wisp wisps[5];
+            for (int i = 0; i < count; i++) {
+                wisps[i] = scene->wisps[0];
+                wisps[i].root[0] = -0.075 * (i % 2); /* by a segment: another node is there */
+            }
+            free(scene->wisps);
+            scene->wisps = malloc(sizeof wisps);
+            cr_assert(scene->wisps, "no memory");
+            memcpy(scene->wisps, wisps, sizeof wisps);
+            scene->wisp_count = count;
+            struct model *model = wisp_problem.create(scene, treatment, 4);
+            const int columns = model->column_count, per = treatment == WISP_PENALTY ? 6 : 2;
+            double *rows = malloc((size_t)(model->row_count * columns) * sizeof *rows);
+            int changed[5], found = 0;
+            cr_assert(rows, "no memory");
+            wisp_problem.sample(model, rows);
+            for (int i = 0; i < model->row_count; i++)
+                for (int j = 0; j < 4; j++) { /* all samples go inwards, by 7 m/s */
+                    double *row = rows + i * columns, *sample = row + 8 + per * j;
+                    for (int k = 0; k < 3 && per == 6; k++)
+                        sample[3 + k] = -350 * (sample[k] - row[2 + k]);
+                    if (per == 2)
+                        sample[1] = -7;
+                }
+            wisp_problem.restore(model, rows);
+            cr_assert_eq(wisp_problem.tick(model, NULL, STOP_COLLISION, changed), FINISHED);
+            wisp_problem.sample(model, rows);
+            for (int i = 0; i < model->row_count; i++)
+                for (int j = 0; j < 4 && rows[i * columns + 1] >= 2; j++) {
+                    const double *row = rows + i * columns, *sample = row + 8 + per * j;
+                    double r = 0, rate = 0;
+                    for (int k = 0; k < 3 && per == 6; k++) {
+                        r += pow(sample[k] - row[2 + k], 2);
+                        rate += sample[3 + k] * (sample[k] - row[2 + k]);
+                    }
+                    rate = per == 6 ? rate / sqrt(r) : sample[1];
+                    r = per == 6 ? sqrt(r) : sample[0];
+                    if (r > 1.1e-3 * wisps->radius)
+                        continue;
+                    found++;
+                    cr_assert(fabs(r - 1e-3 * wisps->radius) <= 1e-15 && fabs(rate) <= 1e-12,
+                              "%s, row %d: r = %g, rate %g", treatment_names[treatment], i, r,
+                              rate);
+                }
+            cr_assert_eq(found, count, "%d samples stop", found);
+            free(rows);
+            wisp_problem.free(model);
+            scene_free(scene);
+        }
 }
 
 /* Wisps so stiff that gravity does not bend them, with samples so soft that it pulls them onto and
@@ -322,6 +388,45 @@ Test(wisp_clock, the_end_of_a_gust_is_a_stop) {
         wisp_problem.free(model);
         scene_free(scene);
     }
+}
+
+/* What was before a kink says nothing of what comes: every method with a history begins anew there,
+ * for all wisps, once where two kinks fall together. */
+Test(wisp_clock, methods_with_a_history_restart_at_every_kink) {
+    static const struct {
+        const char *set;
+        int kinks;
+    } cases[] = {
+        {GUST("0.0637"), 1},
+        {"style={ times = [0.0, 0.031, 0.07, 0.5]; accelerations = ([0.0, 0.0, 0.0], [1.0, 0.0, "
+         "0.0], [0.0, 0.0, 2.0], [0.0, 0.0, 0.0]); }",
+         2},
+        {"head={ times = [0.011, 0.02, 0.09]; positions = ([0.0, 0.0, 0.0], [0.001, 0.0, 0.0], "
+         "[0.0, 0.0, 0.0]); rotations = ([0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]); }",
+         3},
+        {"wind={ kind = \"irregular\"; velocity = [1.0, 0.0, 0.0]; amplitudes = [1.0]; "
+         "frequencies = [9.0]; }",
+         0},
+    };
+    for (int i = 0; i < 4; i++)
+        for (int m = 0; stepper_methods[m]; m++) {
+            const struct stepper_method *method = stepper_methods[m];
+            struct scene *scene =
+                LAB_LOAD("swing", LIMP, "duration=0.1", "frame_rate=20.0",
+                         "wisps=({ root = [0.0, 0.0, 0.0]; direction = [1.0, 0.0, 0.0]; length = "
+                         "0.3; nodes = 5; }, { root = [0.0, 0.0, 1.0]; direction = [0.0, 0.1, "
+                         "1.0]; length = 0.3; nodes = 5; })",
+                         cases[i].set);
+            const struct run_request request = lab_request(method, WISP_GENERALISED);
+            struct lab_run run;
+            lab_run(scene, &request, &run);
+            cr_assert_eq(run.result.outcome, FINISHED, "%s: %s", method->name, run.result.reason);
+            cr_assert_eq(run.result.counters.restarts, method->reset ? 2 * cases[i].kinks : 0,
+                         "%s: %lld restarts of two wisps at %d kinks: %s", method->name,
+                         run.result.counters.restarts, cases[i].kinks, cases[i].set);
+            lab_run_free(&run);
+            scene_free(scene);
+        }
 }
 
 /* A kink inside a step would leave an error of h^2 times the jump of the force's slope, once: order

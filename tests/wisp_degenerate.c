@@ -129,7 +129,7 @@ static void check_state(const struct degenerate *state, int samples, enum bendin
     for (int lanes = 1; lanes <= 4; lanes += 3) {
         lab_part_make(&part, lanes, wisps, lanes, &around, treatment);
         for (int k = 0; k < lanes; k++) {
-            lab_scatter(&part, k, k < 2 ? q : sound_q, Q);
+            lab_place(&part, k, k < 2 ? q : sound_q, Q);
             lab_scatter(&part, k, k < 2 ? v : sound_v, V);
         }
         snprintf(what, sizeof what, "%s, %s, bending %s, %d samples, %d lanes", state->name,
@@ -146,7 +146,8 @@ static void check_state(const struct degenerate *state, int samples, enum bendin
         lab_part_free(&part);
 
         lab_part_make(&part, 1, &wisps[2], 1, &around, treatment);
-        cr_assert_eq(system_acceleration(&part.system, 0.3, sound_q, sound_v, own), 0);
+        lab_place(&part, 0, sound_q, Q);
+        cr_assert_eq(system_acceleration(&part.system, 0.3, Q, sound_v, own), 0);
         lab_part_free(&part);
     }
 }
@@ -177,7 +178,8 @@ Test(wisp_degenerate, the_twin_takes_the_same_branches) {
                 fill_state(&wisp, (enum wisp_treatment)treatment, &states[s], &seed, q, v);
                 lab_part_make(&part, 1, &wisp, 1, &around, (enum wisp_treatment)treatment);
                 wisp_twin_init(&twin, &wisp, &around, (enum wisp_treatment)treatment);
-                const int code = system_acceleration(&part.system, 0.3, q, v, a);
+                lab_place(&part, 0, q, Q);
+                const int code = system_acceleration(&part.system, 0.3, Q, v, a);
                 cr_assert_eq(code != 0, wisp_twin_acceleration(&twin, 0.3, q, v, b) != 0,
                              "%s: kernel %d", states[s].name, code);
                 if (!code) {
@@ -211,7 +213,7 @@ Test(wisp_degenerate, what_is_not_finite_does_not_pass_in_silence) {
                             lab_state(&wisp, (enum wisp_treatment)treatment, STATE_RANDOM, 0, &seed,
                                       q, v);
                             for (int k = 0; k < lanes; k++) {
-                                lab_scatter(&part, k, q, Q);
+                                lab_place(&part, k, q, Q);
                                 lab_scatter(&part, k, v, V);
                             }
                             (in_velocity ? V : Q)[u * lanes + lanes / 2] = poison[p];

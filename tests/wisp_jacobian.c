@@ -125,7 +125,7 @@ static void make_setting(struct setting *s, int lanes, const struct shape *shape
     lab_part_make(&s->part, lanes, s->wisps, lanes, &s->around, treatment);
     for (int k = 0; k < lanes; k++) {
         lab_state(&s->wisps[k], treatment, kind, 0, seed, s->q[k], s->v[k]);
-        lab_scatter(&s->part, k, s->q[k], s->Q);
+        lab_place(&s->part, k, s->q[k], s->Q);
         lab_scatter(&s->part, k, s->v[k], s->V);
     }
 }

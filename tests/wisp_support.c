@@ -139,8 +139,15 @@ void lab_part_make(struct lab_part *part, int lanes, const struct wisp *wisps, i
     const struct wisp *lane[LAB_LANES];
     for (int k = 0; k < LAB_LANES; k++)
         lane[k] = &wisps[k < count ? k : 0];
-    const int size = (wisps->nodes - 2) * wisp_node_unknowns(wisps, treatment);
-    *part = (struct lab_part){.lanes = lanes, .size = size};
+    const int unknowns = wisp_node_unknowns(wisps, treatment), size = (wisps->nodes - 2) * unknowns;
+    struct placement head;
+    *part = (struct lab_part){.lanes = lanes,
+                              .size = size,
+                              .node_unknowns = unknowns,
+                              .places = treatment == WISP_PENALTY ? unknowns : 3};
+    head_placement(&around->head, 0, &head);
+    for (int k = 0; k < LAB_LANES; k++)
+        placed_point(&head, 0, lane[k]->root, part->origin[k]);
     part->system = (struct system){.ops = kernel_of(lanes)->ops,
                                    .name = "the laboratory's wisps",
                                    .size = size * lanes,
@@ -163,9 +170,23 @@ void lab_scatter(const struct lab_part *part, int lane, const double *x, double 
         to[i * part->lanes + lane] = x[i];
 }
 
+void lab_place(const struct lab_part *part, int lane, const double *q, double *to) {
+    lab_scatter(part, lane, q, to);
+    for (int i = 0; i < part->size; i++)
+        if (i % part->node_unknowns < part->places)
+            to[i * part->lanes + lane] -= part->origin[lane][i % part->node_unknowns % 3];
+}
+
 void lab_gather(const struct lab_part *part, int lane, const double *from, double *x) {
     for (int i = 0; i < part->size; i++)
         x[i] = from[i * part->lanes + lane];
+}
+
+double lab_root_potential(const struct wisp *wisp, const struct surroundings *around) {
+    double mass = 0;
+    for (int i = 2; i < wisp->nodes; i++)
+        mass += wisp_node_mass(wisp, i) + wisp->samples * wisp_sample_mass(wisp, i);
+    return mass * vector_dot(around->gravity, wisp->root);
 }
 
 /* --- scenes --- */

@@ -30,7 +30,7 @@ struct surroundings lab_surroundings(enum wind_kind kind, unsigned *seed);
  * than at rest; a random walk that turns back on itself, with angles up to 3 rad. */
 enum lab_state { STATE_REST, STATE_RANDOM, STATE_COMPRESSED, STATE_FOLDED, STATES };
 
-/* q and v in the order of the twin. With `still`, v = 0. */
+/* q and v in the order of the twin, positions in space. With `still`, v = 0. */
 void lab_state(const struct wisp *wisp, enum wisp_treatment treatment, enum lab_state kind,
                int still, unsigned *seed, double *q, double *v);
 
@@ -43,6 +43,8 @@ struct lab_part {
     int lanes, size; /* size: of one wisp */
     struct system system;
     struct sparse_matrix *pattern; /* of one lane */
+    int node_unknowns, places;     /* of a node; how many of those, first ones, are coordinates */
+    double origin[LAB_LANES][3];   /* from which they are, in space */
 };
 
 /* `count` wisps, 1 to `lanes`; the last lanes repeat the first wisp. Stops the test where memory
@@ -51,9 +53,15 @@ void lab_part_make(struct lab_part *part, int lanes, const struct wisp *wisps, i
                    const struct surroundings *around, enum wisp_treatment treatment);
 void lab_part_free(struct lab_part *part);
 
-/* One wisp's vector into or out of a lane. */
+/* One wisp's vector into or out of a lane: rates, or unknowns, whose places are from the origin. */
 void lab_scatter(const struct lab_part *part, int lane, const double *x, double *to);
 void lab_gather(const struct lab_part *part, int lane, const double *from, double *x);
+
+/* One wisp's q, whose places are in space, into a lane. */
+void lab_place(const struct lab_part *part, int lane, const double *q, double *to);
+
+/* What gravity takes to lift a wisp's free nodes and samples from the root to 0, J. */
+double lab_root_potential(const struct wisp *wisp, const struct surroundings *around);
 
 /* --- scenes and runs --- */
 

@@ -164,7 +164,7 @@ struct model *moving_model(const struct scene *scene, const struct wisp_set *set
     return model;
 }
 
-/* Parts of 1 wisp have just the twin's vectors. */
+/* Parts of 1 wisp have just the vectors of a twin whose root is at 0. */
 struct twins *moving_twins(const struct scene *scene, const struct wisp_set *set) {
     const struct scene *many = scene_of(scene, set);
     const struct model *model = moving_model(scene, set, 1);
@@ -177,7 +177,9 @@ struct twins *moving_twins(const struct scene *scene, const struct wisp_set *set
     twins->v = zeros(bytes);
     twins->a = zeros(bytes);
     for (int k = 0; k < set->wisps; k++) {
-        if (wisp_twin_init(&twins->twin[k], &many->wisps[k], &many->around, set->treatment))
+        struct wisp wisp = many->wisps[k];
+        memset(wisp.root, 0, sizeof wisp.root);
+        if (wisp_twin_init(&twins->twin[k], &wisp, &many->around, set->treatment))
             give_up("the twin refuses the scene's wisp");
         memcpy(twins->q + k * twins->size, model->parts[k].q, bytes / (size_t)twins->count);
         memcpy(twins->v + k * twins->size, model->parts[k].v, bytes / (size_t)twins->count);

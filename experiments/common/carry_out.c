@@ -5,6 +5,7 @@
 #include "picture/plot.h"
 #include "run/results.h"
 #include "run/runs.h"
+#include "run/warnings.h"
 #include "statements.h"
 
 #include <stdlib.h>
@@ -138,10 +139,30 @@ static int tabulate_and_draw(struct plan *plan, struct manner *manner) {
     return 0;
 }
 
+/* Variants of a scene have the warnings that it has: each is said once. */
+static void say_warnings(const struct plan *plan) {
+    json_t *said = json_object();
+    for (int i = 0; i < plan->loaded_count; i++) {
+        json_t *warnings = scene_warnings(plan->loaded[i]), *one;
+        size_t k;
+        json_array_foreach(warnings, k, one) {
+            if (!json_object_get(said, json_string_value(one)))
+                complain(0, "warning: %s: %s", plan->loaded[i]->name, json_string_value(one));
+            json_object_set(said, json_string_value(one), one);
+        }
+        json_decref(warnings);
+    }
+    json_decref(said);
+}
+
 int carry_out(struct plan *plan, struct manner *manner) {
     int missing = 0;
+    plan->taken = calloc((size_t)plan->stepper_count + 1, 1);
+    if (!plan->taken)
+        return complain(2, "out of memory");
     if (plan->experiment->plan(plan) || plan_check(plan))
         return complain(1, "%s", plan->reason);
+    say_warnings(plan);
     const int code = do_rounds(plan, manner, &missing);
     if (code)
         return code;

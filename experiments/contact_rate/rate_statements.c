@@ -309,8 +309,9 @@ static void state_sources(struct statements *statements, const struct study *stu
     const char *scene = study->subject->name;
     const struct series *own = own_series(study, WISP_TICKS);
     const int touches = (own && acts(own)) || bodies_act(study);
-    const int told =
-        study->has_sources && touches && (beyond(&e, ticks, other) || beyond(&e, other, ticks));
+    const int there = isfinite(e.error[INTEGRATOR]) && isfinite(e.error[TREATMENT]);
+    const int told = study->has_sources && touches && there &&
+                     (beyond(&e, ticks, other) || beyond(&e, other, ticks));
     char key[192], list[256];
     make_key(key, study, "sources", whole ? "to the end" : "");
     list_sources(&e, list);

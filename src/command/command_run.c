@@ -6,6 +6,7 @@
 #include "model/state.h"
 #include "run/results.h"
 #include "run/runs.h"
+#include "run/warnings.h"
 #include "scene/scene_load.h"
 
 #include <errno.h>
@@ -93,7 +94,8 @@ static struct scene *load(const struct arguments *arguments, char *reason) {
     return scene_load(arguments->words[0], sets, count, reason);
 }
 
-/* What is about to be computed: the size of the problem and its forces. */
+/* What is about to be computed: the size of the problem and its forces, and what the scene makes it
+ * likely to miss. */
 static void announce(const struct run_case *run) {
     const char *names[16];
     const int count = problem_terms(run->scene, names, 16);
@@ -102,6 +104,10 @@ static void announce(const struct run_case *run) {
     for (int i = 0; i < count; i++)
         printf("%s %s", i ? "," : "", names[i]);
     putchar('\n');
+    json_t *warnings = scene_warnings(run->scene), *one;
+    size_t i;
+    json_array_foreach(warnings, i, one) complain(0, "warning: %s", json_string_value(one));
+    json_decref(warnings);
 }
 
 /* The times that the run has written, a line each. */

@@ -10,18 +10,18 @@
  * not forget about NaN (boxes of 4 wisps made so: 60 ns, and the clamp's own look at the samples
  * came on top). */
 struct look {
-    mask inside;  /* some sample is nearer to its node than the clamp allows */
+    mask inside;  /* some sample is as near to its node as the clamp looks for */
     mask outside; /* some sample is further from its node than a margin */
 };
 
 SPECIALISED void look_at_distances(const struct kernel_part *part, const double *q, lane margin,
                                    int samples, struct look *look) {
-    const lane least = 1e-3 * part->radius;
+    const lane least = AT_LEAST_DISTANCE * part->radius;
     for (int at = 0; at < (part->nodes - 2) * (3 + samples); at += 3 + samples) {
         mask inside = lane_all(0) != 0, outside = inside; /* short chains run side by side */
         for (int j = at + 3; j < at + 3 + samples; j++) {
             const lane r = load(q, j);
-            inside |= r < least;
+            inside |= r <= least;
             outside |= r > margin;
         }
         look->inside |= inside;
@@ -31,7 +31,7 @@ SPECIALISED void look_at_distances(const struct kernel_part *part, const double 
 
 static void look_at_particles(struct kernel_part *part, const double *q, lane margin,
                               struct look *look) {
-    const lane least = PARTICLES_LEAST * part->radius;
+    const lane least = AT_LEAST_DISTANCE * part->radius;
     LANED(kernel_frames)(part, q, part->frames);
     for (int i = 2; i < part->nodes; i++) {
         const int at = (i - 2) * part->node_unknowns;
@@ -39,7 +39,7 @@ static void look_at_particles(struct kernel_part *part, const double *q, lane ma
         for (int j = 0; j < part->samples; j++) {
             const struct vec line = half_line(part, &part->frames[i], j, part->samples);
             const lane r = dot(sub(vec_load(q, at + 3 + 3 * j), p), line);
-            look->inside |= r < least;
+            look->inside |= r <= least;
             look->outside |= r > margin;
         }
     }
@@ -60,14 +60,15 @@ static struct look look_at_samples(struct kernel_part *part, const double *q, la
 static inline mask beyond(const struct kernel_part *part, const double *q, const double *box,
                           int side, lane margin) {
     const int end = (part->nodes - 2) * part->node_unknowns, next = part->node_unknowns;
-    const lane least = box[side] - margin, most = box[side] + margin;
+    const lane origin[3] = {part->origin.x, part->origin.y, part->origin.z};
+    const lane from = origin[side % 3], least = box[side] - margin, most = box[side] + margin;
     mask all = lane_all(0) == 0;
     if (side < 3)
         for (int at = side; at < end; at += next)
-            all &= load(q, at) < least;
+            all &= from + load(q, at) < least;
     else
         for (int at = side - 3; at < end; at += next)
-            all &= load(q, at) > most;
+            all &= from + load(q, at) > most;
     return all;
 }
 
@@ -154,9 +155,10 @@ static mask nodes_inside(const struct kernel_part *part, const double *q,
                          const struct obstacle *const *near, int count) {
     mask inside = lane_all(0) != 0;
     for (int b = 0; b < count; b++)
-        for (int i = 2; i < part->nodes; i++)
-            inside |=
-                contains(near[b], seen_from(near[b], vec_load(q, (i - 2) * part->node_unknowns)));
+        for (int i = 2; i < part->nodes; i++) {
+            const struct vec p = in_space(part, vec_load(q, (i - 2) * part->node_unknowns));
+            inside |= contains(near[b], seen_from(near[b], p));
+        }
     return inside;
 }
 
@@ -179,7 +181,7 @@ static inline mask pull_sample(const struct kernel_part *part, int i, int j, str
                                double *qi, double *vi) {
     const struct vec line = half_line(part, &part->frames[i], j, part->samples);
     const struct vec a = along_axes(body, line);
-    const lane r = load(qi, 3 + j), rate = load(vi, 3 + j), limit = 1e-3 * part->radius;
+    const lane r = load(qi, 3 + j), rate = load(vi, 3 + j), limit = LEAST_DISTANCE * part->radius;
     const mask inside = among & (r > 0) & contains(body, add_scaled(from, r, a));
     if (mask_none(inside))
         return inside;
@@ -219,12 +221,12 @@ static int lanes_set(mask m, unsigned counted) {
 /* Samples of one node against a body; returns how many were inside, of the lanes that count. */
 static int pull_samples(const struct kernel_part *part, int i, const struct obstacle *body,
                         lane reach, mask among, double *qi, double *vi, unsigned counted) {
-    const struct vec from = seen_from(body, vec_load(qi, 0));
+    const struct vec p = in_space(part, vec_load(qi, 0)), from = seen_from(body, p);
     const lane scaled = 1 + 1e-9 + reach * body->inverse_least;
     int pulled = 0;
     if (mask_none(among & (depth(body, from) < scaled * scaled)))
         return 0;
-    const struct vec surface = surface_velocity(body, vec_load(qi, 0), vec_load(vi, 0));
+    const struct vec surface = surface_velocity(body, p, vec_load(vi, 0));
     for (int j = 0; j < part->samples; j++)
         pulled += lanes_set(pull_sample(part, i, j, from, surface, body, among, qi, vi), counted);
     return pulled;

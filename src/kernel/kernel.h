@@ -35,12 +35,13 @@ struct strand;
     /* Puts nodes 0 and 1 where the head has them at time t; without head motion they stay.        \
      * Accelerations and linearisations do so by themselves. */                                    \
     X(void, prescribe, (void *part, double t))                                                     \
-    /* Keeps samples on their side of the node (Plante 1999, section 4.1.2): those nearer than     \
-     * 1e-3 R are put there and no longer move inwards. Returns whether any lane changed. */       \
+    /* Keeps samples on their side of the node (Plante 1999, section 4.1.2): those at 1e-3 R, to   \
+     * rounding, or nearer are put there and no longer move inwards. Returns whether any lane      \
+     * changed. */                                                                                 \
     X(int, clamp, (void *part, double *q, double *v))                                              \
     /* Lanes, bit k for lane k, whose free nodes and samples may be in one of `count` boxes (least \
      * x y z, most x y z; `hull` is around them all); none that is in one is missed. Says besides, \
-     * looking at samples only once, whether the clamp would find anything. */                     \
+     * looking at samples only once, whether the clamp may find anything. */                       \
     X(unsigned, near,                                                                              \
       (void *part, const double *q, const double *hull, const double *boxes, int count,            \
        int *clamp))                                                                                \

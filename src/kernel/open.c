@@ -59,7 +59,8 @@ unsigned LANED(kernel_boxes)(void *ctx, const double *q, double (*boxes)[6]) {
     const struct kernel_part *part = ctx;
     const lane margin = (1 + 1e-6) * farthest_sample(part, q);
     const struct span free = span_of(part, q);
-    const struct vec low = least(free.low, part->p[1]), high = most(free.high, part->p[1]);
+    const struct vec first = in_space(part, part->p[1]);
+    const struct vec low = least(free.low, first), high = most(free.high, first);
     const struct vec away = {margin, margin, margin};
     for (int k = 0; k < LANES; k++) {
         vec_get(boxes[k], sub(low, away), k);
@@ -85,9 +86,9 @@ SPECIALISED void free_samples(const struct kernel_part *part, int i, const doubl
     for (int j = 0; j < samples; j++) {
         const struct vec line = half_line(part, &part->frames[i], j, samples);
         if (part->treatment == WISP_PENALTY) {
-            ring->sample[j].e = vec_load(qi, 3 + 3 * j);
+            ring->sample[j].e = in_space(part, vec_load(qi, 3 + 3 * j));
             ring->sample[j].ev = vec_load(vi, 3 + 3 * j);
-            ring->sample[j].r = dot(sub(ring->sample[j].e, ring->p), line);
+            ring->sample[j].r = dot(sub(vec_load(qi, 3 + 3 * j), vec_load(qi, 0)), line);
             ring->sample[j].rate = dot(sub(ring->sample[j].ev, ring->v), line);
         } else {
             ring->sample[j].r = load(qi, 3 + j);
@@ -139,7 +140,7 @@ void LANED(kernel_open)(void *ctx, const double *q, const double *v,
     struct ring ring;
     LANED(kernel_frames)(part, q, part->frames);
     for (int i = 0; i < 2; i++) {
-        ring.p = part->p[i];
+        ring.p = in_space(part, part->p[i]);
         ring.v = part->v[i];
         fixed_samples(part, i, &ring);
         put_rings(part, i, &ring, strands);
@@ -147,7 +148,7 @@ void LANED(kernel_open)(void *ctx, const double *q, const double *v,
     for (int i = 2; i < part->nodes; i++) {
         const double *qi = q + (i - 2) * part->node_unknowns * LANES;
         const double *vi = v + (i - 2) * part->node_unknowns * LANES;
-        ring.p = vec_load(qi, 0);
+        ring.p = in_space(part, vec_load(qi, 0));
         ring.v = vec_load(vi, 0);
         if (part->samples == 4)
             free_samples(part, i, qi, vi, 4, &ring);

@@ -28,9 +28,9 @@ struct vec LANED(kernel_turning)(const struct kernel_part *part, struct vec rest
     return turned(&part->head, 1, rest);
 }
 
-/* Node i of the rest shape, and sample j of its ring, as the head rests. */
+/* Node i of the rest shape, and sample j of its ring, from the root, as the head rests. */
 static struct vec rest_node(const struct kernel_part *part, int i) {
-    return add_scaled(part->rest_root, lane_all(i) * part->spacing, part->rest_tangent);
+    return scale(lane_all(i) * part->spacing, part->rest_tangent);
 }
 
 static struct vec rest_sample(const struct kernel_part *part, int i, int j) {
@@ -39,11 +39,27 @@ static struct vec rest_sample(const struct kernel_part *part, int i, int j) {
     return add_scaled(rest_node(part, i), part->radius, half_line(part, &frame, j, part->samples));
 }
 
+/* A point of the rest shape, given from the root, where the head has it: from the origin. The root
+ * is P + Q x there, and P_0 + Q_0 x is the origin: only the differences of P and Q count. */
+static struct vec from_origin(const struct kernel_part *part, struct vec rest) {
+    return add(placed(&part->shift, 0, part->rest_root), turned(&part->head, 0, rest));
+}
+
+/* Likewise its velocity (derivative 1) or acceleration (2). */
+static struct vec rate_of(const struct kernel_part *part, int derivative, struct vec rest) {
+    return placed(&part->head, derivative, add(part->rest_root, rest));
+}
+
 static void place_head(struct kernel_part *part, double t) {
     head_placement(&part->surroundings->head, t, &part->head);
+    for (int i = 0; i < 3; i++) {
+        part->shift.position[0][i] = part->head.position[0][i] - part->start.position[0][i];
+        for (int j = 0; j < 3; j++)
+            part->shift.turn[0][i][j] = part->head.turn[0][i][j] - part->start.turn[0][i][j];
+    }
     for (int i = 0; i < 2; i++) {
-        part->p[i] = placed(&part->head, 0, rest_node(part, i));
-        part->v[i] = placed(&part->head, 1, rest_node(part, i));
+        part->p[i] = from_origin(part, rest_node(part, i));
+        part->v[i] = rate_of(part, 1, rest_node(part, i));
     }
     part->tangent = turned(&part->head, 0, part->rest_tangent);
     part->normal = turned(&part->head, 0, part->rest_normal);
@@ -93,11 +109,13 @@ static void set_vec(struct vec *vec, int k, const double x[3]) {
 static void fill_lane(struct kernel_part *part, int k, const struct wisp *wisp) {
     const double l = wisp_spacing(wisp), omega = 2 * M_PI * wisp->frequency;
     const double stretch = wisp_stretch_constant(wisp), bend = wisp_bending_constant(wisp);
-    double normal[3];
+    double normal[3], origin[3];
     wisp_first_normal(wisp->direction, normal);
     set_vec(&part->rest_root, k, wisp->root);
     set_vec(&part->rest_tangent, k, wisp->direction);
     set_vec(&part->rest_normal, k, normal);
+    placed_point(&part->start, 0, wisp->root, origin);
+    set_vec(&part->origin, k, origin);
     lane_set(&part->spacing, k, l);
     lane_set(&part->skip_length, k, 2 * l);
     lane_set(&part->stretch_k, k, stretch);
@@ -143,6 +161,7 @@ void *LANED(kernel_create)(const struct wisp *const *wisps, const struct surroun
     part->surroundings = around;
     part->system = system;
     set_directions(part);
+    head_placement(&around->head, 0, &part->start);
     for (int k = 0; k < LANES; k++)
         fill_lane(part, k, wisps[k]);
     place_head(part, 0);
@@ -172,12 +191,12 @@ void LANED(kernel_rest)(void *ctx, double *q, double *v) {
     for (int i = 2; i < part->nodes; i++) {
         double *qi = q + (i - 2) * part->node_unknowns * LANES;
         double *vi = v + (i - 2) * part->node_unknowns * LANES;
-        vec_store(qi, 0, placed(&part->head, 0, rest_node(part, i)));
-        vec_store(vi, 0, placed(&part->head, 1, rest_node(part, i)));
+        vec_store(qi, 0, from_origin(part, rest_node(part, i)));
+        vec_store(vi, 0, rate_of(part, 1, rest_node(part, i)));
         for (int j = 0; j < part->samples; j++) {
             if (part->treatment == WISP_PENALTY) {
-                vec_store(qi, 3 + 3 * j, placed(&part->head, 0, rest_sample(part, i, j)));
-                vec_store(vi, 3 + 3 * j, placed(&part->head, 1, rest_sample(part, i, j)));
+                vec_store(qi, 3 + 3 * j, from_origin(part, rest_sample(part, i, j)));
+                vec_store(vi, 3 + 3 * j, rate_of(part, 1, rest_sample(part, i, j)));
             } else {
                 store(qi, 3 + j, part->radius);
             }
@@ -187,12 +206,13 @@ void LANED(kernel_rest)(void *ctx, double *q, double *v) {
 
 /* Row of a node that follows the head, with its ring of fixed samples. */
 static void sample_prescribed(const struct kernel_part *part, int which, int i, double *row) {
-    vec_get(row, part->p[i], which);
+    vec_get(row, in_space(part, part->p[i]), which);
     vec_get(row + 3, part->v[i], which);
     for (int j = 0; j < part->samples; j++) {
         if (part->treatment == WISP_PENALTY) {
-            vec_get(row + 6 + 6 * j, placed(&part->head, 0, rest_sample(part, i, j)), which);
-            vec_get(row + 9 + 6 * j, placed(&part->head, 1, rest_sample(part, i, j)), which);
+            const struct vec rest = rest_sample(part, i, j);
+            vec_get(row + 6 + 6 * j, in_space(part, from_origin(part, rest)), which);
+            vec_get(row + 9 + 6 * j, rate_of(part, 1, rest), which);
         } else {
             row[6 + 2 * j] = lane_get(part->radius, which);
             row[6 + 2 * j + 1] = 0;
@@ -204,11 +224,11 @@ void LANED(kernel_sample_accelerations)(void *ctx, int which, const double *a, d
                                         int stride) {
     const struct kernel_part *part = ctx;
     for (int i = 0; i < 2; i++) {
-        vec_get(rows + i * stride, placed(&part->head, 2, rest_node(part, i)), which);
+        vec_get(rows + i * stride, rate_of(part, 2, rest_node(part, i)), which);
         for (int j = 0; j < part->samples; j++) {
             double *to = rows + i * stride + 3;
             if (part->treatment == WISP_PENALTY)
-                vec_get(to + 3 * j, placed(&part->head, 2, rest_sample(part, i, j)), which);
+                vec_get(to + 3 * j, rate_of(part, 2, rest_sample(part, i, j)), which);
             else
                 to[j] = 0;
         }
@@ -218,12 +238,18 @@ void LANED(kernel_sample_accelerations)(void *ctx, int which, const double *a, d
             rows[i * stride + u] = a[((i - 2) * part->node_unknowns + u) * LANES + which];
 }
 
-/* Column of a row that holds unknown `u` of a node, its rate being `gap` columns further. */
-static int row_column(const struct kernel_part *part, int u, int *gap) {
-    *gap = u < 3 || part->treatment == WISP_PENALTY ? 3 : 1;
-    if (u < 3)
-        return u;
-    return part->treatment == WISP_PENALTY ? 6 + 6 * ((u - 3) / 3) + (u - 3) % 3 : 6 + 2 * (u - 3);
+/* Where a row holds unknown u of a node. */
+struct place_in_row {
+    int column, rate_column;
+    double from; /* what a position in space has more than the unknown; of distances 0, m */
+};
+
+static struct place_in_row place_in_row(const struct kernel_part *part, int which, int u) {
+    const lane origin[3] = {part->origin.x, part->origin.y, part->origin.z};
+    if (u >= 3 && part->treatment != WISP_PENALTY)
+        return (struct place_in_row){6 + 2 * (u - 3), 7 + 2 * (u - 3), 0};
+    const int column = 6 * (u / 3) + u % 3; /* the node's position and velocity, or a particle's */
+    return (struct place_in_row){column, column + 3, lane_get(origin[u % 3], which)};
 }
 
 void LANED(kernel_sample)(void *ctx, int which, const double *q, const double *v, double *rows,
@@ -233,11 +259,10 @@ void LANED(kernel_sample)(void *ctx, int which, const double *q, const double *v
         sample_prescribed(part, which, i, rows + i * stride);
     for (int i = 2; i < part->nodes; i++) {
         for (int u = 0; u < part->node_unknowns; u++) {
-            int gap;
+            const struct place_in_row place = place_in_row(part, which, u);
             const int at = ((i - 2) * part->node_unknowns + u) * LANES + which;
-            const int column = i * stride + row_column(part, u, &gap);
-            rows[column] = q[at];
-            rows[column + gap] = v[at];
+            rows[i * stride + place.column] = place.from + q[at];
+            rows[i * stride + place.rate_column] = v[at];
         }
     }
 }
@@ -247,11 +272,10 @@ void LANED(kernel_restore)(void *ctx, int which, const double *rows, int stride,
     const struct kernel_part *part = ctx;
     for (int i = 2; i < part->nodes; i++) {
         for (int u = 0; u < part->node_unknowns; u++) {
-            int gap;
+            const struct place_in_row place = place_in_row(part, which, u);
             const int at = ((i - 2) * part->node_unknowns + u) * LANES + which;
-            const int column = i * stride + row_column(part, u, &gap);
-            q[at] = rows[column];
-            v[at] = rows[column + gap];
+            q[at] = rows[i * stride + place.column] - place.from;
+            v[at] = rows[i * stride + place.rate_column];
         }
     }
 }
@@ -294,12 +318,13 @@ static int clamp_distances(const struct kernel_part *part, double *q, double *v)
     for (int i = 2; i < part->nodes; i++) {
         const int at = (i - 2) * part->node_unknowns;
         for (int j = at + 3; j < at + part->node_unknowns; j++) {
-            const lane least = 1e-3 * part->radius, r = load(q, j), rate = load(v, j);
-            const mask inside = r < least;
-            if (mask_none(inside))
+            const lane least = LEAST_DISTANCE * part->radius, r = load(q, j), rate = load(v, j);
+            const mask inside = r <= AT_LEAST_DISTANCE * part->radius;
+            const mask inwards = inside & (rate < 0);
+            if (mask_none(inside & ((r != least) | inwards)))
                 continue;
             store(q, j, lane_select(inside, least, r));
-            store(v, j, lane_select(inside & (rate < 0), lane_all(0), rate));
+            store(v, j, lane_select(inwards, lane_all(0), rate));
             changed = 1;
         }
     }
@@ -315,14 +340,15 @@ static int clamp_particles(struct kernel_part *part, double *q, double *v) {
         for (int j = 0; j < part->samples; j++) {
             const struct vec line = half_line(part, &part->frames[i], j, part->samples);
             const struct vec e = vec_load(qi, 3 + 3 * j), ev = vec_load(vi, 3 + 3 * j);
-            const lane least = 1e-3 * part->radius, r = dot(sub(e, vec_load(qi, 0)), line);
+            const lane least = LEAST_DISTANCE * part->radius;
+            const lane r = dot(sub(e, vec_load(qi, 0)), line);
             const lane rate = dot(sub(ev, vec_load(vi, 0)), line);
-            const mask inside = r < PARTICLES_LEAST * part->radius;
-            if (mask_none(inside))
+            const mask inside = r <= AT_LEAST_DISTANCE * part->radius;
+            const mask inwards = inside & (rate < 0);
+            if (mask_none(inside & ((r < (1 - 1e-9) * least) | inwards)))
                 continue;
             vec_store(qi, 3 + 3 * j, vec_select(inside, add_scaled(e, least - r, line), e));
-            vec_store(vi, 3 + 3 * j,
-                      vec_select(inside & (rate < 0), add_scaled(ev, -rate, line), ev));
+            vec_store(vi, 3 + 3 * j, vec_select(inwards, add_scaled(ev, -rate, line), ev));
             changed = 1;
         }
     }

@@ -1,5 +1,9 @@
 /* A batch of LANES wisps with equal numbers of nodes and samples and one treatment, laid out for
- * the kernel: lane k of every number belongs to wisp k. */
+ * the kernel: lane k of every number belongs to wisp k.
+ *
+ * The positions among the unknowns are those from each wisp's origin, where the head has its node 0
+ * at t = 0: neither an error that is measured by the size of the unknowns nor the rounding of a
+ * spring's length depends on where a scene stands. What leaves the folder is in space. */
 #ifndef WISPLAB_KERNEL_PART_H
 #define WISPLAB_KERNEL_PART_H
 
@@ -16,10 +20,10 @@ struct block {
     lane m[3][3];
 };
 
-/* The least distance of a particle from its node along its line, of R. One that was put at 1e-3 R,
- * by the clamp or by a body, is there but for rounding: it is not clamped again, which would take a
- * rate from it that it may have. */
-#define PARTICLES_LEAST (1e-3 * (1 - 1e-9))
+/* A sample keeps this distance from its node along its line, of R; */
+#define LEAST_DISTANCE 1e-3
+/* up to this one it is there but for rounding, put there by a body maybe. */
+#define AT_LEAST_DISTANCE (LEAST_DISTANCE * (1 + 1e-9))
 
 struct kernel_part {
     int nodes, samples;
@@ -31,8 +35,11 @@ struct kernel_part {
     struct system *system; /* whose ctx this is; for reasons of failure */
 
     struct vec rest_root, rest_tangent, rest_normal; /* as the head rests */
+    struct placement start;                          /* where the head is at t = 0 */
+    struct vec origin;                               /* of the unknowns, in space, m */
     struct placement head;                           /* where the head was when last asked for */
-    struct vec p[2], v[2];                           /* nodes 0 and 1 then */
+    struct placement shift;                          /* how far that is from the start */
+    struct vec p[2], v[2];                           /* nodes 0 and 1 then, from the origin */
     struct vec tangent, normal;                      /* t_0 and u_0 = u_1 then */
     lane spacing, skip_length;                       /* rest lengths, m */
     lane stretch_k, stretch_c;                       /* N/m, N s/m */
@@ -65,6 +72,8 @@ int LANED(kernel_powers)(void *ctx, double t, const double *q, const double *v,
                          struct powers *powers);
 int LANED(kernel_linearise)(void *ctx, enum jacobian kind, double t, const double *q,
                             const double *v);
+/* Says why a state has no acceleration and no Jacobians. Returns an enum outcome. */
+int LANED(kernel_refuse_state)(const struct kernel_part *part, const double *q, const double *v);
 void LANED(kernel_product)(void *ctx, double m, double d, double k, const double *x, double *y);
 int LANED(kernel_factor)(void *ctx, double alpha, double beta);
 void LANED(kernel_solve)(void *ctx, const double *b, double *x);
@@ -78,6 +87,11 @@ KERNEL_OPERATIONS(X)
 /* The rate of a direction that turns with the head, where the head was last; `rest`: as it rests.
  */
 struct vec LANED(kernel_turning)(const struct kernel_part *part, struct vec rest);
+
+/* Where a node or sample is in space whose place from the origin is among the unknowns. */
+static inline struct vec in_space(const struct kernel_part *part, struct vec place) {
+    return add(part->origin, place);
+}
 
 /* Tangents and frames of a state, into part->t and `frames`, which has one for each node; the lanes
  * in which every segment has a direction. */

@@ -4,7 +4,7 @@
 
 #include "part.h"
 
-/* The box around the free nodes of each wisp. */
+/* The box around the free nodes of each wisp, in space. */
 struct span {
     struct vec low, high;
 };
@@ -25,7 +25,7 @@ static inline struct span span_of(const struct kernel_part *part, const double *
         const struct vec p = vec_load(q, (i - 2) * part->node_unknowns);
         span = (struct span){least(p, span.low), most(p, span.high)};
     }
-    return span;
+    return (struct span){in_space(part, span.low), in_space(part, span.high)};
 }
 
 #endif

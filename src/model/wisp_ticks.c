@@ -272,16 +272,17 @@ static void place_bodies(const struct tick *tick, struct bodies *bodies) {
 
 /* Body contact (section 4.2.2 of the thesis) for the wisps of a part that are near a body. Hair on
  * a body has samples inside it at every tick and a node now and then: the kernel pulls samples out,
- * four wisps at a time, and only a wisp with a node inside is laid open. Returns whether that
+ * four wisps at a time, and only a wisp with a node inside is laid open. Returns whether either
  * changed any: then the clamp must look. */
 static int push_out(const struct tick *tick, int i, unsigned near, double *rows) {
     const struct wisp_model *m = tick->m;
     const struct bodies *bodies = m->bodies;
     struct part *part = &m->model.parts[i];
-    int pulled, opened = 0;
+    int pulled, touched;
     near &= m->kernel->pull(part->system.ctx, part->q, part->v, bodies->obstacle, bodies->boxes,
                             bodies->count, (1u << m->batches[i].count) - 1, &pulled);
-    if (pulled > 0) /* no more is written than must be: threads share these lines of memory */
+    touched = pulled > 0;
+    if (touched) /* no more is written than must be: threads share these lines of memory */
         tick->changed[i] = 1;
     struct counters *counters = &part->system.counters;
     struct body_report report = {0, pulled, 0};
@@ -292,15 +293,15 @@ static int push_out(const struct tick *tick, int i, unsigned near, double *rows)
         if (!(near >> k & 1))
             continue;
         struct strand *strand = m->strands[m->batches[i].wisp[k]];
-        body_contact(strand, bodies->body, bodies->motion, bodies->count, bodies->interval,
-                     &report);
+        body_contact(strand, bodies->body, bodies->motion, bodies->count, m->scene->around.gravity,
+                     bodies->interval, &report);
         if (strand->changed)
             close_strand(tick, i, k, rows);
-        opened |= strand->changed;
+        touched |= strand->changed;
     }
     counters->body_contacts += report.nodes + report.samples;
     counters->nodes_left_inside += report.inside;
-    return opened;
+    return touched;
 }
 
 /* Body contact, then the clamp. Most parts are far from every body and have nothing to clamp: one

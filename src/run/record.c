@@ -6,6 +6,7 @@
 #include "identity.h"
 #include "model/problems.h"
 #include "reference_check.h"
+#include "warnings.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -202,14 +203,15 @@ static json_t *result_to_json(const struct scene *scene, const struct settings *
     run_hash(scene, settings, run_text);
     const int failed = result->outcome != FINISHED;
     return json_pack(
-        "{s:s, s:s, s:o, s:f, s:i, s:o, s:i, s:o, s:o, s:f, s:o, s:b, s:s, s:s, s:O, s:o, s:o, "
+        "{s:s, s:s, s:o, s:f, s:i, s:o, s:i, s:o, s:o, s:o, s:f, s:o, s:b, s:s, s:s, s:O, s:o, "
+        "s:o, "
         "s:o}",
         "status", outcome_name(result->outcome), "reason", result->reason, "failure_time",
         failed ? json_real(result->time) : json_null(), "simulated_time", result->time, "frames",
         result->frames, "wisps", result->wisps > 0 ? json_integer(result->wisps) : json_null(),
-        "unknowns", settings->unknowns, "terms", terms_to_json(scene), "counters",
-        counters_to_json(&result->counters), "cpu_seconds", result->cpu_seconds, "seconds",
-        seconds_to_json(settings, result), "times_comparable",
+        "unknowns", settings->unknowns, "terms", terms_to_json(scene), "warnings",
+        scene_warnings(scene), "counters", counters_to_json(&result->counters), "cpu_seconds",
+        result->cpu_seconds, "seconds", seconds_to_json(settings, result), "times_comparable",
         !settings->diagnostics && !settings->profile, "run_hash", run_text, "scene_hash",
         scene_text, "scene", scene->source, "settings", settings_to_json(scene, settings), "build",
         build_to_json(), "machine", machine_to_json());

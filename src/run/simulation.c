@@ -297,8 +297,8 @@ static double unbooked_energy(const struct simulation *sim) {
     return model_energy(sim->model) - model_jumps(sim->model);
 }
 
-/* What happens at a stop; steppers with a history begin anew where it changed their part, and new
- * parts get theirs. */
+/* What happens at a stop; steppers with a history begin anew where it changed their part, all of
+ * them where the forces have a kink, and new parts get theirs. */
 static void tick(struct simulation *sim, unsigned events) {
     const struct problem *problem = sim->scene->problem;
     if (!problem->tick)
@@ -311,7 +311,7 @@ static void tick(struct simulation *sim, unsigned events) {
     if (outcome != FINISHED)
         end_with(sim, outcome, "no memory for what happens at a tick");
     for (int i = 0; i < sim->stepper_count; i++)
-        if (sim->changed[i] && sim->settings->method->reset)
+        if ((sim->changed[i] || events & STOP_KINK) && sim->settings->method->reset)
             sim->settings->method->reset(sim->steppers[i]);
     create_steppers(sim);
 }

@@ -40,7 +40,8 @@ static void read_body(struct config_reader *reader, config_setting_t *entry, str
     read_name(reader, entry, scene, body);
     config_vector(reader, entry, "center", body->centre);
     read_radii(reader, entry, body->radii);
-    config_numbers(reader, entry, "velocity", 3, 3, body->velocity);
+    body->moves = config_numbers(reader, entry, "velocity", 3, 3, body->velocity) > 0 ||
+                  scene->around.head.knots > 0;
     body->friction = config_required(reader, entry, "friction", NOT_NEGATIVE);
     body->elasticity = config_required(reader, entry, "elasticity", NOT_NEGATIVE);
     if (body->elasticity > 1)

@@ -5,7 +5,7 @@
 /* X(name, meaning). Of free nodes and samples, and of all springs that act on them, J. */
 #define ENERGIES(X)                                                              \
     X(kinetic, "kinetic energy of free nodes and samples")                       \
-    X(gravity, "potential energy of gravity, 0 at the origin")                   \
+    X(gravity, "potential energy of gravity, 0 where a root is at t = 0")        \
     X(stretch, "elastic energy of the stretch springs")                          \
     X(bending, "elastic energy of the bending law")                              \
     X(envelope, "elastic energy of the samples' springs, in penalty across the " \

@@ -71,10 +71,6 @@ struct obstacle body_obstacle(const struct body *body, const struct body_motion 
     return obstacle;
 }
 
-static int at_rest(const struct body_motion *motion) {
-    return largest(motion->velocity) == 0 && largest(motion->spin) == 0;
-}
-
 /* v_c + omega x (p - c) */
 static void surface_velocity(const struct body_motion *motion, const double x[3], double v[3]) {
     const double *w = motion->spin;
@@ -189,6 +185,7 @@ struct tick {
     const struct body *bodies;
     const struct body_motion *motion;
     int count;
+    const double *gravity;
     double dt;
 };
 
@@ -209,13 +206,14 @@ double body_depth(const struct body *body, const struct body_motion *motion, con
     return ellipsoid_exit(body->radii, x, normal);
 }
 
-/* From x by the normal; but out of a body at rest the way the node came in, if it came in since
- * the last tick. A moving body must not drag nodes along a spring (section 5.4 of the thesis). */
-static void exit_point(const struct body *body, const struct body_motion *motion, const double x[3],
-                       const double u[3], double dt, double out[3]) {
+/* From x by the normal; but out of a body that does not move the way the node came in, if it came
+ * in since the last tick. A moving body must not drag nodes along a spring (section 5.4 of the
+ * thesis). */
+static void exit_point(const struct body *body, const double x[3], const double u[3], double dt,
+                       double out[3]) {
     double g[3], back[3] = {-u[0], -u[1], -u[2]};
     ellipsoid_normal(body->radii, x, g);
-    if (at_rest(motion) && dot(u, g) < 0) {
+    if (!body->moves && dot(u, g) < 0) {
         const double s = ellipsoid_exit(body->radii, x, back); /* in units of ||u||: seconds */
         if (s <= dt) {
             combine(x, s, back, out);
@@ -225,13 +223,18 @@ static void exit_point(const struct body *body, const struct body_motion *motion
     combine(x, ellipsoid_exit(body->radii, x, g), g, out);
 }
 
-/* The change of u by friction and elasticity, none where the node leaves already. */
-static void bounce(const struct body *body, const double u[3], const double n[3], double dt,
-                   double dv[3]) {
+/* The change of u by friction and elasticity, none where the node leaves already. `lift`, m^2/s^2,
+ * is what gravity does by mass on the way from where the node is to the surface: it comes back with
+ * a share of the speed that it had there. (With a share of the speed at the tick, which is larger,
+ * a ball of elasticity 1 dropped from 0.1 m reaches 0.25 m within 27 bounces, and one of 0.9 never
+ * comes to rest.) */
+static void bounce(const struct body *body, const double u[3], const double n[3], double lift,
+                   double dt, double dv[3]) {
     const double across = dot(u, n), kept = exp(-body->friction * dt);
+    const double back = body->elasticity * sqrt(fmax(0, across * across + 2 * lift));
     for (int k = 0; k < 3; k++) {
         const double along = u[k] - across * n[k];
-        dv[k] = across < 0 ? kept * along - body->elasticity * across * n[k] - u[k] : 0;
+        dv[k] = across < 0 ? kept * along + back * n[k] - u[k] : 0;
     }
 }
 
@@ -259,15 +262,17 @@ static void relative_velocity(const struct body_motion *motion, const double p[3
 
 /* Returns whether the node was inside. All but the ends is along the body's axes. */
 static int push_node(struct strand *strand, int node, const struct body *body,
-                     const struct body_motion *motion, double dt) {
-    double x[3], relative[3], u[3], out[3], n[3], by[3], change[3], normal[3], dp[3], dv[3];
+                     const struct body_motion *motion, const struct tick *tick) {
+    double x[3], relative[3], u[3], g[3], out[3], n[3], by[3], change[3], normal[3], dp[3], dv[3];
     if (!holds(body, motion, strand->p[node], x))
         return 0;
     relative_velocity(motion, strand->p[node], strand->v[node], relative);
     to_axes(motion, relative, u);
-    exit_point(body, motion, x, u, dt, out);
+    to_axes(motion, tick->gravity, g);
+    exit_point(body, x, u, tick->dt, out);
     ellipsoid_normal(body->radii, out, n);
-    bounce(body, u, n, dt, change);
+    subtract(out, x, by);
+    bounce(body, u, n, dot(g, by), tick->dt, change);
     combine(out, body->offset, n, out);
     subtract(out, x, by);
     from_axes(motion, by, dp);
@@ -282,7 +287,7 @@ static int push_node(struct strand *strand, int node, const struct body *body,
 static int push_from_all(struct strand *strand, int node, const struct tick *tick) {
     int pushed = 0;
     for (int i = 0; i < tick->count; i++)
-        pushed += push_node(strand, node, &tick->bodies[i], &tick->motion[i], tick->dt);
+        pushed += push_node(strand, node, &tick->bodies[i], &tick->motion[i], tick);
     return pushed;
 }
 
@@ -343,9 +348,9 @@ static int pull_samples(struct strand *strand, int node, const struct tick *tick
 /* --- a tick --- */
 
 void body_contact(struct strand *strand, const struct body *bodies,
-                  const struct body_motion *motion, int count, double dt,
+                  const struct body_motion *motion, int count, const double gravity[3], double dt,
                   struct body_report *report) {
-    const struct tick tick = {bodies, motion, count, dt};
+    const struct tick tick = {bodies, motion, count, gravity, dt};
     const int pushed = push_nodes(strand, &tick);
     if (pushed)
         strand_refresh(strand);

@@ -12,6 +12,7 @@ struct body {
     double centre[3];   /* at t = 0 as the head rests, m */
     double radii[3];    /* along the head's axes, m */
     double velocity[3]; /* with respect to the head and along its axes, constant, m/s */
+    int moves;          /* whether the scene says so, by a velocity, also of 0, or by a head */
     double friction;    /* at which what is along the surface slows down, 1/s */
     double elasticity;  /* of what is across it: 0 nothing comes back, 1 all */
     double offset;      /* above the surface at which a node is put down, m */
@@ -68,10 +69,10 @@ struct body_report {
     long long inside;         /* nodes still in a body after all passes */
 };
 
-/* The response of one strand at a tick to `count` bodies, which are where `motion` says, the last
- * tick being dt ago. */
+/* The response of one strand at a tick to `count` bodies, which are where `motion` says, under
+ * gravity, m/s^2, the last tick being dt ago. */
 void body_contact(struct strand *strand, const struct body *bodies,
-                  const struct body_motion *motion, int count, double dt,
+                  const struct body_motion *motion, int count, const double gravity[3], double dt,
                   struct body_report *report);
 
 #endif

@@ -21,7 +21,7 @@ static double mean_distance(const struct strand *a, const struct strand *b) {
  * turns. */
 void subdivision_separate(const struct subdivision *rule, struct strand *strand) {
     struct strand *twin = strand->twin;
-    if (twin && mean_distance(strand, twin) >= rule->separation)
+    if (twin && mean_distance(strand, twin) > rule->separation)
         strand->twin = twin->twin = NULL;
 }
 

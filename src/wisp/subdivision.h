@@ -8,7 +8,7 @@
 
 struct subdivision {
     double ratio; /* of the least to the largest diameter at a node, below which a wisp splits */
-    double separation; /* mean distance of their nodes at which twins become two wisps, m */
+    double separation; /* mean distance of their nodes beyond which twins are two wisps, m */
     int limit;         /* wisps at most; 0: none ever splits */
 };
 
@@ -19,8 +19,8 @@ struct flattening {
     int longest;  /* sample j whose diameter r_j + r_(j+M/2) is the largest */
 };
 
-/* Lets twins go that are `separation` apart: of both strand->twin becomes NULL. For strands of
- * equal time. */
+/* Lets twins go that are farther apart than `separation`: of both strand->twin becomes NULL. For
+ * strands of equal time. */
 void subdivision_separate(const struct subdivision *rule, struct strand *strand);
 
 /* Whether the strand splits now, and where; M even. */

@@ -1,0 +1,75 @@
+#include "warnings.h"
+
+#include "base/vector.h"
+
+#include <math.h>
+#include <stdio.h>
+
+static void warn(json_t *warnings, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static void warn(json_t *warnings, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    json_array_append_new(warnings, json_vsprintf(format, arguments));
+    va_end(arguments);
+}
+
+/* --- bodies act on points, and at ticks only --- */
+
+/* Of a body's centre within an interval of the head's motion, m/s: as a cubic moves it, and turns,
+ * its speed is smooth, and 64 looks miss its largest by less than one in a thousand. */
+static double fastest_between(const struct scene *scene, const struct body *body, double from,
+                              double to) {
+    enum { LOOKS = 64 };
+    double most = 0;
+    for (int i = 0; i <= LOOKS; i++) {
+        const double t = from + (to - from) * i / LOOKS;
+        struct placement head;
+        head_placement(&scene->around.head, t, &head);
+        most = fmax(most, vector_length(body_motion(body, &head, t).velocity));
+    }
+    return most;
+}
+
+static double fastest(const struct scene *scene, const struct body *body) {
+    const struct head_motion *head = &scene->around.head;
+    const double end = scene->duration;
+    double from = 0, most = 0;
+    for (int k = 0; k <= head->knots; k++) {
+        const double to = k < head->knots ? fmin(head->time[k], end) : end;
+        if (to <= from)
+            continue;
+        most = fmax(most, fastest_between(scene, body, from, to));
+        from = to;
+    }
+    return most;
+}
+
+static double longest_segment(const struct scene *scene) {
+    double most = 0;
+    for (int i = 0; i < scene->wisp_count; i++)
+        most = fmax(most, wisp_spacing(&scene->wisps[i]));
+    return most;
+}
+
+static void look_at_body(const struct scene *scene, const struct body *body, json_t *warnings) {
+    const double radius = fmin(body->radii[0], fmin(body->radii[1], body->radii[2]));
+    const double way = fastest(scene, body) / scene->collision_rate;
+    const double segment = longest_segment(scene);
+    if (way > 2 * radius)
+        warn(warnings,
+             "body '%s' can pass hair unseen: it moves by up to %.3g m from tick to tick (%g Hz), "
+             "and its least diameter is %.3g m",
+             body->name, way, scene->collision_rate, 2 * radius);
+    if (radius < segment / 2)
+        warn(warnings,
+             "body '%s' can pass between nodes unseen: its least radius is %.3g m, below half a "
+             "segment of %.3g m",
+             body->name, radius, segment);
+}
+
+json_t *scene_warnings(const struct scene *scene) {
+    json_t *warnings = json_array();
+    for (int i = 0; i < scene->body_count && scene->collision_rate > 0; i++)
+        look_at_body(scene, &scene->bodies[i], warnings);
+    return warnings;
+}
