@@ -238,23 +238,30 @@ static void state_cost(struct statements *statements, const struct study *study)
     const struct rate_point *rare = point_at(series, thesis_rate),
                             *often = point_at(series, YARDSTICK_RATE);
     char key[192];
-    if (!rare || rare->outcome != FINISHED || often->outcome != FINISHED || rare->contacts == 0)
+    if (!rare)
         return;
+    const int told = rare->outcome == FINISHED && often->outcome == FINISHED && rare->contacts > 0;
     const double sections = often->sections / rare->sections;
     make_key(key, study, "cost", "");
-    statements_add(statements,
-                   (struct statement){.key = key,
-                                      .figure = "cost",
-                                      .tables = "rates",
-                                      .by = THESIS,
-                                      .verdict = holds_if(sections >= 50),
-                                      .value = sections,
-                                      .unit = "1"},
-                   "On %s rare contacts are cheap: at 9000 Hz points are looked for in %.3g times "
-                   "as many sections as at 90 Hz, found %.3g times as often, and the advance stops "
-                   "%.3g times as often.",
-                   study->subject->name, sections, often->contacts / rare->contacts,
-                   often->stops / rare->stops);
+    struct statement row = {.key = key,
+                            .figure = "cost",
+                            .tables = "rates",
+                            .by = THESIS,
+                            .verdict = told ? holds_if(sections >= 50) : NOT_REACHED,
+                            .value = sections,
+                            .unit = "1"};
+    if (told)
+        statements_add(statements, row,
+                       "On %s rare contacts are cheap: at 9000 Hz points are looked for in %.3g "
+                       "times as many sections as at 90 Hz, found %.3g times as often, and the "
+                       "advance stops %.3g times as often.",
+                       study->subject->name, sections, often->contacts / rare->contacts,
+                       often->stops / rare->stops);
+    else
+        statements_add(statements, row,
+                       "On %s nothing is told of what contacts cost: there are none, or a run "
+                       "fails.",
+                       study->subject->name);
 }
 
 /* --- where effort belongs --- */
