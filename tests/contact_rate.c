@@ -2,7 +2,6 @@
  * experiment whose errors are known in kind, and verdicts that follow from numbers. */
 #include "experiments/contact_rate/contact_rate.h"
 
-#include "base/table.h"
 #include "base/text_table.h"
 #include "experiments/common/limit.h"
 #include "scene/scene_load.h"
@@ -22,23 +21,24 @@ Test(limit, is_exact_for_parabolas_in_the_root_of_the_ratio) {
     enum { COUNT = 3, COLUMNS = 5 };
     static const double ratio[COUNT] = {100, 400, 2500};
     double value[COUNT][COLUMNS];
-    struct table table[COUNT], limit, other;
-    const struct table *list[COUNT];
+    struct trajectory run[COUNT] = {0}, limit, other;
+    const struct trajectory *list[COUNT];
     for (int i = 0; i < COUNT; i++) {
         const double e = 1 / sqrt(ratio[i]);
         const double row[COLUMNS] = {0.1, 2, 3, 7 - 3 * e + 11 * e * e, 7 + e * e * e};
         memcpy(value[i], row, sizeof row);
-        table[i] = (struct table){.column_count = COLUMNS, .row_count = 1, .value = value[i]};
-        list[i] = &table[i];
+        run[i].table = (struct table){.column_count = COLUMNS, .row_count = 1, .value = value[i]};
+        list[i] = &run[i];
     }
     cr_assert_eq(penalty_limit(list, ratio, COUNT, &limit), 0);
-    cr_assert(limit.value[0] == 0.1 && limit.value[1] == 2 && limit.value[2] == 3, "labels");
-    cr_assert_float_eq(limit.value[3], 7, 1e-12);
-    cr_assert_float_eq(limit.value[4], 7 + 1. / 10 / 20 / 50, 1e-12); /* + e0 e1 e2 */
-    free(limit.value);
-    table[2].row_count = 2;
+    cr_assert(limit.table.value[0] == 0.1 && limit.table.value[1] == 2 && limit.table.value[2] == 3,
+              "labels");
+    cr_assert_float_eq(limit.table.value[3], 7, 1e-12);
+    cr_assert_float_eq(limit.table.value[4], 7 + 1. / 10 / 20 / 50, 1e-12); /* + e0 e1 e2 */
+    free(limit.table.value);
+    run[2].table.row_count = 2;
     cr_assert_eq(penalty_limit(list, ratio, COUNT, &other), -1);
-    cr_assert_null(other.value);
+    cr_assert_null(other.table.value);
 }
 
 /* --- a small experiment --- */

@@ -217,6 +217,7 @@ Test(resume, what_is_left_of_a_run_is_no_run) {
         {finished, NAMES ROW(0, 0) ROW(0, 1), "states.tsv: has not all frames"},
         {finished, NAMES, "states.tsv: has not all frames"},
         {finished, "t\n0\n1\n", "states.tsv: has not the columns"},
+        {finished, "t\twisp\tnode\n0\t0\t0\n1\t0\t0\n", "states.tsv: has not the columns"},
         {finished, NULL, "states.tsv: cannot be read"},
         {"{\"status\": \"finished\"}", whole, "states.tsv: has not all frames"},
         {"{\"status\": \"not finite\"}", NULL, NULL},
@@ -233,7 +234,7 @@ Test(resume, what_is_left_of_a_run_is_no_run) {
         file_write(folder, "run.json", files[i].json, NULL);
         if (files[i].states)
             file_write(folder, "states.tsv", files[i].states, NULL);
-        const int code = run_read(&run, folder, reason);
+        const int code = run_read_states(&run, folder, NULL, reason);
         cr_expect_eq(code, files[i].says ? -1 : 0, "row %d: '%s'", (int)i, reason);
         cr_expect(!files[i].says || strstr(reason, files[i].says), "row %d: '%s'", (int)i, reason);
         if (!code)

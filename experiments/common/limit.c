@@ -2,7 +2,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* The samples' damper sees them move with the line as it turns, and pushes them off it by
  * c_p r da/dt / k_p ~ 1/sqrt(ratio); so the motion is a series in e = 1/sqrt(ratio), whose first
@@ -16,25 +15,24 @@ static double limit_weight(const double *ratio, int count, int i) {
     return weight;
 }
 
-int penalty_limit(const struct table *const *tables, const double *ratio, int count,
-                  struct table *limit) {
-    enum { LABELS = 3 };
-    const struct table *first = tables[0];
+int penalty_limit(const struct trajectory *const *runs, const double *ratio, int count,
+                  struct trajectory *limit) {
+    const struct table *first = &runs[0]->table;
     const size_t size = (size_t)(first->row_count * first->column_count);
-    *limit = (struct table){.row_count = first->row_count, .column_count = first->column_count};
+    *limit = *runs[0];
+    limit->table.value = NULL;
     for (int i = 0; i < count; i++)
-        if (tables[i]->row_count != first->row_count)
+        if (runs[i]->table.row_count != first->row_count)
             return -1;
-    limit->value = calloc(size + 1, sizeof(double));
-    if (!limit->value)
+    double *value = limit->table.value = calloc(size + 1, sizeof *value);
+    if (!value)
         return -1;
     for (size_t k = 0; k < size; k++) {
-        if (k % (size_t)first->column_count < LABELS)
-            limit->value[k] = first->value[k];
+        if (k % (size_t)first->column_count < STATE_X)
+            value[k] = first->value[k];
         else
             for (int i = 0; i < count; i++)
-                limit->value[k] += limit_weight(ratio, count, i) * tables[i]->value[k];
+                value[k] += limit_weight(ratio, count, i) * runs[i]->table.value[k];
     }
-    memcpy(limit->name, first->name, sizeof limit->name); /* lent */
     return 0;
 }

@@ -2,13 +2,13 @@
 #ifndef WISPLAB_LIMIT_H
 #define WISPLAB_LIMIT_H
 
-#include "base/table.h"
+#include "model/trajectory.h"
 
-/* Takes states of `penalty` at `count` penalty ratios to their limit: tables of the same frames and
- * rows become one; time, wisp and node are the first one's, and so are the names, which it lends.
- * Free limit->value. Returns 0, or -1 where memory cannot be had or the tables differ; limit->value
- * is NULL then. */
-int penalty_limit(const struct table *const *tables, const double *ratio, int count,
-                  struct table *limit);
+/* Takes runs of `penalty` at `count` penalty ratios to their limit: those of the same frames become
+ * one. Time, wisp and node are the first one's, which lends all but the numbers: free
+ * limit->table.value. Returns 0, or -1 where memory cannot be had or they differ; that is NULL
+ * then. */
+int penalty_limit(const struct trajectory *const *runs, const double *ratio, int count,
+                  struct trajectory *limit);
 
 #endif

@@ -1,5 +1,4 @@
 /* What the runs of contact-rate have shown. */
-#include "base/table.h"
 #include "contact_rate.h"
 #include "experiments/common/limit.h"
 #include "model/clock.h"
@@ -40,33 +39,35 @@ const struct rate_point *point_at(const struct series *series, double rate) {
 /* --- distances --- */
 
 /* The frames after `from` up to `to`, s: lent. */
-static struct table frames_between(const struct table *states, double from, double to) {
-    struct table part = *states;
-    while (part.row_count > 0 && table_value(&part, 0, 0) <= from + 1e-9) {
-        part.value += part.column_count;
-        part.row_count--;
+static struct trajectory frames_between(const struct trajectory *states, double from, double to) {
+    struct trajectory part = *states;
+    while (part.frame_count > 0 && part.frames[0].t <= from + 1e-9) {
+        part.frames++;
+        part.frame_count--;
     }
-    while (part.row_count > 0 && table_value(&part, part.row_count - 1, 0) > to + 1e-9)
-        part.row_count--;
+    while (part.frame_count > 0 && part.frames[part.frame_count - 1].t > to + 1e-9) {
+        part.frame_count--;
+        part.table.row_count = part.frames[part.frame_count].row;
+    }
     return part;
 }
 
 /* Distance of two runs over the frames after `from` up to `to`. */
-static int compare(struct plan *plan, const struct study *study, const struct table *run,
-                   const struct table *other, double from, double to, struct deviation *d) {
-    const struct table a = frames_between(run, from, to), b = frames_between(other, from, to);
+static int compare(struct plan *plan, const struct study *study, const struct trajectory *run,
+                   const struct trajectory *other, double from, double to, struct deviation *d) {
+    const struct trajectory a = frames_between(run, from, to), b = frames_between(other, from, to);
     return measure_deviation(study->subject->scene, &a, &b, 1, d, plan->reason);
 }
 
 static int read_run(struct plan *plan, int at, struct run_files *run) {
-    return run_read(run, plan->cases[at].run.folder, plan->reason);
+    return run_read_states(run, plan->cases[at].run.folder, plan->trajectories, plan->reason);
 }
 
 /* --- the horizon --- */
 
 int read_horizon(struct plan *plan, struct series *series) {
     const struct rate_point *yardstick = &series->point[series->rate_count - 1];
-    return measure_horizon(plan->cases[yardstick->at].run.folder,
+    return measure_horizon(plan->trajectories, plan->cases[yardstick->at].run.folder,
                            plan->cases[series->again].run.folder, &series->horizon, plan->reason);
 }
 
@@ -129,7 +130,7 @@ static int spread_pairs(struct plan *plan, const struct study *study, double fro
             struct deviation d;
             if (runs[i].outcome != FINISHED || others[k].outcome != FINISHED)
                 continue;
-            if (compare(plan, study, &runs[i].states, &others[k].states, from, INFINITY, &d))
+            if (compare(plan, study, runs[i].states, others[k].states, from, INFINITY, &d))
                 return -1;
             if (isfinite(d.rms))
                 distance[pairs++] = d.rms;
@@ -178,8 +179,8 @@ static int read_point(struct plan *plan, const struct study *study, const struct
     int code = 0;
     read_counts(plan->cases[point->at].run.scene, &run, series, point);
     if (run.outcome == FINISHED && !isnan(series->horizon))
-        code = compare(plan, study, &run.states, &yardstick->states, -1, series->horizon, &near) ||
-               compare(plan, study, &run.states, &yardstick->states, -1, INFINITY, &whole);
+        code = compare(plan, study, run.states, yardstick->states, -1, series->horizon, &near) ||
+               compare(plan, study, run.states, yardstick->states, -1, INFINITY, &whole);
     run_free(&run);
     point->error = near.rms;
     point->largest = near.largest;
@@ -190,13 +191,13 @@ static int read_point(struct plan *plan, const struct study *study, const struct
 
 /* Distance of a run of the plan from a table of states up to the horizon; NaN where it failed. */
 static int distance_of(struct plan *plan, const struct study *study, int at,
-                       const struct table *states, double to, double *distance) {
+                       const struct trajectory *states, double to, double *distance) {
     struct deviation d = {.rms = NAN};
     struct run_files run;
     if (read_run(plan, at, &run))
         return -1;
     const int code = run.outcome == FINISHED && !isnan(to)
-                         ? compare(plan, study, &run.states, states, -1, to, &d)
+                         ? compare(plan, study, run.states, states, -1, to, &d)
                          : 0;
     run_free(&run);
     *distance = d.rms;
@@ -259,11 +260,11 @@ static int read_series(struct plan *plan, struct study *study, struct series *se
         series->horizon = NAN;
     int code = compare_points(plan, study, series, &yardstick);
     if (!code && series->again >= 0)
-        code = distance_of(plan, study, series->again, &yardstick.states, series->horizon,
+        code = distance_of(plan, study, series->again, yardstick.states, series->horizon,
                            &series->doubt);
     if (!code && series->ticks == WISP_TICKS)
         code = distance_of(plan, study, control->point[control->rate_count - 1].at,
-                           &yardstick.states, series->horizon, &series->effect);
+                           yardstick.states, series->horizon, &series->effect);
     run_free(&yardstick);
     fit_order(series);
     return code || read_after(plan, study, series) ? -1 : 0;
@@ -274,7 +275,7 @@ static int read_series(struct plan *plan, struct study *study, struct series *se
 /* The least of the yardsticks' horizons: one span for all. */
 static int find_span(struct plan *plan, struct study *study) {
     double span;
-    if (measure_horizon(plan->cases[study->tight].run.folder,
+    if (measure_horizon(plan->trajectories, plan->cases[study->tight].run.folder,
                         plan->cases[study->tight_again].run.folder, &span, plan->reason))
         return -1;
     for (int ticks = 0; ticks < TICK_KINDS; ticks++) {
@@ -288,7 +289,7 @@ static int find_span(struct plan *plan, struct study *study) {
 
 /* Distances of a run from states: up to the span, over all frames. */
 static int read_both(struct plan *plan, const struct study *study, int at,
-                     const struct table *states, double *near, double *whole) {
+                     const struct trajectory *states, double *near, double *whole) {
     return distance_of(plan, study, at, states, study->span, near) ||
                    distance_of(plan, study, at, states, INFINITY, whole)
                ? -1
@@ -303,8 +304,8 @@ static int read_error(struct plan *plan, const struct study *study, int at, int 
         return -1;
     int code = 0;
     if (run.outcome == FINISHED)
-        code = read_both(plan, study, at, &run.states, &error->error, &error->whole) ||
-               read_both(plan, study, again, &run.states, &error->doubt, &error->whole_doubt);
+        code = read_both(plan, study, at, run.states, &error->error, &error->whole) ||
+               read_both(plan, study, again, run.states, &error->doubt, &error->whole_doubt);
     run_free(&run);
     return code ? -1 : 0;
 }
@@ -320,13 +321,13 @@ static int read_integrator(struct plan *plan, struct study *study) {
  * more make of that (see experiment treatments). */
 static int compare_treatments(struct plan *plan, const struct study *study,
                               const struct run_files runs[PENALTIES], struct source_error *error) {
-    const struct table *tables[PENALTIES];
-    struct table limit, more = {.value = NULL};
+    const struct trajectory *states[PENALTIES];
+    struct trajectory limit, more = {.table.value = NULL};
     struct deviation near = {.rms = NAN}, whole = near;
     for (int i = 0; i < PENALTIES; i++)
-        tables[i] = &runs[i].states;
-    int code = penalty_limit(tables + 1, penalty_ratios + 1, PENALTIES - 1, &limit) ||
-               penalty_limit(tables, penalty_ratios, PENALTIES, &more);
+        states[i] = runs[i].states;
+    int code = penalty_limit(states + 1, penalty_ratios + 1, PENALTIES - 1, &limit) ||
+               penalty_limit(states, penalty_ratios, PENALTIES, &more);
     if (code)
         snprintf(plan->reason, REASON_SIZE, "scene %s: no limit of penalty could be taken",
                  study->subject->name);
@@ -335,8 +336,8 @@ static int compare_treatments(struct plan *plan, const struct study *study,
            compare(plan, study, &more, &limit, -1, INFINITY, &whole);
     error->doubt = 2 * near.rms;
     error->whole_doubt = 2 * whole.rms;
-    free(limit.value);
-    free(more.value);
+    free(limit.table.value);
+    free(more.table.value);
     return code ? -1 : 0;
 }
 
@@ -349,7 +350,7 @@ static int read_treatment(struct plan *plan, struct study *study) {
              penalty_ratios[PENALTIES - 1]);
     for (; count < PENALTIES && read_run(plan, study->penalty[count], &runs[count]) == 0; count++) {
         finished &= runs[count].outcome == FINISHED;
-        same &= runs[count].states.row_count == runs[0].states.row_count;
+        same &= runs[count].states->table.row_count == runs[0].states->table.row_count;
     }
     int code = count < PENALTIES ? -1 : 0;
     if (!code && finished && same && !isnan(study->span))

@@ -30,4 +30,11 @@ struct counters {
 #undef X
 };
 
+/* The shortest and the longest accepted step of any wisp, s, as they were taken: a fixed step is
+ * divided so that the time to each stop has a whole number of them, and a step of a method's own
+ * choice may be cut short by a stop. largest = 0: none was taken. */
+struct step_range {
+    double least, largest;
+};
+
 #endif
