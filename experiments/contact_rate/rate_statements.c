@@ -35,11 +35,12 @@ static void list_errors(const struct series *series, char text[256]) {
     }
 }
 
-/* Errors fall, as fast as that, and from each rate to the next of those that tell. */
+/* Errors fall as fast as that, and the finest is the least of those that tell. */
 static int converges(const struct series *series) {
+    const int finest = series->rate_count - 2;
     int falls = 1;
-    for (int i = series->rate_count - series->order.points; i + 1 < series->rate_count; i++)
-        falls &= i < 1 || series->point[i].error < series->point[i - 1].error;
+    for (int i = finest - 1; i >= 0 && i > finest - series->order.points; i--)
+        falls &= series->point[finest].error < series->point[i].error;
     return falls && series->order.slope >= converging;
 }
 
