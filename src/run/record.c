@@ -6,6 +6,7 @@
 #include "identity.h"
 #include "model/problems.h"
 #include "reference_check.h"
+#include "seal.h"
 #include "warnings.h"
 
 #include <errno.h>
@@ -224,10 +225,13 @@ static json_t *result_to_json(const struct scene *scene, const struct settings *
         build_to_json(), "machine", machine_to_json());
 }
 
-static int write_json(const json_t *json, const char *folder, char *reason) {
+/* The tables of the run are there. */
+static int write_json(json_t *json, const char *folder, char *reason) {
     char path[PATH_SIZE];
     struct atomic_file file;
     path_format(path, "%s/run.json", folder);
+    if (json && seal_add(json, folder, reason))
+        return -1;
     if (atomic_open(&file, path, reason))
         return -1;
     if (!json || json_dumpf(json, file.stream, JSON_INDENT(2) | JSON_REAL_PRECISION(17))) {
