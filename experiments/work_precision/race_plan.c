@@ -201,7 +201,8 @@ static int read_pilot(struct plan *plan, struct field *field, struct entry *entr
         return 0;
     if (run_read(&run, pilot->run.folder, plan->reason))
         return -1;
-    const double time = run_number(&run, "simulated_time"), cpu = run_number(&run, "cpu_seconds");
+    const double time = run_number(&run, "simulated_time") - field->scene->begin,
+                 cpu = run_number(&run, "cpu_seconds");
     if (time > 0 && cpu > 0) {
         entry->cost = cpu / time;
         if (entry == yardstick_of(field))

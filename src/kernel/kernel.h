@@ -19,8 +19,8 @@ struct strand;
     X(void, free, (void *part))                                                                    \
     /* Gives a lane another wisp's numbers at time t; the wisp agrees with those of the part. */   \
     X(void, fill, (void *part, int which, const struct wisp *wisp, double t))                      \
-    /* The start of a scene: rest shape, at rest, samples at r = R. */                             \
-    X(void, rest, (void *part, double *q, double *v))                                              \
+    /* The start of a scene at time t: rest shape, at rest, samples at r = R. */                   \
+    X(void, rest, (void *part, double t, double *q, double *v))                                    \
     /* One lane as rows of a frame, for nodes 0 to n - 1, of 6 numbers and 2 or 6 for each sample; \
      * the first row's first number goes to rows[0], the next row's to rows[stride]. */            \
     X(void, sample,                                                                                \

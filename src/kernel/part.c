@@ -184,9 +184,9 @@ void LANED(kernel_free)(void *ctx) {
 
 /* --- states --- */
 
-void LANED(kernel_rest)(void *ctx, double *q, double *v) {
+void LANED(kernel_rest)(void *ctx, double t, double *q, double *v) {
     struct kernel_part *part = ctx;
-    place_head(part, 0);
+    place_head(part, t);
     memset(v, 0, (size_t)part->system->size * sizeof(double));
     for (int i = 2; i < part->nodes; i++) {
         double *qi = q + (i - 2) * part->node_unknowns * LANES;

@@ -51,7 +51,7 @@ struct problem {
     int (*default_treatment)(const struct stepper_method *method);
     const char *(*default_linear)(const struct stepper_method *method);
 
-    /* The scene at t = 0 in parts of at most `lanes` wisps; NULL where memory cannot be had. */
+    /* The scene at its begin in parts of at most `lanes` wisps; NULL where memory cannot be had. */
     struct model *(*create)(const struct scene *scene, int treatment, int lanes);
     void (*free)(struct model *model);
 

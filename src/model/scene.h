@@ -39,7 +39,8 @@ struct render_settings {
 struct scene {
     char name[64];
     const struct problem *problem;
-    double duration;   /* s */
+    double begin;      /* s: the time of the first frame */
+    double duration;   /* from there to the last one, s */
     double frame_rate; /* Hz; 0: every step is a frame */
     double seed;       /* a whole number */
     struct run_defaults run;

@@ -204,10 +204,6 @@ static void gather_kinks(struct wisp_model *m) {
     qsort(m->kinks, (size_t)count, sizeof *m->kinks, ascending);
     m->model.kinks = m->kinks;
     m->model.kink_count = count;
-    while (m->model.kink_count > 0 && m->model.kinks[0] <= 0) { /* before the start: no stop */
-        m->model.kinks++;
-        m->model.kink_count--;
-    }
 }
 
 /* Room for the scene's wisps and all that may come of them, and the parts and rows of the first. */
@@ -239,6 +235,7 @@ static struct model *wisps_create(const struct scene *scene, int treatment, int 
     m->treatment = (enum wisp_treatment)treatment;
     snprintf(m->name, sizeof m->name, "the wisps (%s)", treatments[treatment].name);
     m->model.problem = &wisp_problem;
+    m->model.t = scene->begin;
     int code = take_wisps(m);
     for (int i = 0; i < m->model.part_count && !code; i++)
         code = wisp_part_create(m, i);

@@ -96,7 +96,7 @@ static int resolve_steps(const struct scene *scene, const struct run_request *re
         *values[i] = asked[i] != 0 ? asked[i] : defaults[i];
     }
     /* Such steps are lost in the rounding of the time, and the clock could not count them. */
-    if (!adaptive && scene->duration / settings->step > 1e15)
+    if (!adaptive && (scene->begin + scene->duration) / settings->step > 1e15)
         return refuse_number(reason, "step", settings->step, "more than 1e15 steps to the end");
     settings->frame_interval = !adaptive                      ? settings->step
                                : settings->method->checked_by ? scene->run.step

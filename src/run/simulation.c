@@ -57,7 +57,7 @@ static int going(const struct simulation *sim) {
 
 static void start_clock(struct simulation *sim) {
     const double rate = sim->scene->frame_rate;
-    sim->clock = clock_start(sim->scene->duration);
+    sim->clock = clock_start(sim->scene->begin, sim->scene->duration);
     clock_add(&sim->clock, STOP_FRAME, rate, rate > 0 ? 0 : sim->settings->frame_interval);
     clock_add(&sim->clock, STOP_COLLISION, sim->model->collision_rate, 0);
     clock_add(&sim->clock, STOP_INTERACTION, sim->model->interaction_rate, 0);
@@ -357,11 +357,12 @@ void simulate(const struct scene *scene, const struct settings *settings,
                              .settings = settings,
                              .observer = observer,
                              .watch = watch,
-                             .result = result};
+                             .result = result,
+                             .t = scene->begin};
     const int every_step = scene->frame_rate == 0; /* every step is a frame, stops being steps */
-    struct stop stop = {0};
+    struct stop stop = {.t = scene->begin};
 
-    *result = (struct run_result){.outcome = FINISHED};
+    *result = (struct run_result){.outcome = FINISHED, .time = scene->begin};
     open_simulation(&sim);
     if (going(&sim))
         count_evaluations(&sim);
