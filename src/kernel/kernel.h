@@ -59,8 +59,12 @@ struct strand;
     /* Lays lanes open: fills in all that strand_load does, but for lanes of NULL. Nodes 0 and 1   \
      * are where they were last prescribed. Behind nodes that coincide axes are NaN, not 0. */     \
     X(void, open, (void *part, const double *q, const double *v, struct strand *const *strands))   \
-    /* Largest | L / rest length - 1 | over the segments of a lane. */                             \
+    /* Largest | L / rest length - 1 | over the segments of a lane, nodes 0 and 1 being where they \
+     * were last. */                                                                               \
     X(double, strain, (void *part, int which, const double *q))                                    \
+    /* Lanes, bit k for lane k, in which that is above `limit` at time t: without a root, and so   \
+     * cheap enough for every step. What is not a number is not above it. */                       \
+    X(unsigned, strained, (void *part, double t, const double *q, double limit))                   \
     /* Where the part's matrix has its entries, as general sparse solvers want it, for a part of   \
      * one wisp; one block, to be freed with free. NULL where memory cannot be had. */             \
     X(struct sparse_matrix *, pattern, (const void *part))

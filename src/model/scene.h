@@ -11,8 +11,9 @@
 
 /* Settings for runs of a scene where the command line gives none. */
 struct run_defaults {
-    double step;       /* s */
-    double rtol, atol; /* atol in m and m/s */
+    double step;         /* s */
+    double rtol, atol;   /* atol in m and m/s */
+    double strain_limit; /* beyond which a run has diverged; 0: the problem's */
 };
 
 /* A state to start from: rows of frames, as a model of that treatment writes them. */

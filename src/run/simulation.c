@@ -18,6 +18,7 @@ struct progress_of_part {
     int code;           /* of the step that failed, or 0 */
     int finite;         /* whether the state is */
     double evaluations; /* up to the last stop */
+    double strain;      /* the largest after any step */
     struct profile profile;
     struct account account; /* where diagnoses are asked for */
 };
@@ -42,6 +43,7 @@ struct simulation {
     /* where diagnoses are asked for */
     struct diagnosis diagnosis;          /* of the last frame */
     double first_energy;                 /* J */
+    double most_energy;                  /* the largest that was stored at a frame, J */
     double other_jumps;                  /* at ticks, of no kind that parts have accounts of, J */
     double body_contacts, wisp_contacts; /* up to the last frame */
 };
@@ -142,8 +144,11 @@ static void close_simulation(struct simulation *sim) {
         for (int i = 0; i < sim->model->part_count; i++) {
             sim->result->wisps += sim->model->parts[i].system.wisps;
             add_counters(&sim->result->counters, &sim->model->parts[i].system.counters);
-            if (sim->progress)
+            if (sim->progress) {
                 add_profile(&sim->result->profile, &sim->progress[i].profile);
+                sim->result->largest_strain =
+                    fmax(sim->result->largest_strain, sim->progress[i].strain);
+            }
             if (sim->steppers && sim->steppers[i])
                 sim->settings->method->free(sim->steppers[i]);
         }
@@ -181,6 +186,23 @@ static void count_evaluations(struct simulation *sim) {
     sim->evaluations_left = left;
 }
 
+/* After a step of part i to time t: whether its state is one that the
+ * model can mean. Most steps have no new largest strain, and that is quickly seen. */
+static int check_strain(struct simulation *sim, int i, double t) {
+    const struct problem *problem = sim->scene->problem;
+    struct progress_of_part *part = &sim->progress[i];
+    int wisp = 0;
+    if (!problem->strain)
+        return 0;
+    const double strain = problem->strain(sim->model, i, t, part->strain, &wisp);
+    part->strain = fmax(part->strain, strain);
+    if (strain <= sim->settings->strain_limit)
+        return 0;
+    return system_fail(&sim->model->parts[i].system, -DIVERGED,
+                       "wisp %d: a segment is %.3g of its length away from it, more than %.3g",
+                       wisp, strain, sim->settings->strain_limit);
+}
+
 /* Equal steps over the interval, the last of them ending at `to`. */
 static int advance_fixed(struct simulation *sim, int i, double *t, double to) {
     struct part *part = &sim->model->parts[i];
@@ -188,30 +210,34 @@ static int advance_fixed(struct simulation *sim, int i, double *t, double to) {
     const long long steps = clock_steps(to - from, sim->settings->step);
     const double h = (to - from) / (double)steps;
 
-    for (long long k = 0; k < steps && !interrupted(sim, i, *t); k++) {
-        const int code = sim->settings->method->step(sim->steppers[i], *t, h, part->q, part->v);
+    int code = 0;
+    for (long long k = 0; k < steps && !code && !interrupted(sim, i, *t); k++) {
+        code = sim->settings->method->step(sim->steppers[i], *t, h, part->q, part->v);
         if (code)
             return code;
         part->system.counters.steps += part->system.wisps;
         *t = k + 1 == steps ? to : from + (double)(k + 1) * h;
         if (part->account)
             account_step(part, *t);
+        code = check_strain(sim, i, *t);
     }
-    return 0;
+    return code;
 }
 
 /* Steps of the method's own choice, or just one of them. */
 static int advance_adaptive(struct simulation *sim, int i, double *t, double to, int once) {
     struct part *part = &sim->model->parts[i];
+    int code;
     do {
-        const int code = sim->settings->method->advance(sim->steppers[i], t, to, part->q, part->v);
+        code = sim->settings->method->advance(sim->steppers[i], t, to, part->q, part->v);
         if (code)
             return code;
         part->system.counters.steps += part->system.wisps;
         if (part->account)
             account_step(part, *t);
-    } while (*t < to && !once && !interrupted(sim, i, *t));
-    return 0;
+        code = check_strain(sim, i, *t);
+    } while (*t < to && !code && !once && !interrupted(sim, i, *t));
+    return code;
 }
 
 static int all_finite(const double *x, int n) {
@@ -285,13 +311,6 @@ static void check_finite(struct simulation *sim) {
             end_with(sim, NOT_FINITE, "the state overflowed or became NaN");
 }
 
-/* A finite state can still be wrong. */
-static void check_meaning(struct simulation *sim) {
-    const struct problem *problem = sim->scene->problem;
-    if (problem->check)
-        sim->result->outcome = problem->check(sim->model, sim->result->reason, REASON_SIZE);
-}
-
 /* What an event of a tick changes where no part has an account of it. */
 static double unbooked_energy(const struct simulation *sim) {
     return model_energy(sim->model) - model_jumps(sim->model);
@@ -336,6 +355,24 @@ static void make_diagnosis(struct simulation *sim) {
     sim->model->diagnosis = d;
 }
 
+/* No step's error is worth ten times what the scene ever held: such a run is wrong whatever its
+ * lengths. The energies are taken absolutely, since gravity's has its zero somewhere. */
+static void check_energy(struct simulation *sim) {
+    const struct diagnosis *d = &sim->diagnosis;
+    double stored = 0;
+#define X(name, meaning) stored += fabs(d->energy.name);
+    ENERGIES(X)
+#undef X
+    sim->most_energy = fmax(sim->most_energy, stored);
+    if (sim->settings->method->checked_by || !(fabs(d->residual) > 10 * sim->most_energy))
+        return;
+    char reason[REASON_SIZE];
+    snprintf(reason, sizeof reason,
+             "%.3g J of energy are accounted for by no work, and it never held more than %.3g J",
+             d->residual, sim->most_energy);
+    end_with(sim, DIVERGED, reason);
+}
+
 static void show_frame(struct simulation *sim) {
     sim->result->frames++;
     if (!sim->observer)
@@ -348,6 +385,8 @@ static void show_frame(struct simulation *sim) {
     const int code = sim->observer->frame(sim->observer->ctx, sim->model, sim->t, sim->rows);
     if (code)
         end_with(sim, (enum outcome)code, "a frame could not be kept");
+    else if (sim->settings->diagnostics)
+        check_energy(sim);
 }
 
 void simulate(const struct scene *scene, const struct settings *settings,
@@ -380,8 +419,6 @@ void simulate(const struct scene *scene, const struct settings *settings,
         const double ticked = monotonic_seconds();
         if (going(&sim) && (every_step || stop.events & STOP_FRAME))
             show_frame(&sim);
-        if (going(&sim) && (every_step || stop.events & STOP_FRAME))
-            check_meaning(&sim);
         result->advance_seconds += advanced - begin;
         result->tick_seconds += ticked - advanced;
         result->frame_seconds += monotonic_seconds() - ticked;

@@ -30,13 +30,15 @@ static void stem(const char *path, char *name, size_t size) {
 }
 
 static void read_run(struct config_reader *reader, config_setting_t *top,
-                     struct run_defaults *run) {
-    static const char *const known[] = {"step", "rtol", "atol", NULL};
+                     const struct problem *problem, struct run_defaults *run) {
+    const char *const known[] = {"step", "rtol", "atol",
+                                 problem->strain_limit ? "strain_limit" : NULL, NULL};
     config_setting_t *group = config_group(reader, top, "run");
     config_known(reader, group, known);
     run->step = config_number(reader, group, "step", POSITIVE, 1e-4);
     run->rtol = config_number(reader, group, "rtol", POSITIVE, 1e-6);
     run->atol = config_number(reader, group, "atol", POSITIVE, 1e-9);
+    run->strain_limit = config_number(reader, group, "strain_limit", POSITIVE, 0);
 }
 
 /* Such ticks are lost in the rounding of the time, and the run would never end. */
@@ -88,7 +90,8 @@ static void read_scene(struct config_reader *reader, struct scene *scene) {
     scene->duration = config_required(reader, top, "duration", POSITIVE);
     scene->frame_rate = config_number(reader, top, "frame_rate", POSITIVE, 0);
     scene->seed = config_number(reader, top, "seed", WHOLE, 1);
-    read_run(reader, top, &scene->run);
+    if (scene->problem)
+        read_run(reader, top, scene->problem, &scene->run);
     if (scene->problem == &circle_problem)
         read_circle(reader, top);
     else
