@@ -345,8 +345,8 @@ const struct experiment circle_experiment = {
     .question = "how far does each method carry a particle off its circle?",
     .thesis = "section 2.3.3",
     .place = 4,
-    .quick = {.seconds = 4},
-    .full = {.seconds = 10},
+    .quick_seconds = 4,
+    .full_seconds = 10,
     .plan = circle_plan,
     .tabulate = circle_tabulate,
 };

@@ -55,7 +55,7 @@ const struct experiment kernel_experiment = {
     .name = "kernel",
     .question = "how near to the hardware are evaluations, linear solvers, the seam and contacts?",
     .place = 16,
-    .full = {.seconds = 90},
+    .full_seconds = 90,
     .plan = kernel_plan,
     .tabulate = kernel_tabulate,
 };

@@ -433,8 +433,8 @@ const struct experiment treatments_experiment = {
     .question = "how exactly does each treatment keep the envelope on its lines, and at what cost?",
     .thesis = "section 4.2.1",
     .place = 5,
-    .quick = {.seconds = 2},
-    .full = {.seconds = 10},
+    .quick_seconds = 2,
+    .full_seconds = 10,
     .plan = treatments_plan,
     .tabulate = treatments_tabulate,
 };

@@ -16,21 +16,21 @@ static const struct configuration table[] = {
     {.name = "euler",
      .stepper = "euler",
      .kind = CONFIGURATION_PLAIN,
-     .cost = 12e-9,
+     .cost = 5e-9,
      .colour = "#D55E00",
      .mark = 7},
 
     {.name = "midpoint",
      .stepper = "midpoint",
      .kind = CONFIGURATION_PLAIN,
-     .cost = 24e-9,
+     .cost = 10e-9,
      .colour = "#E69F00",
      .mark = 5},
 
     {.name = "rk4",
      .stepper = "rk4",
      .kind = CONFIGURATION_PLAIN,
-     .cost = 40e-9,
+     .cost = 20e-9,
      .colour = "#0072B2",
      .mark = 9},
 
@@ -38,7 +38,7 @@ static const struct configuration table[] = {
      .stepper = "implicit-euler",
      .linear = "direct",
      .kind = CONFIGURATION_PLAIN,
-     .cost = 80e-9,
+     .cost = 30e-9,
      .colour = "#009E73",
      .mark = 13},
     {.name = "implicit-euler newton",
@@ -46,7 +46,7 @@ static const struct configuration table[] = {
      .linear = "direct",
      .options = OPTIONS("newton.iterations=30"),
      .kind = CONFIGURATION_ITERATED,
-     .cost = 400e-9,
+     .cost = 170e-9,
      .mark = 12},
     {.name = "implicit-euler cg",
      .stepper = "implicit-euler",
@@ -59,7 +59,7 @@ static const struct configuration table[] = {
      .linear = "cg",
      .options = OPTIONS("newton.iterations=30"),
      .kind = CONFIGURATION_SOLVER_ITERATED,
-     .cost = 800e-9,
+     .cost = 700e-9,
      .mark = 3},
     {.name = "implicit-euler klu",
      .stepper = "implicit-euler",
@@ -91,6 +91,7 @@ static const struct configuration table[] = {
      .stepper = "cvode",
      .linear = "direct",
      .kind = CONFIGURATION_PLAIN,
+     .cost = 35e-9,
      .finest = 1e-8,
      .order = 2,
      .colour = "#CC79A7",
@@ -100,6 +101,7 @@ static const struct configuration table[] = {
      .linear = "direct",
      .options = OPTIONS("max_order=5"),
      .kind = CONFIGURATION_ORDER,
+     .cost = 40e-9,
      .finest = 1e-11,
      .order = 5,
      .mark = 10},
@@ -146,6 +148,7 @@ static const struct configuration table[] = {
     {.name = "reference",
      .stepper = "reference",
      .kind = CONFIGURATION_PLAIN,
+     .cost = 200e-9,
      .finest = 1e-10,
      .order = 8,
      .colour = "#000000",
@@ -201,17 +204,18 @@ static struct configuration default_of(const struct stepper_method *method, int 
 /* --- the list --- */
 
 /* What a row need not say: tolerances and order of adaptive methods; a step costs as many
- * evaluations as the order of explicit ones, and several with their matrix of implicit ones. */
+ * evaluations as the order of explicit ones, and several with their matrix of implicit and of
+ * adaptive ones. */
 static void complete(struct configuration *configuration, const struct stepper_method *method) {
     configuration->method = method;
     if (method->capabilities & STEPPER_ADAPTIVE) {
         configuration->finest = configuration->finest > 0 ? configuration->finest : 1e-10;
         configuration->order = configuration->order > 0 ? configuration->order : method->order;
-    } else if (!(configuration->cost > 0)) {
-        configuration->cost = method->capabilities & STEPPER_IMPLICIT ? 100e-9
-                              : method->order > 0                     ? 12e-9 * method->order
-                                                                      : 12e-9;
     }
+    if (!(configuration->cost > 0))
+        configuration->cost = method->capabilities & (STEPPER_IMPLICIT | STEPPER_ADAPTIVE) ? 50e-9
+                              : method->order > 0 ? 5e-9 * method->order
+                                                  : 5e-9;
 }
 
 /* A method's rows, or its default, of all kinds, to `to`. Returns how many; `spare` counts methods

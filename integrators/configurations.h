@@ -33,7 +33,8 @@ struct configuration {
 
     double finest; /* of adaptive methods: the tightest rtol that is worth trying on wisps */
     int order;     /* likewise: with which its steps follow the tolerance */
-    double cost;   /* of fixed steps: CPU time of one, s per unknown, good to a factor of two */
+    double cost; /* CPU time of a step, s per unknown of a wisp, on one processor of 2022, good to a
+                    factor of two: what a run will cost is predicted from it, on all machines */
 
     /* A colour is a method's, "#rrggbb", and a mark is a configuration's: gnuplot's point type
      * (from 4 on: squares, circles, triangles, inverted ones, diamonds, pentagons, the even ones

@@ -1,5 +1,13 @@
 #include "stepper.h"
 
+int stepper_lanes(const struct stepper_method *method, const struct linear_method *linear) {
+    enum { KERNEL_LANES = 4 };
+    const int most = method->lanes > 0                         ? method->lanes
+                     : method->capabilities & STEPPER_ADAPTIVE ? 1
+                                                               : KERNEL_LANES;
+    return linear && linear->max_lanes < most ? linear->max_lanes : most;
+}
+
 double stepper_usual_rate(const struct stepper_method *method) {
     return method->usual_rate > 0                    ? method->usual_rate
            : method->capabilities & STEPPER_IMPLICIT ? 300

@@ -95,6 +95,10 @@ extern const struct stepper_method *const stepper_methods[];
 /* The method of that name, or NULL. */
 const struct stepper_method *stepper_find(const char *name);
 
+/* The most wisps of a part: as many as the method says and the solver takes (NULL: it has none), at
+ * most four, which is what the kernel has. */
+int stepper_lanes(const struct stepper_method *method, const struct linear_method *linear);
+
 /* Hz: usual_rate, and where that is 0, 300 of implicit methods and 9000 of others. */
 double stepper_usual_rate(const struct stepper_method *method);
 

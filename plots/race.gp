@@ -15,6 +15,10 @@ is_failed(status) = status ne 'finished' && status ne 'refused' && status ne 'le
     && status ne 'status'
 is_point(m) = strcol(1) eq word(names, m) && strcol(2) eq treatment
 is_good(m) = is_point(m) && strcol(STATUS) eq 'finished'
+# At most so many curves have a name: those on the front of CPU time, then methods as they are, then variants. The
+# rest are thin and grey, and in the table.
+NAMED = 8
+named(list, more) = words(list) < NAMED ? with_name(list, more) : list
 # What is said of a method's failures: how many, and of the first one of what kind and when.
 kinds = ''
 say(status, t) = status.(t == t ? sprintf(', %.2g s', t) : '')
@@ -23,10 +27,11 @@ at(x) = x > 0 ? x : 0.6 * first # a run that was killed could not say what it ha
 row_of(name) = TOP * 10 ** (0.6 * place(in_band, name))
 
 scene_files = ''; scene_names = ''
-array samples_of[64]; array length_of[64]
+array samples_of[64]; array length_of[64]; array wisps_of[64]
 stats table('scenes') using (strcol(1) eq 'file' ? 0 \
     : (scene_files = scene_files.quoted(strcol(1)), scene_names = scene_names.quoted(strcol(2)), \
-       samples_of[words(scene_files)] = $3, length_of[words(scene_files)] = $4), 0) nooutput
+       samples_of[words(scene_files)] = $3, length_of[words(scene_files)] = $4, \
+       wisps_of[words(scene_files)] = $5), 0) nooutput
 
 do for [s = 1:words(scene_files)] {
     scene = word(scene_files, s)
@@ -43,9 +48,24 @@ do for [s = 1:words(scene_files)] {
     page_width = columns == 3 ? 1300 : 1000
     pitch = (page_width - 85) / columns # from panel to panel
     eval names_of(scene)
-    # The legend's columns are as wide as a name with its slopes; five entries are not of methods.
+    chosen = ''
+    stats table(scene.'-front') using (strcol(2) eq 'cpu' \
+        ? (chosen = named(chosen, strcol(5)), 0) : 0) nooutput
+    do for [m = 1:words(names)] { if (words(word(names, m)) == 1) { chosen = named(chosen, word(names, m)) } }
+    stats table(scene.'-front') using (strcol(2) eq 'evaluations' \
+        ? (chosen = named(chosen, strcol(5)), 0) : 0) nooutput
+    do for [m = 1:words(names)] { chosen = named(chosen, word(names, m)) }
+    rest = ''; own = ''; finished = ''
+    stats table(scene) using (strcol(STATUS) eq 'finished' \
+        ? (finished = with_name(finished, strcol(1)), 0) : 0) nooutput
+    do for [m = 1:words(names)] {
+        if (place(chosen, word(names, m))) { own = own.quoted(word(names, m)) } \
+        else { if (place(finished, word(names, m))) { rest = rest.quoted(word(names, m)) } }
+    }
+    names = own
+    # The legend's columns are as wide as a name with its slopes; six entries are not of methods.
     legend_columns = page_width == 1300 || !many ? 3 : 2
-    legend_height = 40 + 18 * ((words(names) + 5 + legend_columns - 1) / legend_columns)
+    legend_height = 40 + 18 * ((words(names) + 6 + legend_columns - 1) / legend_columns)
     page_height = (many ? 925 : 555) + legend_height
     eval figure(scene, page_width, page_height)
     # Above the scale every method that fails somewhere has a row of its own.
@@ -70,7 +90,8 @@ do for [s = 1:words(scene_files)] {
     }
     has_bound = 0; has_inexact = 0 # drawn somewhere: then in the legend, where no data are under it
     set multiplot
-    eval heading(WHAT.': '.escaped(word(scene_names, s)), \
+    eval heading(WHAT.': '.escaped(word(scene_names, s)) \
+        .(!many && samples_of[s] > 0 ? ' with '.word(treatments, 1) : ''), \
         'rms distance of the free nodes from the tight solution'.(columns == 3 ? ' of the same treatment' : '') \
         .', all frames'.(compared < duration ? sprintf(' to %.2g s', compared) : '') \
         .'; ×: failed (how many, how and when first); legend: slopes'.(many ? ', panel by panel' : ''))
@@ -96,7 +117,7 @@ do for [s = 1:words(scene_files)] {
             stats table(scene) using (strcol(1) eq word(in_band, i) && strcol(2) eq treatment \
                 && is_failed(strcol(STATUS)) ? count_failure(0) : 0, 0) nooutput
             if (failures) {
-                remark = failures == 1 ? kinds : sprintf('%d: %s', failures, kinds)
+                remark = word(in_band, i).', '.(failures == 1 ? kinds : sprintf('%d: %s', failures, kinds))
                 set label 20 + i remark \
                     at graph 0.99, first row_of(word(in_band, i)) right font ',10' \
                     textcolor rgb ink_of(word(in_band, i))
@@ -111,8 +132,9 @@ do for [s = 1:words(scene_files)] {
         if (place_x > 0) { set format y '' }
         set xrange [0.5 * first:2 * last]; set yrange [bottom:highest]
         set xtics offset 0, 0.3
-        set xlabel measure == 0 ? 'CPU time (s): median, least to greatest' : 'force evaluations' \
-            offset 0, 0.4
+        wisps = wisps_of[s] == 1 ? '1 wisp' : sprintf('%d wisps', wisps_of[s])
+        set xlabel (measure == 0 ? 'CPU time of '.wisps.' (s): median, least to greatest' \
+            : 'force evaluations of '.wisps) offset 0, 0.4
         set ylabel place_x == 0 ? 'integration error (m)' : '' offset 1, 0
         unset arrow; unset label 3; unset label 4
         set arrow 1 from graph 0, first TOP to graph 1, first TOP nohead lc rgb GREY lw 0.8
@@ -133,6 +155,10 @@ do for [s = 1:words(scene_files)] {
         plot table(scene.'-front') using (strcol(1) eq treatment \
                 && strcol(2) eq (measure == 0 ? 'cpu' : 'evaluations') ? $3 : NaN):4 \
                 with steps lw 7 lc rgb '#D9D9D9' dt solid, \
+             for [m = 1:words(rest)] table(scene) \
+                using (strcol(1) eq word(rest, m) && strcol(2) eq treatment \
+                    && strcol(STATUS) eq 'finished' ? column(c) : NaN) \
+                :(larger(column(ERROR), bottom)) with lines lc rgb '#AAAAAA' dt solid lw 0.8, \
              for [m = 1:words(names)] table(scene) \
                 using (is_good(m) && column(RUNS) > 1 ? column(c) : NaN) \
                 :(larger(column(ERROR_LEAST), bottom)):(larger(column(ERROR_GREATEST), bottom)) \
@@ -156,13 +182,15 @@ do for [s = 1:words(scene_files)] {
         eval heading_done
     }
     eval legend(0, page_height - legend_height, page_width, legend_height, \
-        (words(names) + 5 + legend_columns - 1) / legend_columns)
+        (words(names) + 6 + legend_columns - 1) / legend_columns)
     plot @BLANK, for [m = 1:words(names)] keyentry with linespoints lt style_of(word(names, m)) \
             title word(titles, m), \
          keyentry with boxes fs solid 0.25 noborder lc rgb (words(ADAPTIVE) ? colour_of(word(ADAPTIVE, 1)) : GREY) \
             title 'jittered tolerances', \
          keyentry with lines lw 7 lc rgb '#D9D9D9' dt solid title 'Pareto front', \
          keyentry with points pt 7 ps 0.85 lc rgb '#BBBBBB' title 'within ten times the bound', \
+         keyentry with lines lc rgb '#AAAAAA' dt solid lw 0.8 \
+            title words(rest) ? sprintf('%d more, see the table', words(rest)) : '', \
          keyentry with lines lt 2 lw 1.2 title has_bound ? 'bound of the reference' : '', \
          keyentry with lines lt 1 dt (8,4) lw 1.2 \
             title has_inexact ? 'error of the treatment' : ''

@@ -140,7 +140,7 @@ Test(bench, the_users_signal_ends_it) {
 }
 
 Test(bench, its_death_is_a_failure_of_the_measurement) {
-    end_one(SIGSEGV, 1, 3, "died of signal 11");
+    end_one(SIGUSR1, 1, 3, "died of signal 10");
 }
 
 Test(bench, it_does_not_outlive_who_started_it) {

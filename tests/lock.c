@@ -303,6 +303,7 @@ Test(lock, timed_runs_are_alone_on_their_host) {
     const struct other four = start_other(run_with_others), five = start_other(run_alone);
     cr_assert_eq(four.code, 1, "it is not alone");
     cr_assert_eq(five.code, 1, "nor is this one");
+    end_other(&four);
     end_other(&five);
     host_leave();
     const struct other six = start_other(run_alone);
@@ -313,7 +314,6 @@ Test(lock, timed_runs_are_alone_on_their_host) {
     cr_assert_eq(run_with_others(), 0, "its lock outlived it");
     host_leave();
     cr_assert_eq(run_alone(), 0);
-    end_other(&four);
     end_other(&far);
 }
 
@@ -330,5 +330,24 @@ Test(lock, who_leaves_is_not_waited_for) {
     cr_assert_eq(three.code, 1);
     end_other(&one);
     end_other(&two);
+    end_other(&three);
+}
+
+/* A series of timed runs would else keep the others out to its end. */
+Test(lock, who_was_alone_lets_those_in_who_wait) {
+    cr_assert_eq(run_alone(), 0);
+    const struct other one = start_other(run_with_others);
+    cr_assert_eq(one.code, 1);
+    host_leave();
+    cr_assert_eq(run_alone(), 1);
+    cr_assert_eq(who, one.pid);
+    const struct other two = start_other(run_with_others);
+    cr_assert_eq(two.code, 0, "the gate is open meanwhile");
+    end_other(&two);
+    end_other(&one);
+    cr_assert_eq(run_alone(), 0, "nobody waits");
+    const struct other three = start_other(run_alone);
+    host_leave();
+    cr_assert_eq(run_alone(), 1, "nor are those kept out who want to be alone");
     end_other(&three);
 }

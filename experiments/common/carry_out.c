@@ -180,6 +180,9 @@ static void say_warnings(const struct plan *plan) {
 
 int carry_out(struct plan *plan, struct manner *manner) {
     int missing = 0;
+    plan->taken = calloc((size_t)plan->stepper_count + 1, 1);
+    if (!plan->taken)
+        return complain(2, "out of memory");
     if (plan->experiment->plan(plan) || plan_check(plan))
         return complain(1, "%s", plan->reason);
     say_warnings(plan);

@@ -54,12 +54,21 @@ int open_table(struct atomic_file *file, const char *folder, const char *name, c
     return 0;
 }
 
-double estimated_cost(const struct scene *scene, enum wisp_treatment treatment, double cost,
-                      double step) {
-    int unknowns = 0;
+double estimated_cost(const struct scene *scene, enum wisp_treatment treatment,
+                      const struct configuration *contestant, double step) {
+    const struct linear_method *linear =
+        contestant->linear ? linear_find(contestant->linear) : NULL;
+    const int lanes = stepper_lanes(contestant->method, linear);
+    double unknowns = 0;
     for (int i = 0; i < scene->wisp_count; i++)
         unknowns += (scene->wisps[i].nodes - 2) * wisp_node_unknowns(&scene->wisps[i], treatment);
-    return cost * unknowns * scene->duration / step;
+    const double parts = ceil((double)scene->wisp_count / lanes);
+    return contestant->cost * (unknowns / scene->wisp_count) * parts * scene->duration / step;
+}
+
+int cost_is_less(const struct spread *one, const struct spread *other) {
+    const double drift = 1.3;
+    return one->greatest < other->least && drift * one->median < other->median;
 }
 
 const struct cost no_cost = {REFUSED, NAN, NAN, NAN, {NAN, NAN, NAN}};

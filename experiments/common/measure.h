@@ -24,9 +24,10 @@ const struct labelled_case *find_case(const struct plan *plan, const char *group
 int open_table(struct atomic_file *file, const char *folder, const char *name, const char *what,
                const struct scene *scene, const char *columns, char *reason);
 
-/* CPU time of one run with fixed steps, s, roughly; `cost` of a step, s per unknown. */
-double estimated_cost(const struct scene *scene, enum wisp_treatment treatment, double cost,
-                      double step);
+/* CPU time of one run in steps of that length, s, as the table of configurations predicts it on all
+ * machines; wisps that are computed side by side cost one. */
+double estimated_cost(const struct scene *scene, enum wisp_treatment treatment,
+                      const struct configuration *contestant, double step);
 
 /* What a run took, whether or not it got to its end; NaN where it could not say. */
 struct cost {
@@ -35,6 +36,11 @@ struct cost {
     struct spread cpu; /* of one that failed: the one time that it took to get there */
 };
 struct cost run_cost(const struct run_files *run);
+
+/* Whether a cost is known to be less than another: no time of the one reaches a time of the other,
+ * and the medians are farther apart than those of the same work at two moments, which on a machine
+ * with other users differ by up to 30 %. Else they are tied. */
+int cost_is_less(const struct spread *one, const struct spread *other);
 
 /* Of a run that there was not. */
 extern const struct cost no_cost;

@@ -186,10 +186,13 @@ int plan_takes(struct plan *plan, const struct scene *scene, const struct run_re
                char *reason) {
     struct settings settings;
     reason[0] = '\0';
-    if (settings_resolve(scene, request, &settings, reason) == 0)
-        return 1;
-    plan_refuse(plan, stepper_find(request->stepper), reason);
-    return 0;
+    if (settings_resolve(scene, request, &settings, reason)) {
+        plan_refuse(plan, stepper_find(request->stepper), reason);
+        return 0;
+    }
+    for (int k = 0; k < plan->stepper_count; k++)
+        plan->taken[k] |= strcmp(plan->steppers[k], request->stepper) == 0;
+    return 1;
 }
 
 static int has_run(const struct plan *plan, const struct stepper_method *method) {
@@ -201,7 +204,7 @@ static int has_run(const struct plan *plan, const struct stepper_method *method)
 
 int plan_check(struct plan *plan) {
     for (int k = 0; k < plan->stepper_count; k++)
-        if (!has_run(plan, stepper_find(plan->steppers[k])))
+        if (!plan->taken[k] && !has_run(plan, stepper_find(plan->steppers[k])))
             return refuse_stepper(plan, plan->steppers[k]);
     return 0;
 }
@@ -276,16 +279,13 @@ int plan_allow_strain(struct plan *plan, int first, char *waiting) {
     return 0;
 }
 
-double plan_budget(const struct plan *plan, double seconds) {
-    return plan->share > 0 ? plan->share * seconds : seconds;
-}
-
 void plan_free(struct plan *plan) {
     for (int i = 0; i < plan->loaded_count; i++)
         scene_free(plan->loaded[i]);
     free(plan->loaded);
     free(plan->subjects);
     free(plan->configurations);
+    free(plan->taken);
     free(plan->cases);
     free(plan->memo);
 }

@@ -29,7 +29,6 @@ struct plan {
     const char *out;    /* root folder of results */
     int quick;          /* a stated subset */
     int fresh;          /* what is there already does not count */
-    double share;       /* of the experiment's own budget of time, where it has one; 0: all */
     double run_seconds; /* CPU time for a run where the user sets none; 0: the program's default */
     struct run_limits limits;                    /* of what tabulate starts: carry_out's */
     const char *const *scenes, *const *steppers; /* chosen by the user; none: the experiment's */
@@ -43,17 +42,11 @@ struct plan {
     int subject_count;
     struct configuration *configurations; /* compared; owned; see plan_configurations */
     int configuration_count;
+    char *taken; /* owned; of each stepper that the user chose, whether there can be a run of it */
     const struct stepper_method *refused; /* the first method that could not be taken, or NULL */
     char refusal[REASON_SIZE];            /* and why */
     void *memo;               /* the experiment's own, from round to round; freed with the plan */
     char reason[REASON_SIZE]; /* of a failure */
-};
-
-/* What a report allots to an experiment: the wall time that its runs, tables and figures take on
- * two cores, s, and which share of its own budget of time it gets, where it has one, which it then
- * fills; 0: all of it. */
-struct allotment {
-    double seconds, share;
 };
 
 struct experiment {
@@ -62,11 +55,14 @@ struct experiment {
     const char *thesis; /* where the thesis asks it, as "section 5.1"; NULL: it does not */
 
     /* Its place in a report, from 1 on: what answers the report's questions first, and the dearest
-     * of the others last, so that a slow machine drops those. 0: after all that have one. */
+     * of the others last. 0: after all that have one. */
     int place;
-    struct allotment quick; /* in a report with --quick; 0 s: it is no part of that */
-    struct allotment full;  /* in a whole one; 0 s: nobody knows, and a minute is assumed */
-    unsigned answers;       /* 1 << enum question, of all questions that its statements answer */
+
+    /* The wall time that its runs, tables and figures take on two cores, s, for the progress of a
+     * report. */
+    double quick_seconds; /* with --quick; 0: it is no part of that */
+    double full_seconds;  /* 0: nobody knows, and a minute is assumed */
+    unsigned answers;     /* 1 << enum question, of all questions that its statements answer */
 
     /* Fills the plan with plan_add. Returns 0, or -1 with plan->reason. */
     int (*plan)(struct plan *plan);
@@ -85,9 +81,6 @@ struct experiment {
 
 /* Its question as a title, with where the thesis asks it. */
 void experiment_title(const struct experiment *experiment, char title[256]);
-
-/* How much of `seconds`, an experiment's own budget, this plan may take, s. */
-double plan_budget(const struct plan *plan, double seconds);
 
 /* Loads a scene with overrides; it belongs to the plan. NULL with plan->reason on failure. */
 const struct scene *plan_scene(struct plan *plan, const char *name, const char *const *sets,
@@ -131,8 +124,8 @@ int plan_takes(struct plan *plan, const struct scene *scene, const struct run_re
 /* Notes why a method is not taken. */
 void plan_refuse(struct plan *plan, const struct stepper_method *method, const char *why);
 
-/* When all is planned: 0, or -1 with plan->reason where a stepper that the user asked for has no
- * run. */
+/* After the experiment's plan(): 0, or -1 with plan->reason where a stepper that the user asked for
+ * has no run, and by plan_takes will have none. */
 int plan_check(struct plan *plan);
 
 /* Adds a run, labelled (printf). Returns 0, or -1 with plan->reason. */

@@ -2,32 +2,41 @@
  * them to steps that are shorter than anyone needs. What experiments work-precision and solvers
  * share; they differ in their contestants.
  *
- * First the tight solution of each scene and treatment, how long a trajectory means anything
- * there (the separation horizon), and one pilot run of each contestant, which tells what its steps
- * cost; then as many runs as the budget of time allows. */
+ * First the tight solution of each scene and treatment, and how long a trajectory means anything
+ * there (the separation horizon); then, round by round, the largest step at which each method with
+ * fixed steps is stable, and what one tolerance costs each adaptive one; then the charts. What is
+ * run follows from costs that are predicted, of steps counted and the table of configurations
+ * (race_settings.c): no clock has a say, so that the same command gives the same rows on any
+ * machine, whatever else that does. */
 #ifndef WISPLAB_RACE_H
 #define WISPLAB_RACE_H
 
 #include "base/files.h"
-#include "experiments/common/measure.h"
+#include "experiments/common/search.h"
 #include "experiments/common/statements.h"
 
-enum { RUNGS_MAX = 48, TOLERANCES = 11, JITTERS = 9 };
+/* A chart shows at most so many steps beyond the largest stable one, and so many below it. */
+enum { RUNGS_BEYOND = 2, RUNGS_BELOW = 6, RUNGS_MAX = 48, TOLERANCES = 11, JITTERS = 9 };
+
+/* Treatments of a scene at most. */
+enum { FIELDS_MAX = 3 };
 
 struct race {
     const char *const *scenes, *const *quick_scenes; /* own ones; NULL-terminated */
     unsigned kinds, capabilities;                    /* of contestants: configurations_choose */
     const char *const *treatments;                   /* NULL-terminated; NULL: all */
-    double seconds, quick_seconds;                   /* of wall time, on two cores */
+    double seconds, quick_seconds; /* predicted, of one core: by them scenes are cut */
 };
 
 /* One contestant in a field: the settings at which it runs. */
 struct entry {
     const struct configuration *contestant; /* one of the plan's */
-    double cost;               /* CPU s of its pilot per simulated second; NaN: it left no time */
-    int rungs, jitters;        /* settings planned; runs of each adaptive one */
-    int shortened, thinned;    /* the budget left out rungs; jittered runs */
-    char cut[160];             /* both in words; empty: neither */
+    int searching;                          /* a run of its at place.at is awaited */
+    struct bracket place; /* of a fixed step, in rungs: the largest stable one is place.reached */
+    double pace;          /* of an adaptive one: steps tried per simulated second, in all wisps, at
+                             RUNG_PROBED; NaN: unknown */
+    int first, last;      /* rungs of the chart; where last < first there is none */
+    char left_out[200];   /* which rungs the chart has not, and why; empty: it has all */
     char refused[REASON_SIZE]; /* why it cannot take part; empty: it can */
 };
 
@@ -57,12 +66,13 @@ struct field {
     const struct subject *subject;
     const struct scene *whole, *scene; /* of the reference; cut to the horizon */
     int treatment;
-    int touches;    /* whether ticks can part trajectories: they are compared with a horizon */
-    double horizon; /* s; the duration where nothing parts within it; NaN: unknown */
+    char left_out[64]; /* other treatments of the scene that are too dear; empty: none */
+    int touches;       /* whether ticks can part trajectories: they are compared with a horizon */
+    double horizon;    /* s; the duration where nothing parts within it; NaN: unknown */
     int has_reference;
     double bound;      /* of the reference, m; NaN: unknown */
-    double evaluation; /* CPU s of one force evaluation, by the explicit pilot with fixed steps that
-                          has the highest order; NaN: unknown */
+    double evaluation; /* CPU s of one force evaluation, by the finest run of the explicit method
+                          with fixed steps that has the highest order; NaN: unknown */
     struct entry *entries; /* one for each of the plan's configurations; in the notes */
     int entry_count;
     struct run_files reference; /* while points are read */
@@ -78,7 +88,7 @@ struct field {
 /* Everything that a plan of such an experiment keeps from stage to stage: plan->memo. */
 struct race_notes {
     const struct race *race;
-    int laddered; /* the second round is planned */
+    enum { RACE_REFERENCES, RACE_SEARCHES, RACE_CHARTS } stage; /* whose runs are planned */
     int field_count;
     struct field fields[];
 };
@@ -110,10 +120,10 @@ int race_tabulate(struct plan *plan, const char *folder);
 /* The setting of rung k: a step, s, or a relative tolerance. */
 double race_setting(const struct field *field, const struct entry *entry, int k);
 
-/* Whether rung k is run: --quick takes every third. */
-int race_takes(const struct plan *plan, int k);
+/* Whether the ladder of an entry has rung k: --quick takes every other tolerance. */
+int race_takes(const struct plan *plan, const struct entry *entry, int k);
 
-/* The run of entry at rung k with the j-th jittered tolerance. */
+/* The run of entry at rung k with the j-th jittered tolerance; NULL: there is none. */
 const struct labelled_case *race_case(const struct plan *plan, const struct field *field,
                                       const struct entry *entry, int k, int j);
 
@@ -126,6 +136,46 @@ int race_read(struct plan *plan, struct field *field);
 /* The cheapest run within the target, m, of another contestant than `besides`; or NULL. */
 const struct point *race_cheapest(const struct field *field, double target,
                                   const struct configuration *besides);
+
+/* The cheapest run of one contestant within the target, m; or NULL. */
+const struct point *race_cheapest_of(const struct field *field, double target,
+                                     const struct configuration *contestant);
+
+/* --- race_settings.c --- */
+
+/* The tolerance by which an adaptive method tells its pace. */
+enum { RUNG_PROBED = 4 };
+
+/* CPU time of one run, s, as it would be on the machine of the table of costs; NaN: unknown. */
+double race_predicted(const struct field *field, const struct entry *entry, int k);
+
+/* Whether a run is so dear that it is done once, without diagnoses. */
+int race_is_dear(const struct field *field, const struct entry *entry, int k);
+
+/* How many runs a rung has, at tolerances that differ in the twelfth digit. */
+int race_jitters(const struct plan *plan, const struct field *field, const struct entry *entry,
+                 int k);
+
+/* How often a run is repeated for its CPU time. */
+int race_timings(const struct plan *plan, const struct field *field, const struct entry *entry,
+                 int k);
+
+/* Begins the search for the largest stable step of a fixed one, at what linear theory says; or for
+ * the pace of an adaptive one. */
+void race_search(const struct plan *plan, const struct field *field, struct entry *entry);
+
+/* Goes on from how the run at place.at ended; ends the search where no step is left to try. */
+void race_search_on(const struct plan *plan, const struct field *field, struct entry *entry,
+                    int stable);
+
+/* When all searches of a scene's fields have ended: which rungs their charts have. */
+void race_fit(const struct plan *plan, struct field *fields, int field_count);
+
+/* How long of a scene the race may take by predicted costs, s: what the budget allows, but a second
+ * at least (with --quick a tenth of one). Where that is too dear, treatments are taken out, the
+ * dearest first, down to one; `left_out` names them. */
+double race_afford(struct plan *plan, const struct race *race, const struct scene *scene,
+                   int *treatments, int *count, char left_out[64]);
 
 /* --- race_statements.c --- */
 
@@ -145,6 +195,9 @@ void race_state_all(struct statements *statements, const struct race_answers *an
  * one is known to within the reference's bound, m. */
 double race_error_at_most(const struct field *field, const struct point *p);
 int race_finished(const struct point *p);
+
+/* Marks the points on the Pareto fronts. */
+void race_mark_fronts(struct field *field);
 double race_cost(const struct point *p, int measure);
 
 #endif

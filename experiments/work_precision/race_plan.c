@@ -1,5 +1,5 @@
-/* The plan of a race: references, horizons, pilots; then ladders of steps and tolerances that fit
- * the budget. */
+/* The plan of a race: references and horizons; searches for the largest stable steps; then the
+ * settings of the charts. */
 #include "base/files.h"
 #include "model/model.h"
 #include "model/problems.h"
@@ -33,6 +33,48 @@ static const struct labelled_case *found(const struct plan *plan, const struct f
     return find_case(plan, group, label);
 }
 
+/* --- runs --- */
+
+/* The setting of rung k: see ladder_step. */
+double race_setting(const struct field *field, const struct entry *entry, int k) {
+    return contestant_is_adaptive(entry->contestant)
+               ? pow(10, -1 + (log10(entry->contestant->finest) + 1) * k / (TOLERANCES - 1))
+               : ladder_step(field->whole, 2, k);
+}
+
+static struct run_request request_for(const struct plan *plan, const struct field *field,
+                                      const struct entry *entry, int k, int j) {
+    const struct scene *scene = field->scene;
+    const double jitter = contestant_is_adaptive(entry->contestant) ? 1 + j * 1e-12 : 1;
+    struct run_request request =
+        contestant_request(entry->contestant, race_setting(field, entry, k) * jitter,
+                           scene->run.atol / scene->run.rtol);
+    request.treatment = race_treatment(field->treatment);
+    request.timings = race_timings(plan, field, entry, k); /* these go without diagnoses */
+    request.diagnostics = !race_is_dear(field, entry, k);
+    return request;
+}
+
+static void name_run(char label[64], const struct entry *entry, int k, int j) {
+    snprintf(label, 64, "%s, rung %d.%d", entry->contestant->name, k, j);
+}
+
+const struct labelled_case *race_case(const struct plan *plan, const struct field *field,
+                                      const struct entry *entry, int k, int j) {
+    char label[64];
+    name_run(label, entry, k, j);
+    return found(plan, field, label);
+}
+
+/* A search and a chart may want the same run. */
+static int plan_run(struct plan *plan, const struct field *field, const struct entry *entry, int k,
+                    int j) {
+    const struct run_request request = request_for(plan, field, entry, k, j);
+    char label[64];
+    name_run(label, entry, k, j);
+    return found(plan, field, label) ? 0 : adds(plan, field, field->scene, &request, label);
+}
+
 /* --- scenes --- */
 
 static int wants_treatment(const struct race *race, const struct scene *scene, int treatment) {
@@ -50,27 +92,14 @@ static struct run_request reference_request(const struct field *field) {
                                 .treatment = race_treatment(field->treatment)};
 }
 
-/* At the scene's own step, or a tolerance in the middle of the ladder. */
-static double pilot_setting(const struct field *field, const struct configuration *contestant) {
-    return contestant_is_adaptive(contestant) ? 1e-4 : field->whole->run.step;
-}
-
-static int plan_pilots(struct plan *plan, struct field *field) {
-    const struct scene *scene = field->whole;
+/* One for each contestant, also where it is refused. */
+static void add_entries(struct plan *plan, struct field *field) {
     for (int c = 0; c < plan->configuration_count; c++) {
-        const struct configuration *contestant = &plan->configurations[c];
         struct entry *entry = &field->entries[field->entry_count++];
-        struct run_request request = contestant_request(
-            contestant, pilot_setting(field, contestant), scene->run.atol / scene->run.rtol);
-        char label[64];
-        *entry = (struct entry){.contestant = contestant};
-        request.treatment = race_treatment(field->treatment);
-        snprintf(label, sizeof label, "pilot of %s", contestant->name);
-        if (plan_takes(plan, scene, &request, entry->refused) &&
-            adds(plan, field, scene, &request, label))
-            return -1;
+        *entry = (struct entry){.contestant = &plan->configurations[c], .last = -1};
+        const struct run_request request = request_for(plan, field, entry, 0, 0);
+        plan_takes(plan, field->scene, &request, entry->refused);
     }
-    return 0;
 }
 
 /* `exact` is the scene whose penalty stands for the exact motion, or NULL. */
@@ -83,30 +112,20 @@ static int plan_field(struct plan *plan, struct field *field, const struct scene
     if (field->touches && adds(plan, field, field->whole, &request, "tight, perturbed"))
         return -1;
     const struct run_request stiff = {.stepper = "reference", .treatment = "penalty"};
-    if (exact && adds(plan, field, exact, &stiff, "exact"))
-        return -1;
-    return plan_pilots(plan, field);
-}
-
-static double budget(const struct plan *plan, const struct race *race) {
-    return plan_budget(plan, plan->quick ? race->quick_seconds : race->seconds);
-}
-
-/* A fifth of the budget may go to references. */
-static double affordable_duration(const struct plan *plan, const struct race *race,
-                                  const struct scene *scene) {
-    int runs = 0;
-    for (int t = 0; wisp_problem.treatments[t].name; t++)
-        runs += wants_treatment(race, scene, t) * (scene_has_contacts(scene) ? 2 : 1);
-    const double cores = 2, share = budget(plan, race) / 5 / plan->subject_count * cores;
-    return share / (reference_cost(scene) * runs);
+    add_entries(plan, field);
+    return exact ? adds(plan, field, exact, &stiff, "exact") : 0;
 }
 
 static int plan_scenes(struct plan *plan, struct race_notes *notes) {
     for (int i = 0; i < plan->subject_count; i++) {
         const struct subject *subject = &plan->subjects[i];
+        int treatments[FIELDS_MAX], count = 0;
+        for (int t = 0; wisp_problem.treatments[t].name; t++)
+            if (wants_treatment(notes->race, subject->scene, t))
+                treatments[count++] = t;
+        char left_out[64];
         const double duration =
-            fmin(subject->scene->duration, affordable_duration(plan, notes->race, subject->scene));
+            race_afford(plan, notes->race, subject->scene, treatments, &count, left_out);
         const double rate = sparse_frame_rate(subject->scene, duration);
         const struct scene *scene = plan_cut_scene(plan, subject, rate, duration, NULL),
                            *exact = NULL;
@@ -115,13 +134,12 @@ static int plan_scenes(struct plan *plan, struct race_notes *notes) {
                                    "envelope.penalty_ratio=" EXACT_RATIO ".0");
         if (!scene || (scene->wisps[0].samples > 0 && !exact))
             return -1;
-        for (int t = 0; wisp_problem.treatments[t].name; t++) {
+        for (int t = 0; t < count; t++) {
             struct field *field = &notes->fields[notes->field_count];
-            if (!wants_treatment(notes->race, scene, t))
-                continue;
             field->subject = subject;
             field->whole = field->scene = scene;
-            field->treatment = t;
+            field->treatment = treatments[t];
+            snprintf(field->left_out, sizeof field->left_out, "%s", left_out);
             field->touches = scene_has_contacts(scene);
             notes->field_count++;
             if (plan_field(plan, field, exact))
@@ -144,7 +162,7 @@ int race_plan(struct plan *plan, const struct race *race) {
     if (plan_configurations(plan, race->kinds, race->capabilities) ||
         plan_subjects(plan, own, list_length(own)))
         return -1;
-    const size_t fields = 3 * (size_t)plan->subject_count,
+    const size_t fields = FIELDS_MAX * (size_t)plan->subject_count,
                  entries = (size_t)plan->configuration_count;
     struct race_notes *notes = calloc(1, sizeof *notes + fields * sizeof *notes->fields +
                                              fields * entries * sizeof(struct entry));
@@ -177,274 +195,110 @@ static int read_horizon(struct plan *plan, struct field *field) {
     return field->scene ? 0 : -1;
 }
 
-/* Whose pilot tells what a force evaluation costs, for it does little else: the explicit method
- * with fixed steps that has the highest order. NULL: there is none. */
-static const struct entry *yardstick_of(const struct field *field) {
-    const struct entry *best = NULL;
+/* --- searches --- */
+
+static int begin_searches(struct plan *plan, struct field *field) {
     for (int i = 0; i < field->entry_count; i++) {
-        const struct entry *entry = &field->entries[i];
-        const struct stepper_method *method = entry->contestant->method;
-        if (!entry->refused[0] && !(method->capabilities & (STEPPER_ADAPTIVE | STEPPER_IMPLICIT)) &&
-            (!best || method->order > best->contestant->method->order))
-            best = entry;
+        struct entry *entry = &field->entries[i];
+        if (entry->refused[0])
+            continue;
+        race_search(plan, field, entry);
+        if (entry->searching && plan_run(plan, field, entry, entry->place.at, 0))
+            return -1;
     }
-    return best;
+    return 0;
 }
 
-static int read_pilot(struct plan *plan, struct field *field, struct entry *entry) {
-    char label[64];
+/* What the awaited run has shown. */
+static int read_search(struct plan *plan, const struct field *field, struct entry *entry) {
+    const struct labelled_case *one = race_case(plan, field, entry, entry->place.at, 0);
     struct run_files run;
-    snprintf(label, sizeof label, "pilot of %s", entry->contestant->name);
-    const struct labelled_case *pilot = found(plan, field, label);
-    entry->cost = NAN;
-    if (!pilot)
-        return 0;
-    if (run_read(&run, pilot->run.folder, plan->reason))
+    if (run_read(&run, one->run.folder, plan->reason))
         return -1;
-    const double time = run_number(&run, "simulated_time") - field->scene->begin,
-                 cpu = run_number(&run, "cpu_seconds");
-    if (time > 0 && cpu > 0) {
-        entry->cost = cpu / time;
-        if (entry == yardstick_of(field))
-            field->evaluation = cpu / run_number(&run, "counters.force_evaluations");
-    }
+    const double time = run_number(&run, "simulated_time") - field->scene->begin;
+    if (contestant_is_adaptive(entry->contestant) && time > 0)
+        entry->pace =
+            (run_number(&run, "counters.steps") + run_number(&run, "counters.rejected_steps")) /
+            time;
+    race_search_on(plan, field, entry, run.outcome == FINISHED);
     run_free(&run);
     return 0;
 }
 
-/* --- ladders --- */
-
-double race_setting(const struct field *field, const struct entry *entry, int k) {
-    return contestant_is_adaptive(entry->contestant)
-               ? pow(10, -1 + (log10(entry->contestant->finest) + 1) * k / (TOLERANCES - 1))
-               : ladder_step(field->whole, 2, k);
-}
-
-int race_takes(const struct plan *plan, int k) {
-    return !plan->quick || k % 3 == 0;
-}
-
-/* CPU time of one run at rung k, s: a fixed step costs what the pilot's did; an adaptive method of
- * order p takes steps like rtol^(-1/(p+1)). With what it takes to start a process. */
-static double run_cost_at(const struct field *field, const struct entry *entry, int k) {
-    const double setting = race_setting(field, entry, k),
-                 pilot = pilot_setting(field, entry->contestant);
-    const double power =
-        contestant_is_adaptive(entry->contestant) ? 1. / (entry->contestant->order + 1) : 1;
-    const double process = 0.012;
-    return process + field->scene->duration * entry->cost * pow(pilot / setting, power);
-}
-
-static int timings_at(const struct field *field, const struct entry *entry, int k) {
-    return contestant_is_adaptive(entry->contestant) ? 1
-           : run_cost_at(field, entry, k) > 0.2      ? 2
-                                                     : 5;
-}
-
-/* Rungs worth having: of an adaptive method all; of a fixed step the first ten, and until six are
- * stable by linear theory; and besides what takes next to no time. */
-static int wanted_rungs(const struct field *field, const struct entry *entry) {
-    if (isnan(entry->cost))
-        return 0;
-    if (contestant_is_adaptive(entry->contestant))
-        return TOLERANCES;
-    int stable = 0, k = 0;
-    for (; k < RUNGS_MAX; k++) {
-        if (k >= 10 && stable >= 6 && run_cost_at(field, entry, k) > 0.05)
-            break;
-        stable +=
-            seems_stable(entry->contestant->method, field->whole, race_setting(field, entry, k));
-    }
-    return k;
-}
-
-/* Wall time of an entry's first `rungs`, s: timed runs have the machine to themselves. */
-static double ladder_cost(const struct plan *plan, const struct field *field,
-                          const struct entry *entry, int rungs, int jitters) {
-    const int runs = contestant_is_adaptive(entry->contestant) ? jitters : 1;
-    const double diagnosed = 1.6; /* times as long as one that is not */
-    double sum = 0;
-    for (int k = 0; k < rungs; k++)
-        if (race_takes(plan, k))
-            sum += runs * (diagnosed + timings_at(field, entry, k)) * run_cost_at(field, entry, k);
-    return sum;
-}
-
-/* Runs of each tolerance where the budget allows all. */
-static int most_jitters(const struct plan *plan) {
-    return plan->quick ? 3 : JITTERS;
-}
-
-/* The longest ladder within a share of the budget; jittered runs become fewer before an adaptive
- * method's ladder does. */
-static void fit_ladder(const struct plan *plan, const struct field *field, struct entry *entry,
-                       double share) {
-    const int jitters[] = {most_jitters(plan), 3, 1};
-    const int adaptive = contestant_is_adaptive(entry->contestant);
-    const int wanted = wanted_rungs(field, entry);
-    for (int i = 0; i < 3; i++) {
-        entry->jitters = adaptive ? jitters[i] : 1;
-        entry->rungs = wanted;
-        while (entry->rungs > 0 &&
-               ladder_cost(plan, field, entry, entry->rungs, entry->jitters) > share)
-            entry->rungs--;
-        if (!adaptive || entry->rungs == wanted)
-            break;
-    }
-    entry->shortened = entry->rungs < wanted;
-    entry->thinned = adaptive && entry->jitters < most_jitters(plan);
-    if (entry->shortened)
-        snprintf(entry->cut, sizeof entry->cut,
-                 "this and shorter ones: a run would take about %.2g s; the budget left %.2g s%s",
-                 run_cost_at(field, entry, entry->rungs), share,
-                 entry->thinned ? ", and fewer jittered runs" : "");
-    else if (entry->thinned)
-        snprintf(entry->cut, sizeof entry->cut, "%d jittered runs instead of %d, for the budget",
-                 entry->jitters, most_jitters(plan));
-}
-
-/* --- the budget --- */
-
-/* What one may take of `budget` when `left` want some of it, this one being the most modest. */
-struct share {
-    double need;
-    int index;
-};
-
-static int by_need(const void *a, const void *b) {
-    const struct share *x = a, *y = b;
-    return x->need != y->need ? (x->need > y->need) - (x->need < y->need) : x->index - y->index;
-}
-
-/* Gives everyone an equal part of the budget; what the modest leave goes to the rest. */
-static void share_out(double seconds, struct share *shares, int count) {
-    qsort(shares, (size_t)count, sizeof *shares, by_need);
-    for (int i = 0; i < count; i++) {
-        const double part = fmax(0, seconds) / (count - i);
-        shares[i].need = fmin(shares[i].need, part);
-        seconds -= shares[i].need;
-    }
-}
-
-static double entry_need(const struct plan *plan, const struct field *field,
-                         const struct entry *entry) {
-    return ladder_cost(plan, field, entry, wanted_rungs(field, entry), most_jitters(plan));
-}
-
-static double field_need(const struct plan *plan, const struct field *field) {
-    double sum = 0;
-    for (int i = 0; i < field->entry_count; i++)
-        sum += entry_need(plan, field, &field->entries[i]);
-    return sum;
-}
-
-/* `shares` has room for all entries. */
-static void fit_field(const struct plan *plan, struct field *field, double seconds,
-                      struct share *shares) {
-    for (int i = 0; i < field->entry_count; i++)
-        shares[i] = (struct share){entry_need(plan, field, &field->entries[i]), i};
-    share_out(seconds, shares, field->entry_count);
-    for (int i = 0; i < field->entry_count; i++)
-        if (!field->entries[shares[i].index].refused[0])
-            fit_ladder(plan, field, &field->entries[shares[i].index], shares[i].need * (1 + 1e-9));
-}
-
-/* CPU time of the runs there are, s. */
-static int time_spent(struct plan *plan, double *seconds) {
-    *seconds = 0;
-    for (int i = 0; i < plan->case_count; i++) {
-        struct run_files run;
-        if (run_read(&run, plan->cases[i].run.folder, plan->reason))
+/* Returns how many searches go on, or -1. */
+static int go_on_searching(struct plan *plan, struct field *field) {
+    int going = 0;
+    for (int i = 0; i < field->entry_count; i++) {
+        struct entry *entry = &field->entries[i];
+        if (!entry->searching)
+            continue;
+        if (read_search(plan, field, entry) ||
+            (entry->searching && plan_run(plan, field, entry, entry->place.at, 0)))
             return -1;
-        *seconds += run_number(&run, "cpu_seconds");
-        run_free(&run);
+        going += entry->searching;
     }
-    return 0;
+    return going;
 }
 
-/* --- the second stage --- */
-
-static struct run_request request_for(const struct field *field, const struct entry *entry, int k,
-                                      int j) {
-    const struct scene *scene = field->scene;
-    const double jitter = contestant_is_adaptive(entry->contestant) ? 1 + j * 1e-12 : 1;
-    struct run_request request =
-        contestant_request(entry->contestant, race_setting(field, entry, k) * jitter,
-                           scene->run.atol / scene->run.rtol);
-    request.treatment = race_treatment(field->treatment);
-    request.timings = timings_at(field, entry, k); /* these go without diagnoses */
-    request.diagnostics = 1;
-    return request;
-}
-
-static void name_run(char label[64], const struct entry *entry, int k, int j) {
-    snprintf(label, 64, "%s, rung %d.%d", entry->contestant->name, k, j);
-}
-
-const struct labelled_case *race_case(const struct plan *plan, const struct field *field,
-                                      const struct entry *entry, int k, int j) {
-    char label[64];
-    name_run(label, entry, k, j);
-    return found(plan, field, label);
-}
+/* --- charts --- */
 
 static int plan_entry(struct plan *plan, const struct field *field, const struct entry *entry) {
-    for (int k = 0; k < entry->rungs; k++)
-        for (int j = 0; j < entry->jitters && race_takes(plan, k); j++) {
-            const struct run_request request = request_for(field, entry, k, j);
-            char label[64];
-            name_run(label, entry, k, j);
-            if (adds(plan, field, field->scene, &request, label))
+    for (int k = entry->first; k <= entry->last; k++)
+        for (int j = 0; race_takes(plan, entry, k) && j < race_jitters(plan, field, entry, k); j++)
+            if (plan_run(plan, field, entry, k, j))
                 return -1;
-        }
     return 0;
 }
 
-/* What a field's references and pilots tell. */
-static int read_first_stage(struct plan *plan, struct field *field) {
-    field->evaluation = NAN;
-    if (read_horizon(plan, field))
-        return -1;
-    for (int i = 0; i < field->entry_count; i++)
-        if (read_pilot(plan, field, &field->entries[i]))
-            return -1;
-    return 0;
-}
-
-/* A fifth of the budget is for tables, figures and what estimates are wrong by. */
-static int fit_fields(struct plan *plan, struct race_notes *notes) {
-    const int fields = notes->field_count;
-    struct share *shares = calloc((size_t)(fields + plan->configuration_count) + 1, sizeof *shares);
-    double spent;
-    if (!shares)
-        snprintf(plan->reason, REASON_SIZE, "out of memory");
-    if (!shares || time_spent(plan, &spent)) {
-        free(shares);
-        return -1;
+/* The fields of a scene follow each other. */
+static int plan_charts(struct plan *plan, struct race_notes *notes) {
+    for (int f = 0, next; f < notes->field_count; f = next) {
+        for (next = f;
+             next < notes->field_count && notes->fields[next].subject == notes->fields[f].subject;)
+            next++;
+        race_fit(plan, &notes->fields[f], next - f);
     }
-    for (int f = 0; f < notes->field_count; f++)
-        shares[f] = (struct share){field_need(plan, &notes->fields[f]), f};
-    share_out(0.8 * budget(plan, notes->race) - spent / 2, shares, notes->field_count);
-    for (int i = 0; i < notes->field_count; i++)
-        fit_field(plan, &notes->fields[shares[i].index], shares[i].need * (1 + 1e-9),
-                  shares + fields);
-    free(shares);
-    return 0;
-}
-
-int race_refine(struct plan *plan) {
-    struct race_notes *notes = plan->memo;
-    if (notes->laddered)
-        return 0;
-    notes->laddered = 1;
-    for (int f = 0; f < notes->field_count; f++)
-        if (read_first_stage(plan, &notes->fields[f]))
-            return -1;
-    if (fit_fields(plan, notes))
-        return -1;
     for (int f = 0; f < notes->field_count; f++)
         for (int i = 0; i < notes->fields[f].entry_count; i++)
             if (plan_entry(plan, &notes->fields[f], &notes->fields[f].entries[i]))
                 return -1;
     return 0;
+}
+
+/* --- from round to round --- */
+
+static int refine_references(struct plan *plan, struct race_notes *notes) {
+    for (int f = 0; f < notes->field_count; f++)
+        if (read_horizon(plan, &notes->fields[f]) || begin_searches(plan, &notes->fields[f]))
+            return -1;
+    return 0;
+}
+
+static int refine_searches(struct plan *plan, struct race_notes *notes, int *going) {
+    *going = 0;
+    for (int f = 0; f < notes->field_count; f++) {
+        const int more = go_on_searching(plan, &notes->fields[f]);
+        if (more < 0)
+            return -1;
+        *going += more;
+    }
+    return 0;
+}
+
+/* The next stage is planned when the one before has no run to wait for. */
+int race_refine(struct plan *plan) {
+    struct race_notes *notes = plan->memo;
+    const int before = plan->case_count;
+    int code = 0, going = 1;
+    if (notes->stage == RACE_REFERENCES) {
+        code = refine_references(plan, notes);
+        notes->stage = RACE_SEARCHES;
+        going = plan->case_count > before;
+    } else if (notes->stage == RACE_SEARCHES) {
+        code = refine_searches(plan, notes, &going);
+    }
+    if (code || going || notes->stage == RACE_CHARTS)
+        return code;
+    notes->stage = RACE_CHARTS;
+    return plan_charts(plan, notes);
 }

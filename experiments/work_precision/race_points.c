@@ -148,43 +148,61 @@ static int record_parting(struct point *p, const struct outcome_of_run *run) {
 
 static int read_point(struct plan *plan, struct field *field, const struct entry *entry, int k) {
     struct outcome_of_run runs[JITTERS];
-    struct point *p = new_point(field, entry, k, outcome_name(FINISHED), "");
-    p->runs = entry->jitters;
+    struct point *p = new_point(field, entry, k, outcome_name(FINISHED),
+                                race_is_dear(field, entry, k) ? "not diagnosed, for its cost" : "");
+    const int count = race_jitters(plan, field, entry, k);
+    p->runs = count;
     p->failed = 0;
-    for (int j = 0; j < entry->jitters; j++) {
+    for (int j = 0; j < count; j++) {
         if (read_run(plan, field, race_case(plan, field, entry, k, j), &runs[j]))
             return -1;
         p->failed += runs[j].outcome != FINISHED;
     }
     int parted = 0;
-    for (int j = 0; j < entry->jitters && !p->failed && !parted; j++)
+    for (int j = 0; j < count && !p->failed && !parted; j++)
         if (!isnan(runs[j].deviation.parted))
             parted = record_parting(p, &runs[j]);
     if (p->failed)
-        record_failure(p, runs, entry->jitters);
+        record_failure(p, runs, count);
     else if (parted)
-        p->failed = entry->jitters;
+        p->failed = count;
     else
-        summarise(p, runs, entry->jitters);
+        summarise(p, runs, count);
     p->limited = p->deviation.rms < 10 * field->bound;
     return 0;
 }
 
-/* A contestant that is refused, or whose ladder was cut, gets a line that says so. */
+/* A contestant that is refused, or of which something is left out, gets a line that says so. Of the
+ * steps of a search that found no stable one, the chart has those that were tried. */
 static int read_entry(struct plan *plan, struct field *field, const struct entry *entry) {
     if (entry->refused[0]) {
         new_point(field, entry, 0, outcome_name(REFUSED), entry->refused);
         return 0;
     }
-    for (int k = 0; k < entry->rungs; k++)
-        if (race_takes(plan, k) && read_point(plan, field, entry, k))
+    for (int k = entry->first; k <= entry->last; k++)
+        if (race_case(plan, field, entry, k, 0) && read_point(plan, field, entry, k))
             return -1;
-    if (entry->rungs == 0 && !entry->cut[0])
-        new_point(field, entry, 0, "left out", "its pilot run failed before its first step ended");
-    else if (entry->cut[0])
-        new_point(field, entry, entry->rungs < RUNGS_MAX ? entry->rungs : RUNGS_MAX - 1, "left out",
-                  entry->cut);
+    if (entry->left_out[0])
+        new_point(field, entry, entry->last + 1, "left out", entry->left_out);
     return 0;
+}
+
+/* What a force evaluation costs, by who does little else: the explicit method with fixed steps that
+ * has the highest order, in its longest run. */
+static void read_evaluation(struct field *field) {
+    const struct point *best = NULL;
+    field->evaluation = NAN;
+    for (int i = 0; i < field->point_count; i++) {
+        const struct point *p = &field->points[i];
+        const struct stepper_method *method = p->entry->contestant->method;
+        if (race_finished(p) && !(method->capabilities & (STEPPER_ADAPTIVE | STEPPER_IMPLICIT)) &&
+            (!best || method->order > best->entry->contestant->method->order ||
+             (method->order == best->entry->contestant->method->order &&
+              p->cost.evaluations > best->cost.evaluations)))
+            best = p;
+    }
+    if (best)
+        field->evaluation = best->cost.cpu.median / best->cost.evaluations;
 }
 
 /* Where a reference failed its runs keep their rows, without errors. */
@@ -200,15 +218,15 @@ static int read_reference(struct plan *plan, struct field *field) {
 
 /* --- fronts --- */
 
-/* Marks the points that no other one beats in cost and in error. A limited one may beat another but
- * has no place itself: how good it is cannot be told from the reference. */
+/* Marks the points that no other one beats in cost and in error. Limited ones are left out: how
+ * good they are cannot be told from the reference, and so not whom they beat. */
 static void mark_front(struct field *field, int measure) {
     for (int i = 0; i < field->point_count; i++) {
         struct point *p = &field->points[i];
         p->front[measure] = race_finished(p) && !p->limited;
         for (int j = 0; j < field->point_count && p->front[measure]; j++) {
             const struct point *other = &field->points[j];
-            const int as_good = race_finished(other) && j != i &&
+            const int as_good = race_finished(other) && !other->limited && j != i &&
                                 race_cost(other, measure) <= race_cost(p, measure) &&
                                 other->deviation.rms <= p->deviation.rms;
             const int better = race_cost(other, measure) < race_cost(p, measure) ||
@@ -217,6 +235,11 @@ static void mark_front(struct field *field, int measure) {
                 p->front[measure] = 0;
         }
     }
+}
+
+void race_mark_fronts(struct field *field) {
+    mark_front(field, 0);
+    mark_front(field, 1);
 }
 
 /* How far the treatment itself is from the exact constrained motion, whoever integrates it. */
@@ -248,7 +271,7 @@ int race_read(struct plan *plan, struct field *field) {
     for (int i = 0; i < field->entry_count; i++)
         if (read_entry(plan, field, &field->entries[i]))
             return -1;
-    mark_front(field, 0);
-    mark_front(field, 1);
+    read_evaluation(field);
+    race_mark_fronts(field);
     return 0;
 }

@@ -6,11 +6,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double clearly = 1.1; /* times as dear is clearly dearer */
-
 static const char *name_of(const struct point *p) {
     return p->entry->contestant->name;
 }
+
+/* Stands for a winner where there are several. */
+static const char nobody_alone[] = "several (tied)";
 
 /* "h = 0.0001" or "rtol 0.001". */
 static const char *setting_name(const struct point *p) {
@@ -38,14 +39,20 @@ static struct statement row_of(const struct field *field, const char *word, stru
 
 /* --- what one would choose --- */
 
-/* The cheapest run on a scene whose error is at most `target` together with that of its treatment:
- * they add at most, and bare wisps have none. Of another contestant than `besides`; or NULL. */
+/* What of a target is left to the method: its error and that of the treatment add at most, and bare
+ * wisps have none. */
+static double left_of(const struct field *field, double target) {
+    const double off = field->treatment_error;
+    return target - (off > 0 ? off : 0);
+}
+
+/* The cheapest run on a scene whose error is at most `target` together with that of its treatment.
+ * Of another contestant than `besides`; or NULL. */
 static const struct point *cheapest_of(const struct field *fields, int count, double target,
                                        const struct point *besides, const struct field **in) {
     const struct point *best = NULL;
     for (int f = 0; f < count; f++) {
-        const double off = fields[f].treatment_error;
-        const struct point *p = race_cheapest(&fields[f], target - (off > 0 ? off : 0),
+        const struct point *p = race_cheapest(&fields[f], left_of(&fields[f], target),
                                               besides ? besides->entry->contestant : NULL);
         if (!p || (best && p->cost.cpu.median >= best->cost.cpu.median))
             continue;
@@ -53,6 +60,26 @@ static const struct point *cheapest_of(const struct field *fields, int count, do
         *in = &fields[f];
     }
     return best;
+}
+
+/* Other contestants within the target whose times are not known to be longer: " and rk4 (5 ms)". */
+static void list_tied(const struct field *fields, int count, double target,
+                      const struct point *best, char text[512]) {
+    text[0] = '\0';
+    for (int i = 0; i < fields->entry_count; i++) {
+        const struct configuration *contestant = fields->entries[i].contestant;
+        const struct point *own = NULL;
+        const size_t used = strlen(text);
+        for (int f = 0; f < count && contestant != best->entry->contestant; f++) {
+            const struct point *p =
+                race_cheapest_of(&fields[f], left_of(&fields[f], target), contestant);
+            if (p && (!own || p->cost.cpu.median < own->cost.cpu.median))
+                own = p;
+        }
+        if (own && !cost_is_less(&best->cost.cpu, &own->cost.cpu))
+            snprintf(text + used, 512 - used, " and %s (%.3g ms)", name_of(own),
+                     1e3 * own->cost.cpu.median);
+    }
 }
 
 static void state_target(struct statements *statements, const struct field *fields, int count,
@@ -63,12 +90,16 @@ static void state_target(struct statements *statements, const struct field *fiel
     const struct point *next = best ? cheapest_of(fields, count, error, best, &next_in) : NULL;
     const char *scene = fields->subject->name,
                *with = has_envelope(fields) ? " (its treatment's error included)" : "";
-    char word[32], runner_up[128] = "";
+    char word[32], tied[512] = "", runner_up[128] = "";
     struct keys keys;
     snprintf(word, sizeof word, "%g mm", mm);
     struct statement row = row_of(fields, word, &keys);
     row.answers = if_asked(answers, ANSWERS_TARGETS);
-    answers->cheapest[answers->subjects * RACE_TARGETS + target] = best ? name_of(best) : NULL;
+    if (best)
+        list_tied(fields, count, error, best, tied);
+    answers->cheapest[answers->subjects * RACE_TARGETS + target] = !best     ? NULL
+                                                                   : tied[0] ? nobody_alone
+                                                                             : name_of(best);
     if (!best) {
         row.verdict = NOT_REACHED;
         statements_add(statements, row, "No run on %s is within %g mm%s.", scene, mm, with);
@@ -79,11 +110,18 @@ static void state_target(struct statements *statements, const struct field *fiel
     if (next)
         snprintf(runner_up, sizeof runner_up, "; next is %s, %.3g ms", name_of(next),
                  1e3 * next->cost.cpu.median);
-    statements_add(statements, row,
-                   "On %s the cheapest within %g mm%s is %s with %s at %s %.3g: %.3g ms of CPU "
-                   "time%s.",
-                   scene, mm, with, name_of(best), race_treatment(in->treatment),
-                   setting_name(best), best->setting, row.value, runner_up);
+    if (tied[0])
+        statements_add(statements, row,
+                       "On %s the cheapest within %g mm%s are %s with %s at %s %.3g (%.3g ms of "
+                       "CPU time)%s, whose times are too close to part them.",
+                       scene, mm, with, name_of(best), race_treatment(in->treatment),
+                       setting_name(best), best->setting, row.value, tied);
+    else
+        statements_add(statements, row,
+                       "On %s the cheapest within %g mm%s is %s with %s at %s %.3g: %.3g ms of CPU "
+                       "time%s.",
+                       scene, mm, with, name_of(best), race_treatment(in->treatment),
+                       setting_name(best), best->setting, row.value, runner_up);
 }
 
 /* --- was the thesis's choice right? --- */
@@ -137,12 +175,12 @@ static void state_method(struct statements *statements, const struct field *fiel
     }
     const double ms = 1e3 * own->cost.cpu.median, mm = 1e3 * own->deviation.rms;
     const struct point *best = race_cheapest(field, race_error_at_most(field, own), NULL);
-    const double ratio = ms / (1e3 * best->cost.cpu.median);
-    row.verdict = holds_if(ratio < clearly);
-    row.value = ratio;
+    const int right = !cost_is_less(&best->cost.cpu, &own->cost.cpu);
+    row.verdict = holds_if(right);
+    row.value = ms / (1e3 * best->cost.cpu.median);
     row.unit = "1";
-    tally_add(&answers->method, ratio < clearly);
-    if (ratio < clearly)
+    tally_add(&answers->method, right);
+    if (right)
         statements_add(statements, row,
                        "%s: no run is as accurate (%.2g mm) and clearly cheaper (%.3g ms).", choice,
                        mm, ms);
@@ -345,27 +383,43 @@ void race_state_reference(struct statements *statements, const struct field *fie
     }
 }
 
-/* What the budget of time left out. */
-static void state_cuts(struct statements *statements, const struct field *fields, int count) {
+/* What was left out, and whether it could have won: it is predicted to cost more than anything that
+ * was run, but where no run has reached a target whoever reaches it wins. */
+static void state_cuts(struct statements *statements, const struct field *fields, int count,
+                       const struct race_answers *answers) {
     const double whole = fields->subject->scene->duration;
-    int shortened = 0, thinned = 0;
+    const char *const *cheapest = answers->cheapest + answers->subjects * RACE_TARGETS;
+    char open[128] = "";
+    int cut = 0;
     struct keys keys;
     for (int f = 0; f < count; f++)
-        for (int i = 0; i < fields[f].entry_count; i++) {
-            shortened += fields[f].entries[i].shortened;
-            thinned += fields[f].entries[i].thinned;
-        }
+        for (int i = 0; i < fields[f].entry_count; i++)
+            cut += fields[f].entries[i].left_out[0] != '\0';
+    for (int i = 0; i < RACE_TARGETS; i++)
+        if (!cheapest[i])
+            snprintf(open + strlen(open), sizeof open - strlen(open), "%s%g mm",
+                     open[0] ? " or " : "; they could have been within ", 1e3 * race_targets[i]);
     struct statement row = row_of(fields, "cut", &keys);
     row.verdict = NOT_REACHED;
     if (fields->whole->duration < whole)
-        statements_add(statements, row, "The budget allows %s its first %.3g of %.3g s.",
+        statements_add(statements, row, "Of %s the first %.3g of %.3g s are compared.",
                        fields->subject->name, fields->whole->duration, whole);
+    row = row_of(fields, "treatments left out", &keys);
+    row.verdict = NOT_REACHED;
+    if (fields->left_out[0])
+        statements_add(statements, row,
+                       "On %s nothing is run with %s, which is predicted to take too long.",
+                       fields->subject->name, fields->left_out);
     row = row_of(fields, "left out", &keys);
     row.verdict = NOT_REACHED;
-    if (shortened || thinned)
+    row.value = cut;
+    row.unit = "1";
+    if (cut)
         statements_add(statements, row,
-                       "On %s the budget cuts %d ladders short and jittered runs of %d.",
-                       fields->subject->name, shortened, thinned);
+                       "On %s %d ladders end where runs are predicted to cost more than any that "
+                       "was made, and so could not have been the cheapest within an error that one "
+                       "has reached%s.",
+                       fields->subject->name, cut, open);
 }
 
 void race_state_subject(struct statements *statements, const struct field *fields, int field_count,
@@ -376,7 +430,7 @@ void race_state_subject(struct statements *statements, const struct field *field
         state_choice(statements, fields, field_count, answers);
     state_failures(statements, fields, field_count, answers);
     state_points(statements, fields, field_count);
-    state_cuts(statements, fields, field_count);
+    state_cuts(statements, fields, field_count, answers);
     answers->subjects++;
 }
 

@@ -24,9 +24,11 @@ static const struct {
          "the greatest; of the median one: largest, m; relative = rms over length; end = rms at "
          "the end, m; velocity = rms, m/s; radius = rms of the samples' distance from their node, "
          "m; mescd at the end; CPU time, s: of repeated, or of the jittered runs, alone on the "
-         "machine; equivalents: CPU time over that of a force evaluation of the pilot of the "
-         "explicit method of highest order; setting: "
-         "step, s, or rtol; limited: within ten times the reference's bound, and so on no front; "
+         "machine; equivalents: CPU time over that of a force evaluation in the longest run of the "
+         "explicit method with fixed steps of highest order; setting: "
+         "step, s, or rtol; limited: within ten times the reference's bound, and so on no front "
+         "and "
+         "in nobody's way; "
          "front: Pareto, by CPU time and by force evaluations; strain, penetration (m): largest at "
          "any frame; drift: largest energy that no work accounts for, over the largest kinetic "
          "energy, with the works' own error of second order; nan: there is no number, see status "
@@ -57,9 +59,11 @@ static const struct {
     [CHEAPEST] =
         {"-cheapest",
          "the least CPU time, s, for an error of at most target, m, and the next method; to the "
-         "error of a limited run the reference's bound is added",
+         "error of a limited run the reference's bound is added; tied: the next one is not known "
+         "to "
+         "be dearer",
          "treatment\ttarget\tmethod\tsetting\terror\tcpu_median\tcpu_least\tcpu_greatest"
-         "\tnext_method\tnext_setting\tnext_cpu_median\tnote"},
+         "\tnext_method\tnext_setting\tnext_cpu_median\ttied\tnote"},
 };
 
 static void write_point(FILE *stream, const struct field *field, const struct point *p) {
@@ -79,7 +83,7 @@ static void write_point(FILE *stream, const struct field *field, const struct po
             p->failed, cost->cpu.median / field->evaluation, p->extent.strain,
             p->extent.penetration, p->extent.drift,
             !*p->note && isnan(field->evaluation)
-                ? "no pilot of an explicit method, and so no equivalents"
+                ? "no explicit method with fixed steps, and so no equivalents"
                 : p->note);
 }
 
@@ -135,14 +139,29 @@ static void write_front(FILE *stream, const struct field *field) {
     }
 }
 
+static int is_cheaper(const struct field *field, double target, const struct point *p,
+                      const struct point *than) {
+    return race_finished(p) && race_error_at_most(field, p) <= target &&
+           (!than || p->cost.cpu.median < than->cost.cpu.median);
+}
+
 const struct point *race_cheapest(const struct field *field, double target,
                                   const struct configuration *besides) {
     const struct point *best = NULL;
     for (int i = 0; i < field->point_count; i++) {
         const struct point *p = &field->points[i];
-        if (race_finished(p) && race_error_at_most(field, p) <= target &&
-            p->entry->contestant != besides &&
-            (!best || p->cost.cpu.median < best->cost.cpu.median))
+        if (p->entry->contestant != besides && is_cheaper(field, target, p, best))
+            best = p;
+    }
+    return best;
+}
+
+const struct point *race_cheapest_of(const struct field *field, double target,
+                                     const struct configuration *contestant) {
+    const struct point *best = NULL;
+    for (int i = 0; i < field->point_count; i++) {
+        const struct point *p = &field->points[i];
+        if (p->entry->contestant == contestant && is_cheaper(field, target, p, best))
             best = p;
     }
     return best;
@@ -151,12 +170,13 @@ const struct point *race_cheapest(const struct field *field, double target,
 static void write_cheapest(FILE *stream, const struct field *field, double target) {
     const struct point *p = race_cheapest(field, target, NULL);
     const struct point *next = p ? race_cheapest(field, target, p->entry->contestant) : NULL;
-    fprintf(stream, "%s\t%g\t%s\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%s\t%.17g\t%.17g\t%s\n",
+    fprintf(stream, "%s\t%g\t%s\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%s\t%.17g\t%.17g\t%d\t%s\n",
             race_treatment(field->treatment), target, p ? p->entry->contestant->name : "none",
             p ? p->setting : NAN, p ? p->deviation.rms : NAN, p ? p->cost.cpu.median : NAN,
             p ? p->cost.cpu.least : NAN, p ? p->cost.cpu.greatest : NAN,
             next ? next->entry->contestant->name : "none", next ? next->setting : NAN,
             next ? next->cost.cpu.median : NAN,
+            next && !cost_is_less(&p->cost.cpu, &next->cost.cpu),
             next ? ""
             : p  ? "no other method is within the target"
                  : "no run is within the target");
@@ -214,10 +234,8 @@ static int close_tables(struct atomic_file *files, int code, char *reason) {
     return code;
 }
 
-/* The fields of a subject follow each other; each keeps its points until all are stated. */
-enum { FIELDS_MAX = 3 };
-
-/* Tables and statements. */
+/* Tables and statements. The fields of a subject follow each other; each keeps its points until all
+ * are stated. */
 struct output {
     const char *folder;
     FILE *list; /* the figures' */
@@ -278,8 +296,9 @@ static int tabulate_all(struct plan *plan, struct output *output) {
             return -1;
         drawn += there > 0;
         if (there > 0)
-            fprintf(output->list, "%s\t%s\t%d\t%.17g\n", subject->name, subject->scene->name,
-                    subject->scene->wisps[0].samples, longest_wisp(subject->scene));
+            fprintf(output->list, "%s\t%s\t%d\t%.17g\t%d\n", subject->name, subject->scene->name,
+                    subject->scene->wisps[0].samples, longest_wisp(subject->scene),
+                    subject->scene->wisp_count);
     }
     race_state_all(&output->statements, &output->answers);
     if (drawn > 0)
@@ -291,12 +310,12 @@ static int tabulate_all(struct plan *plan, struct output *output) {
 
 static int write_all(struct plan *plan, struct output *output) {
     static const char drawn[] =
-        "scenes drawn; --quick: every third step or tolerance, three jittered runs, and of the "
-        "shipped scenes only some";
+        "scenes drawn; --quick: every other tolerance, three jittered runs, and of the shipped "
+        "scenes only some";
     const char *cut = plan->quick ? strstr(drawn, "--quick") : NULL;
     struct atomic_file list;
     if (open_table(&list, output->folder, "scenes", plan->quick ? drawn : "scenes drawn", NULL,
-                   "file\tname\tsamples\tlength", plan->reason))
+                   "file\tname\tsamples\tlength\twisps", plan->reason))
         return -1;
     if (statements_open(&output->statements, output->folder, NULL, cut, plan->reason)) {
         atomic_discard(&list);

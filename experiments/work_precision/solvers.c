@@ -13,8 +13,8 @@ static const struct race race = {
              CONFIGURATION_ORDER | CONFIGURATION_SOLVER_DETAILS,
     .capabilities = STEPPER_SOLVES,
     .treatments = treatments,
-    .seconds = 600,
-    .quick_seconds = 30,
+    .seconds = 1500,
+    .quick_seconds = 60,
 };
 
 static int plan(struct plan *plan) {
@@ -25,7 +25,7 @@ const struct experiment solvers_experiment = {
     .name = "solvers",
     .question = "what do an implicit method's solver, Jacobian, order and iterations cost and buy?",
     .place = 15,
-    .full = {150, 0.25},
+    .full_seconds = 150,
     .plan = plan,
     .refine = race_refine,
     .tabulate = race_tabulate,

@@ -12,8 +12,8 @@ static const struct race race = {
     .quick_scenes = quick_scenes,
     .kinds =
         CONFIGURATION_PLAIN | CONFIGURATION_ITERATED | CONFIGURATION_SOLVER | CONFIGURATION_ORDER,
-    .seconds = 600,
-    .quick_seconds = 30,
+    .seconds = 1500,
+    .quick_seconds = 60,
 };
 
 static int plan(struct plan *plan) {
@@ -24,8 +24,8 @@ const struct experiment work_precision_experiment = {
     .name = "work-precision",
     .question = "what does accuracy cost, by stepper, treatment and scene?",
     .place = 1,
-    .quick = {20, 0.6},
-    .full = {300, 0.5},
+    .quick_seconds = 20,
+    .full_seconds = 300,
     .answers = 1u << ANSWERS_CHOICE | 1u << ANSWERS_TARGETS | 1u << ANSWERS_FAILURES,
     .plan = plan,
     .refine = race_refine,

@@ -12,10 +12,6 @@
 #include <time.h>
 #include <unistd.h>
 
-/* Wall time of a whole report on two cores, s: 2 and 30 minutes, less what drawing and a busy
- * machine may take. */
-static const double quick_seconds = 85, seconds = 1600;
-
 static const struct cli_option options[] = {
     {"quick", NULL, "a small, stated subset, in less than two minutes on two cores", 0},
     {"fresh", NULL, "run again what is there already", 0},
@@ -41,11 +37,10 @@ static int read_manner(const struct arguments *arguments, struct manner *manner)
     return 0;
 }
 
-static struct allotment allotment_of(const struct experiment *experiment, int quick) {
-    struct allotment allotment = quick ? experiment->quick : experiment->full;
-    if (!quick && allotment.seconds == 0)
-        allotment.seconds = 60;
-    return allotment;
+/* Wall time that an experiment is known to take, s; 0: it is left out. */
+static double seconds_of(const struct experiment *experiment, int quick) {
+    const double own = quick ? experiment->quick_seconds : experiment->full_seconds;
+    return !quick && own == 0 ? 60 : own;
 }
 
 /* Whether an experiment comes before another that is listed before it: it has a place, and the
@@ -64,33 +59,14 @@ static void add_parts(struct report *report) {
     }
 }
 
-/* How many times longer than expected the parts before this one took; 1 if they did not. */
-static double slowness(const struct report *report, const struct report_part *part, double spent) {
-    double expected = 0;
-    for (const struct report_part *p = report->parts; p < part; p++)
-        if (p->included)
-            expected += allotment_of(p->experiment, report->quick).seconds;
-    return expected > 0 ? fmax(1, spent / expected) : 1;
-}
-
-/* Says what the part must do without, or why it is left out. */
-static void plan_part(const struct report *report, struct report_part *part, double spent) {
-    struct allotment need = allotment_of(part->experiment, report->quick);
-    const double total = report->quick ? quick_seconds : seconds;
-    need.seconds *= slowness(report, part, spent);
-    part->included = need.seconds > 0 && spent + need.seconds <= total;
-    if (need.seconds == 0)
+/* Says what the part must do without. Which parts there are depends on nothing but --quick: a slow
+ * machine takes longer. */
+static void plan_part(const struct report *report, struct report_part *part) {
+    part->included = seconds_of(part->experiment, report->quick) > 0;
+    if (!part->included)
         snprintf(part->note, REASON_SIZE, "left out of --quick");
-    else if (!part->included)
-        snprintf(part->note, REASON_SIZE,
-                 "left out: it takes about %.0f s here, and of the %g s for the whole report only "
-                 "%.0f s were left",
-                 need.seconds, total, fmax(0, total - spent));
-    else if (report->quick || need.share > 0)
-        snprintf(part->note, REASON_SIZE, "%s%s%s",
-                 report->quick ? "cut to its --quick subset" : "",
-                 report->quick && need.share > 0 ? "; " : "",
-                 need.share > 0 ? "with a share of its own budget of time" : "");
+    else if (report->quick)
+        snprintf(part->note, REASON_SIZE, "cut to its --quick subset");
 }
 
 /* The experiment's runs, tables and figures. An experiment whose integrations left nothing to
@@ -104,7 +80,6 @@ static int do_part(const struct report *report, struct report_part *part,
     struct plan plan = {.experiment = part->experiment,
                         .quick = report->quick,
                         .fresh = manner->fresh,
-                        .share = allotment_of(part->experiment, report->quick).share,
                         .out = report->root};
     int code = carry_out(&plan, &own);
     if (own.nothing_left) {
@@ -120,7 +95,7 @@ static int do_part(const struct report *report, struct report_part *part,
 static double done_before(const struct report *report, int i) {
     double before = 0, all = 0;
     for (int k = 0; k < report->part_count; k++) {
-        const double own = allotment_of(report->parts[k].experiment, report->quick).seconds;
+        const double own = seconds_of(report->parts[k].experiment, report->quick);
         before += k < i ? own : 0;
         all += own;
     }
@@ -147,7 +122,7 @@ static int make_report(const struct arguments *arguments) {
         return 1;
     add_parts(&report);
     for (int i = 0; i < report.part_count && !code; i++) {
-        plan_part(&report, &report.parts[i], monotonic_seconds() - start);
+        plan_part(&report, &report.parts[i]);
         progress_of_whole("report", start, done_before(&report, i), done_before(&report, i + 1));
         if (report.parts[i].included)
             code = do_part(&report, &report.parts[i], &manner);

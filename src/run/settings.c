@@ -198,13 +198,7 @@ int settings_second_opinion(const struct scene *scene, const struct settings *se
 }
 
 int settings_lanes(const struct settings *settings) {
-    enum { KERNEL_LANES = 4 };
-    const struct stepper_method *method = settings->method;
-    const struct linear_method *linear = settings->stepper.linear;
-    const int most = method->lanes > 0                         ? method->lanes
-                     : method->capabilities & STEPPER_ADAPTIVE ? 1
-                                                               : KERNEL_LANES;
-    return linear && linear->max_lanes < most ? linear->max_lanes : most;
+    return stepper_lanes(settings->method, settings->stepper.linear);
 }
 
 static json_t *options_to_json(const struct option_spec *specs, const struct options *given) {

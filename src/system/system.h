@@ -89,6 +89,7 @@ struct system {
     int size;                        /* doubles in q, in v, in a */
     int lanes;                       /* wisps side by side, padding included */
     int wisps;                       /* wisps that count: lanes without the padding */
+    const int *numbers;              /* of the wisps in the lanes, for messages; or NULL */
     unsigned matrix[JACOBIAN_COUNT]; /* enum matrix_property, by kind of Jacobian */
     const char *matrix_note;         /* why the matrix is not symmetric, or NULL */
     int bdf_order;                   /* highest order of BDF where nothing is said; 0: no opinion */

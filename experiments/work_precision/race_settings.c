@@ -1,0 +1,253 @@
+/* Which settings a race's charts have, by costs that are known before anything is run.
+ *
+ * A method with fixed steps has those from two rungs beyond its largest stable step to six below
+ * it. The dearest of these, of any method on a scene, is how deep the scene's charts are: all
+ * methods have every rung that is predicted to cost no more, so that what is left out cannot have
+ * been the cheapest within an error that some run has reached. */
+#include "model/problems.h"
+#include "race.h"
+
+#include <math.h>
+#include <string.h>
+
+/* --- predicted costs --- */
+
+/* To start a process; and for a point of a wisp at a tick, in the experiments' usual scenes, s. */
+static const double process_cost = 0.012, point_cost = 100e-9;
+
+/* No run that is predicted to take longer is tried, s. */
+static double dearest(const struct plan *plan) {
+    return plan->quick ? 0.5 : 1.5;
+}
+
+/* What costs no more is in every chart, s. */
+static double trifle(const struct plan *plan) {
+    return plan->quick ? 0.03 : 0.1;
+}
+
+static double tick_cost(const struct scene *scene) {
+    const double rate = (scene->body_count > 0 ? scene->collision_rate : 0) +
+                        (scene->interaction.interpenetration || scene->interaction.collision
+                             ? scene->interaction.rate
+                             : 0);
+    double points = 0;
+    for (int i = 0; i < scene->wisp_count; i++)
+        points += (scene->wisps[i].nodes - 2) * (1 + scene->wisps[i].samples);
+    return point_cost * points * rate * scene->duration;
+}
+
+/* Of steps that long, one after the other in all wisps. */
+static double steps_cost(const struct field *field, const struct configuration *contestant,
+                         double step) {
+    return process_cost + tick_cost(field->scene) +
+           estimated_cost(field->scene, (enum wisp_treatment)field->treatment, contestant, step);
+}
+
+/* An adaptive method of order p takes steps like rtol^(-1/(p+1)). */
+double race_predicted(const struct field *field, const struct entry *entry, int k) {
+    const struct configuration *contestant = entry->contestant;
+    const double setting = race_setting(field, entry, k);
+    if (!contestant_is_adaptive(contestant))
+        return steps_cost(field, contestant, setting);
+    const double pace = entry->pace * pow(race_setting(field, entry, RUNG_PROBED) / setting,
+                                          1. / (contestant->order + 1));
+    return steps_cost(field, contestant, field->scene->wisp_count / pace);
+}
+
+/* A run that takes so long, s, is done once, and once more for its time. */
+static const double dear = 0.5;
+
+int race_is_dear(const struct field *field, const struct entry *entry, int k) {
+    return race_predicted(field, entry, k) > dear;
+}
+
+int race_jitters(const struct plan *plan, const struct field *field, const struct entry *entry,
+                 int k) {
+    return !contestant_is_adaptive(entry->contestant) || race_is_dear(field, entry, k) ? 1
+           : plan->quick                                                               ? 3
+                                                                                       : JITTERS;
+}
+
+int race_timings(const struct plan *plan, const struct field *field, const struct entry *entry,
+                 int k) {
+    const double cost = race_predicted(field, entry, k);
+    return contestant_is_adaptive(entry->contestant) || cost > dear
+               ? 1 /* jittered ones repeat it */
+           : plan->quick ? 2
+           : cost < 0.2  ? 5
+                         : 2;
+}
+
+/* --- the largest stable step --- */
+
+static int first_seen_stable(const struct field *field, const struct entry *entry) {
+    int k = 0;
+    while (k < RUNGS_MAX - 1 &&
+           !seems_stable(entry->contestant->method, field->whole, race_setting(field, entry, k)))
+        k++;
+    return k;
+}
+
+static int is_too_dear(const struct plan *plan, const struct field *field,
+                       const struct entry *entry, int k) {
+    return k >= RUNGS_MAX || race_predicted(field, entry, k) > dearest(plan);
+}
+
+void race_search(const struct plan *plan, const struct field *field, struct entry *entry) {
+    const int adaptive = contestant_is_adaptive(entry->contestant);
+    entry->pace = NAN;
+    entry->place = bracket_begin(adaptive ? RUNG_PROBED : first_seen_stable(field, entry), 0);
+    entry->searching = adaptive || !is_too_dear(plan, field, entry, entry->place.at);
+}
+
+/* An octave at a time, then the rung between. */
+void race_search_on(const struct plan *plan, const struct field *field, struct entry *entry,
+                    int stable) {
+    const int octave = 2;
+    entry->searching = !contestant_is_adaptive(entry->contestant) &&
+                       bracket_take(&entry->place, stable, octave, 1) &&
+                       !is_too_dear(plan, field, entry, entry->place.at);
+}
+
+/* --- the charts --- */
+
+/* The finest rung, up to `last`, that is predicted to cost no more than `cap`, s; or -1. */
+static int finest_within(const struct field *field, const struct entry *entry, int last,
+                         double cap) {
+    int k = last;
+    while (k >= 0 && !(race_predicted(field, entry, k) <= cap * (1 + 1e-9)))
+        k--;
+    return k;
+}
+
+/* The predicted cost of the sixth rung below the largest stable one; 0 where there is none. */
+static double needed(const struct plan *plan, const struct field *field,
+                     const struct entry *entry) {
+    if (entry->refused[0] || contestant_is_adaptive(entry->contestant) || entry->place.reached < 0)
+        return 0;
+    const int below = (int)fmin(entry->place.reached + RUNGS_BELOW, RUNGS_MAX - 1);
+    return race_predicted(field, entry, finest_within(field, entry, below, dearest(plan)));
+}
+
+static void fit_fixed(const struct field *field, struct entry *entry, double cap) {
+    const int reached = entry->place.reached;
+    if (reached < 0) {
+        /* What was tried is in the chart, as failures. */
+        entry->first = 0;
+        entry->last = entry->place.missed;
+        snprintf(entry->left_out, sizeof entry->left_out,
+                 "no step is stable of which a run is predicted to take less than %.2g s", cap);
+        return;
+    }
+    entry->first = reached > RUNGS_BEYOND ? reached - RUNGS_BEYOND : 0;
+    entry->last = finest_within(field, entry, RUNGS_MAX - 1, cap);
+    if (entry->last < RUNGS_MAX - 1)
+        snprintf(entry->left_out, sizeof entry->left_out,
+                 "this and shorter steps: a run is predicted to take more than %.2g s", cap);
+}
+
+static void fit_adaptive(const struct field *field, struct entry *entry, double cap) {
+    entry->first = 0;
+    entry->last = finest_within(field, entry, TOLERANCES - 1, cap);
+    if (isnan(entry->pace)) {
+        entry->first = entry->last = RUNG_PROBED;
+        snprintf(entry->left_out, sizeof entry->left_out,
+                 "other tolerances: with this one no step succeeded");
+    } else if (entry->last < TOLERANCES - 1) {
+        snprintf(entry->left_out, sizeof entry->left_out,
+                 "this and tighter ones: a run is predicted to take more than %.2g s", cap);
+    }
+}
+
+void race_fit(const struct plan *plan, struct field *fields, int field_count) {
+    double cap = trifle(plan);
+    for (int f = 0; f < field_count; f++)
+        for (int i = 0; i < fields[f].entry_count; i++)
+            cap = fmax(cap, needed(plan, &fields[f], &fields[f].entries[i]));
+    for (int f = 0; f < field_count; f++)
+        for (int i = 0; i < fields[f].entry_count; i++) {
+            struct entry *entry = &fields[f].entries[i];
+            if (entry->refused[0])
+                continue;
+            if (contestant_is_adaptive(entry->contestant))
+                fit_adaptive(&fields[f], entry, cap);
+            else
+                fit_fixed(&fields[f], entry, cap);
+        }
+}
+
+int race_takes(const struct plan *plan, const struct entry *entry, int k) {
+    return !plan->quick || !contestant_is_adaptive(entry->contestant) || k % 2 == 0;
+}
+
+/* --- how long a scene is run --- */
+
+static int would_run(struct plan *plan, const struct field *field, const struct entry *entry) {
+    struct run_request request = contestant_request(
+        entry->contestant, race_setting(field, entry, 0), field->scene->run.atol);
+    char reason[REASON_SIZE];
+    request.treatment = race_treatment(field->treatment);
+    return plan_takes(plan, field->scene, &request, reason);
+}
+
+/* What the charts of one treatment will cost for a simulated second, by linear theory: the rungs of
+ * one method together cost 3.4 times the dearest of them, and each is run with diagnoses, which
+ * takes 1.6 times as long, and twice for its time; or where it is dear, twice. */
+static double charts_cost(struct plan *plan, const struct scene *scene, int treatment) {
+    const double together = 3.4, below = exp2(RUNGS_BELOW / 2.);
+    struct field field = {.whole = scene, .scene = scene, .treatment = treatment};
+    double cap = 0;
+    int count = 0;
+    for (int c = 0; c < plan->configuration_count; c++) {
+        const struct entry entry = {.contestant = &plan->configurations[c]};
+        if (!would_run(plan, &field, &entry))
+            continue;
+        count++;
+        if (contestant_is_adaptive(entry.contestant))
+            continue;
+        const double step = race_setting(&field, &entry, first_seen_stable(&field, &entry));
+        cap = fmax(cap, steps_cost(&field, entry.contestant, step / below));
+    }
+    cap = fmin(cap, dearest(plan));
+    return together * (cap > dear ? 2 : 3.6) * count * cap / scene->duration;
+}
+
+/* Of one treatment, with its references, per simulated second. */
+static double treatment_cost(struct plan *plan, const struct scene *scene, int treatment) {
+    return charts_cost(plan, scene, treatment) +
+           reference_cost(scene) * (scene_has_contacts(scene) ? 2 : 1);
+}
+
+/* Takes the dearest of the treatments out, of equal ones the last. Returns which it was. */
+static int drop_dearest(struct plan *plan, const struct scene *scene, int *treatments, int count) {
+    int dearest_at = 0;
+    double most = 0;
+    for (int i = 0; i < count; i++) {
+        const double cost = treatment_cost(plan, scene, treatments[i]);
+        if (cost >= most) {
+            most = cost;
+            dearest_at = i;
+        }
+    }
+    const int dropped = treatments[dearest_at];
+    for (int i = dearest_at; i + 1 < count; i++)
+        treatments[i] = treatments[i + 1];
+    return dropped;
+}
+
+double race_afford(struct plan *plan, const struct race *race, const struct scene *scene,
+                   int *treatments, int *count, char left_out[64]) {
+    const double budget = (plan->quick ? race->quick_seconds : race->seconds) / plan->subject_count;
+    const double least = fmin(scene->duration, plan->quick ? 0.1 : 1);
+    for (left_out[0] = '\0';;) {
+        double cost = 0;
+        for (int i = 0; i < *count; i++)
+            cost += treatment_cost(plan, scene, treatments[i]);
+        if (*count == 1 || cost * least <= budget)
+            return fmin(scene->duration, fmax(least, budget / cost));
+        const size_t used = strlen(left_out);
+        snprintf(left_out + used, 64 - used, "%s%s", used ? " and " : "",
+                 race_treatment(drop_dearest(plan, scene, treatments, *count)));
+        --*count;
+    }
+}
