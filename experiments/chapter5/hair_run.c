@@ -10,9 +10,10 @@ static double frames_of(const struct scene *scene) {
 }
 
 struct spread hair_per_frame(const struct cost *cost, const struct scene *scene) {
-    const double frames = cost->outcome == FINISHED
-                              ? frames_of(scene)
-                              : floor(cost->failure_time * scene->frame_rate + 1e-9) + 1;
+    const double frames =
+        cost->outcome == FINISHED
+            ? frames_of(scene)
+            : floor((cost->failure_time - scene->begin) * scene->frame_rate + 1e-9) + 1;
     return (struct spread){cost->cpu.median / frames, cost->cpu.least / frames,
                            cost->cpu.greatest / frames};
 }

@@ -76,7 +76,7 @@ int read_horizon(struct plan *plan, struct series *series) {
 /* Times at which every wisp's advance ends: ticks that can act, frames, and the end. */
 static double count_stops(const struct scene *scene) {
     const int touch = scene->interaction.interpenetration || scene->interaction.collision;
-    struct clock clock = clock_start(scene->duration);
+    struct clock clock = clock_start(scene->begin, scene->duration);
     struct stop stop;
     double count = 0;
     clock_add(&clock, STOP_FRAME, scene->frame_rate, 0);
