@@ -428,7 +428,7 @@ Test(eval, a_state_without_direction_exits_3, .init = open_folder, .fini = close
             text = moved;
         }
     file_write(folder, "bad.tsv", text, path);
-    PROGRAM(&f, NULL, "eval", "interactions", "--treatment", "generalised", "--state", path);
-    cr_assert(f.code == 3 && strstr(f.err, "wisp 1: nodes "), "'%s'", f.err);
+    PROGRAM(&f, NULL, "eval", "radii", "--treatment", "generalised", "--state", path);
+    cr_assert(f.code == 3 && strstr(f.err, "wisp 8: nodes "), "'%s'", f.err);
     free(text);
 }
