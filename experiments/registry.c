@@ -20,7 +20,8 @@
     X(wind)            \
     X(shake)           \
     X(chapter5)        \
-    X(kernel)
+    X(kernel)          \
+    X(contact_rate)
 
 #define X(name) extern const struct experiment name##_experiment;
 EXPERIMENTS(X)

@@ -3,6 +3,7 @@
  * with springs, and is exact in the limit of stiff ones; `projection` and `generalised` leave terms
  * out. Distances here are between tight solutions: no integrator has a part in them. */
 #include "base/files.h"
+#include "experiments/common/limit.h"
 #include "experiments/common/measure.h"
 #include "experiments/common/statements.h"
 #include "model/model.h"
@@ -124,42 +125,6 @@ static int treatments_plan(struct plan *plan) {
     return 0;
 }
 
-/* --- the limit --- */
-
-/* The samples' damper sees them move with the line as it turns, and pushes them off it by
- * c_p r da/dt / k_p ~ 1/sqrt(ratio); so the motion is a series in e = 1/sqrt(ratio), whose first
- * term is small but there. Lagrange's polynomial in e through `count` of the runs, at e = 0: the
- * weight of run i is the product over the others of e_j / (e_j - e_i). */
-static double limit_weight(const double *ratio, int count, int i) {
-    double weight = 1;
-    for (int j = 0; j < count; j++)
-        if (j != i)
-            weight *= sqrt(ratio[i]) / (sqrt(ratio[i]) - sqrt(ratio[j]));
-    return weight;
-}
-
-/* The weighted sum of runs with the same frames; time, wisp and node are the first one's, and all
- * but the numbers is lent by it. Returns 0, or -1 where memory cannot be had or they differ. */
-static int extrapolate(const struct trajectory *const *runs, const double *ratio, int count,
-                       struct trajectory *limit) {
-    const struct table *first = &runs[0]->table;
-    const size_t size = (size_t)(first->row_count * first->column_count);
-    double *value = calloc(size + 1, sizeof *value);
-    *limit = *runs[0];
-    limit->table.value = value;
-    for (int i = 0; i < count; i++)
-        if (!value || runs[i]->table.row_count != first->row_count)
-            return -1;
-    for (size_t k = 0; k < size; k++) {
-        if (k % (size_t)first->column_count < STATE_X)
-            value[k] = first->value[k];
-        else
-            for (int i = 0; i < count; i++)
-                value[k] += limit_weight(ratio, count, i) * runs[i]->table.value[k];
-    }
-    return 0;
-}
-
 /* --- reading the runs --- */
 
 struct practical {
@@ -225,8 +190,8 @@ static int find_limit(struct plan *plan, struct study *study) {
     struct trajectory more;
     for (int i = 0; i < LIMIT_COUNT; i++)
         runs[i] = study->variants[LIMIT_FIRST + i].tight.states;
-    int code = extrapolate(runs + 1, ratios + LIMIT_FIRST + 1, LIMIT_COUNT - 1, &study->limit);
-    code = extrapolate(runs, ratios + LIMIT_FIRST, LIMIT_COUNT, &more) || code ? -1 : 0;
+    int code = penalty_limit(runs + 1, ratios + LIMIT_FIRST + 1, LIMIT_COUNT - 1, &study->limit);
+    code = penalty_limit(runs, ratios + LIMIT_FIRST, LIMIT_COUNT, &more) || code ? -1 : 0;
     if (code)
         snprintf(plan->reason, REASON_SIZE, "scene %s: no limit could be taken",
                  study->subject->name);

@@ -6,7 +6,8 @@
 /* Frames of the whole run as the thesis counts them: its seconds per frame are the total over their
  * number. */
 double hair_frames(const struct cost *cost, const struct scene *scene) {
-    const double until = cost->outcome == FINISHED ? scene->duration : cost->failure_time;
+    const double until =
+        cost->outcome == FINISHED ? scene->duration : cost->failure_time - scene->begin;
     return floor(until * scene->frame_rate + 1e-9) + 1;
 }
 

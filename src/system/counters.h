@@ -20,6 +20,7 @@
     X(restarts, "times a stepper began anew after an event")                                \
     X(body_contacts, "times a node or sample was inside a body and was put outside")        \
     X(nodes_left_inside, "times a node was still inside a body after a tick's passes")      \
+    X(sections_tested, "times points were looked for in a section of a wisp")               \
     X(wisp_contacts, "times a point was found in a section of another wisp")                \
     X(splits, "wisps that were divided in two")
 
