@@ -327,7 +327,8 @@ static int ladder_refine(struct plan *plan) {
         struct run_files tight;
         if (!is_in(plan, cell))
             continue;
-        if (run_read(&tight, plan->cases[tight_case++].run.folder, plan->reason))
+        if (run_read_states(&tight, plan->cases[tight_case++].run.folder, plan->trajectories,
+                            plan->reason))
             return -1;
         const int code = refine_cell(plan, cell, &tight);
         run_free(&tight);

@@ -329,7 +329,10 @@ Test(eval, wrong_files_are_refused_in_one_line, .init = open_folder, .fini = clo
     refuse_text(scene, "generalised", bad, "'r0'", "no r0");
     free(bad);
     bad = with_field(good, names, 0, "time");
-    refuse_text(scene, "generalised", bad, "have t and 16", "no t");
+    refuse_text(scene, "generalised", bad, "has not the columns of states", "no t");
+    free(bad);
+    bad = with_field(good, names, 17, "more");
+    refuse_text(scene, "generalised", bad, "have t and 16", "more than parent");
     free(bad);
     bad = without_lines(good, names, rows);
     refuse_text(scene, "generalised", bad, "column", "no names");

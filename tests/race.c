@@ -71,7 +71,7 @@ static double horizon(const char *status, const double *x, int frames) {
     folder_make(other);
     write_run(one, "finished", still, frames);
     write_run(other, status, x, frames);
-    cr_assert(measure_horizon(one, other, &found, reason) == 0, "%s", reason);
+    cr_assert(measure_horizon(NULL, one, other, &found, reason) == 0, "%s", reason);
     folder_remove(one);
     folder_remove(other);
     return found;

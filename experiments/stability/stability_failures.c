@@ -57,10 +57,10 @@ static int write_failure(struct plan *plan, FILE *stream, const struct cell *cel
     const double step = one->run.settings.step;
     struct run_files run;
     struct deviation deviation;
-    if (run_read(&run, one->run.folder, plan->reason))
+    if (run_read_states(&run, one->run.folder, plan->trajectories, plan->reason))
         return -1;
     const int code =
-        measure_deviation(cell->scene, &run.states, &tight->states, 1, &deviation, plan->reason);
+        measure_deviation(cell->scene, run.states, tight->states, 1, &deviation, plan->reason);
     const int stable = run.outcome == FINISHED;
     const double in_order = limits_allowed(cell, trial_of(cell, one->label), IN_ORDER, step);
     if (!code)
@@ -81,7 +81,8 @@ static int write_cell_failures(struct plan *plan, FILE *stream, const struct cel
     char group[128];
     int code = 0;
     snprintf(group, sizeof group, "failures, %s", cell->name);
-    if (run_read(&tight, plan->cases[cell->tight].run.folder, plan->reason))
+    if (run_read_states(&tight, plan->cases[cell->tight].run.folder, plan->trajectories,
+                        plan->reason))
         return -1;
     for (int i = 0; i < plan->case_count && tight.outcome == FINISHED && !code; i++)
         if (strcmp(plan->cases[i].group, group) == 0)

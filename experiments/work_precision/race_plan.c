@@ -186,7 +186,8 @@ static int read_horizon(struct plan *plan, struct field *field) {
     field->horizon = field->whole->duration;
     if (!perturbed)
         return 0;
-    if (measure_horizon(tight->run.folder, perturbed->run.folder, &field->horizon, plan->reason))
+    if (measure_horizon(plan->trajectories, tight->run.folder, perturbed->run.folder,
+                        &field->horizon, plan->reason))
         return -1;
     if (isnan(field->horizon) || field->horizon >= field->whole->duration)
         return 0;

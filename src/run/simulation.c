@@ -19,6 +19,7 @@ struct progress_of_part {
     int finite;         /* whether the state is */
     double evaluations; /* up to the last stop */
     double strain;      /* the largest after any step */
+    struct step_range steps;
     struct profile profile;
     struct account account; /* where diagnoses are asked for */
 };
@@ -133,6 +134,13 @@ static void add_counters(struct counters *sum, const struct counters *part) {
 #undef X
 }
 
+static void add_steps(struct step_range *all, const struct step_range *part) {
+    if (part->largest == 0)
+        return;
+    all->least = all->largest > 0 ? fmin(all->least, part->least) : part->least;
+    all->largest = fmax(all->largest, part->largest);
+}
+
 static void add_profile(struct profile *sum, const struct profile *part) {
 #define X(call) sum->call += part->call;
     SYSTEM_CALLS(X)
@@ -145,6 +153,7 @@ static void close_simulation(struct simulation *sim) {
             sim->result->wisps += sim->model->parts[i].system.wisps;
             add_counters(&sim->result->counters, &sim->model->parts[i].system.counters);
             if (sim->progress) {
+                add_steps(&sim->result->steps, &sim->progress[i].steps);
                 add_profile(&sim->result->profile, &sim->progress[i].profile);
                 sim->result->largest_strain =
                     fmax(sim->result->largest_strain, sim->progress[i].strain);
@@ -186,8 +195,15 @@ static void count_evaluations(struct simulation *sim) {
     sim->evaluations_left = left;
 }
 
-/* After a step of part i to time t: whether its state is one that the
- * model can mean. Most steps have no new largest strain, and that is quickly seen. */
+/* Part i has taken a step of h. */
+static void note_step(struct simulation *sim, int i, double h) {
+    struct part *part = &sim->model->parts[i];
+    part->system.counters.steps += part->system.wisps;
+    add_steps(&sim->progress[i].steps, &(struct step_range){h, h});
+}
+
+/* After a step of part i to time t: whether its state is one that the model can mean. Most steps
+ * have no new largest strain, and that is quickly seen. */
 static int check_strain(struct simulation *sim, int i, double t) {
     const struct problem *problem = sim->scene->problem;
     struct progress_of_part *part = &sim->progress[i];
@@ -215,7 +231,7 @@ static int advance_fixed(struct simulation *sim, int i, double *t, double to) {
         code = sim->settings->method->step(sim->steppers[i], *t, h, part->q, part->v);
         if (code)
             return code;
-        part->system.counters.steps += part->system.wisps;
+        note_step(sim, i, h);
         *t = k + 1 == steps ? to : from + (double)(k + 1) * h;
         if (part->account)
             account_step(part, *t);
@@ -229,10 +245,11 @@ static int advance_adaptive(struct simulation *sim, int i, double *t, double to,
     struct part *part = &sim->model->parts[i];
     int code;
     do {
+        const double from = *t;
         code = sim->settings->method->advance(sim->steppers[i], t, to, part->q, part->v);
         if (code)
             return code;
-        part->system.counters.steps += part->system.wisps;
+        note_step(sim, i, *t - from);
         if (part->account)
             account_step(part, *t);
         code = check_strain(sim, i, *t);
