@@ -215,8 +215,7 @@ static json_t *result_to_json(const struct scene *scene, const struct settings *
     const int failed = result->outcome != FINISHED;
     return json_pack(
         "{s:s, s:s, s:o, s:f, s:i, s:o, s:i, s:o, s:o, s:o, s:o, s:o, s:o, s:f, s:o, s:b, s:s, "
-        "s:s, "
-        "s:O, s:o, s:o, s:o}",
+        "s:s, s:O, s:o, s:o, s:o}",
         "status", outcome_name(result->outcome), "reason", result->reason, "failure_time",
         failed ? json_real(result->time) : json_null(), "simulated_time", result->time, "frames",
         result->frames, "wisps", result->wisps > 0 ? json_integer(result->wisps) : json_null(),

@@ -18,8 +18,8 @@ struct progress_of_part {
     int code;           /* of the step that failed, or 0 */
     int finite;         /* whether the state is */
     double evaluations; /* up to the last stop */
-    double strain;      /* the largest after any step */
     struct step_range steps;
+    double strain; /* the largest after any step */
     struct profile profile;
     struct account account; /* where diagnoses are asked for */
 };
