@@ -202,8 +202,8 @@ static void note_step(struct simulation *sim, int i, double h) {
     add_steps(&sim->progress[i].steps, &(struct step_range){h, h});
 }
 
-/* After a step of part i to time t: whether its state is one that the
- * model can mean. Most steps have no new largest strain, and that is quickly seen. */
+/* After a step of part i to time t: whether its state is one that the model can mean. Most steps
+ * have no new largest strain, and that is quickly seen. */
 static int check_strain(struct simulation *sim, int i, double t) {
     const struct problem *problem = sim->scene->problem;
     struct progress_of_part *part = &sim->progress[i];
