@@ -174,7 +174,8 @@ static void search(struct chart *c, int who, double limit) {
         if (contestant_is_adaptive(entry->contestant))
             entry->pace = 1000;
         race_search_on(&c->plan, &c->field, entry,
-                       race_setting(&c->field, entry, entry->place.at) <= limit);
+                       race_setting(&c->field, entry, entry->place.at) <= limit ? FINISHED
+                                                                                : DIVERGED);
     }
 }
 
@@ -219,6 +220,20 @@ Test(race, a_method_without_a_stable_step_is_in_the_chart_with_what_was_tried) {
     cr_expect_geq(c.entries[0].last, c.entries[0].place.missed);
     cr_expect(race_setting(&c.field, &c.entries[1], c.entries[1].place.reached) <= 1e-5);
     cr_expect_eq(c.entries[1].first, c.entries[1].place.reached - RUNGS_BEYOND);
+    scene_free(c.scene);
+}
+
+/* What runs into a limit at a long step does so at shorter ones. */
+Test(race, a_limit_ends_the_search) {
+    static struct chart c;
+    open_chart(&c);
+    race_search(&c.plan, &c.field, &c.entries[0]);
+    race_search_on(&c.plan, &c.field, &c.entries[0], OUT_OF_TIME);
+    cr_expect(!c.entries[0].searching);
+    search(&c, 1, 1);
+    search(&c, 2, 1);
+    race_fit(&c.plan, &c.field, 1);
+    cr_expect(strstr(c.entries[0].left_out, "out of time"), "%s", c.entries[0].left_out);
     scene_free(c.scene);
 }
 

@@ -33,6 +33,7 @@ struct entry {
     const struct configuration *contestant; /* one of the plan's */
     int searching;                          /* a run of its at place.at is awaited */
     struct bracket place; /* of a fixed step, in rungs: the largest stable one is place.reached */
+    const char *stopped;  /* what limit ended the search; NULL: none */
     double pace;          /* of an adaptive one: steps tried per simulated second, in all wisps, at
                              RUNG_PROBED; NaN: unknown */
     int first, last;      /* rungs of the chart; where last < first there is none */
@@ -166,7 +167,7 @@ void race_search(const struct plan *plan, const struct field *field, struct entr
 
 /* Goes on from how the run at place.at ended; ends the search where no step is left to try. */
 void race_search_on(const struct plan *plan, const struct field *field, struct entry *entry,
-                    int stable);
+                    enum outcome outcome);
 
 /* When all searches of a scene's fields have ended: which rungs their charts have. */
 void race_fit(const struct plan *plan, struct field *fields, int field_count);

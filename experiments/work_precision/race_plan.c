@@ -221,7 +221,7 @@ static int read_search(struct plan *plan, const struct field *field, struct entr
         entry->pace =
             (run_number(&run, "counters.steps") + run_number(&run, "counters.rejected_steps")) /
             time;
-    race_search_on(plan, field, entry, run.outcome == FINISHED);
+    race_search_on(plan, field, entry, run.outcome);
     run_free(&run);
     return 0;
 }

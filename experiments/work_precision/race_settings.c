@@ -100,12 +100,16 @@ void race_search(const struct plan *plan, const struct field *field, struct entr
     entry->searching = adaptive || !is_too_dear(plan, field, entry, entry->place.at);
 }
 
-/* An octave at a time, then the rung between. */
+/* An octave at a time, then the rung between. Where a limit has ended the run, shorter steps are of
+ * no use. */
 void race_search_on(const struct plan *plan, const struct field *field, struct entry *entry,
-                    int stable) {
+                    enum outcome outcome) {
     const int octave = 2;
+    const int limited = outcome == OUT_OF_TIME || outcome == OUT_OF_MEMORY;
+    if (limited)
+        entry->stopped = outcome_name(outcome);
     entry->searching = !contestant_is_adaptive(entry->contestant) &&
-                       bracket_take(&entry->place, stable, octave, 1) &&
+                       bracket_take(&entry->place, outcome == FINISHED, octave, 1) && !limited &&
                        !is_too_dear(plan, field, entry, entry->place.at);
 }
 
@@ -135,8 +139,12 @@ static void fit_fixed(const struct field *field, struct entry *entry, double cap
         /* What was tried is in the chart, as failures. */
         entry->first = 0;
         entry->last = entry->place.missed;
-        snprintf(entry->left_out, sizeof entry->left_out,
-                 "no step is stable of which a run is predicted to take less than %.2g s", cap);
+        if (entry->stopped)
+            snprintf(entry->left_out, sizeof entry->left_out,
+                     "this and shorter steps: longer ones were %s already", entry->stopped);
+        else
+            snprintf(entry->left_out, sizeof entry->left_out,
+                     "no step is stable of which a run is predicted to take less than %.2g s", cap);
         return;
     }
     entry->first = reached > RUNGS_BEYOND ? reached - RUNGS_BEYOND : 0;

@@ -144,7 +144,8 @@ enum outcome runs_do_one(const struct run_case *run, const struct run_limits *li
 struct task {
     const struct run_case *run;
     enum { TO_DO, RUNNING, SETTLED } state;
-    int killed; /* how often */
+    int started; /* by this process: what is there then need not be looked at for damage */
+    int killed;  /* how often */
 };
 
 struct slot {
@@ -206,6 +207,7 @@ static enum attempt start_locked(struct pool *pool, struct slot *slot, struct ta
     if (child_start(&slot->child, task->run, pool->limits, reason))
         return FAILED;
     task->state = RUNNING;
+    task->started = 1;
     slot->task = task;
     pool->active++;
     pool->ran += task->killed == 0;
@@ -216,9 +218,9 @@ static enum attempt try_to_start(struct pool *pool, struct slot *slot, struct ta
                                  char *reason) {
     const char *folder = task->run->folder;
     long who;
-    const int sound = run_is_sound(folder, reason);
-    if (sound)
-        return sound > 0 ? THERE : FAILED;
+    const int there = task->started ? run_is_complete(folder) : run_is_sound(folder, reason);
+    if (there)
+        return there > 0 ? THERE : FAILED;
     if (host_enter(pool->timed, &who)) {
         say_who(reason, pool->timed, who);
         return HOST_IS_TAKEN;
