@@ -83,7 +83,7 @@ static void *take(lane **block, size_t count) {
 static struct kernel_part *allocate(int nodes) {
     const size_t n = (size_t)nodes;
     const size_t head = (sizeof(struct kernel_part) + sizeof(lane) - 1) / sizeof(lane);
-    const size_t lanes = head + n * (3 + 3 + 3 + 3 + 9);
+    const size_t lanes = head + n * (5 + 3 + 3 + 3 + 9 + 3 + 2);
     struct kernel_part *part = aligned_alloc(64, (lanes * sizeof(lane) + 63) / 64 * 64);
     if (!part)
         return NULL;
@@ -92,7 +92,12 @@ static struct kernel_part *allocate(int nodes) {
     part->mass = take(&block, n);
     part->inverse_mass = take(&block, n);
     part->sample_mass = take(&block, n);
+    part->inverse_across = take(&block, n);
+    part->inverse_along = take(&block, n);
     part->t = take(&block, 3 * n);
+    part->chord = take(&block, 3 * n);
+    part->inverse_length = take(&block, n);
+    part->inverse_chord = take(&block, n);
     part->force = take(&block, 3 * n);
     part->swing = take(&block, 3 * n);
     part->frames = take(&block, 9 * n);
@@ -129,9 +134,12 @@ static void fill_lane(struct kernel_part *part, int k, const struct wisp *wisp) 
     lane_set(&part->penalty_k, k, wisp->penalty_ratio * omega * omega);
     lane_set(&part->penalty_c, k, 2 * sqrt(wisp->penalty_ratio) * omega);
     for (int i = 2; i < wisp->nodes; i++) {
-        lane_set(&part->mass[i], k, wisp_node_mass(wisp, i));
-        lane_set(&part->inverse_mass[i], k, 1 / wisp_node_mass(wisp, i));
-        lane_set(&part->sample_mass[i], k, wisp_sample_mass(wisp, i));
+        const double own = wisp_node_mass(wisp, i), sample = wisp_sample_mass(wisp, i);
+        lane_set(&part->mass[i], k, own);
+        lane_set(&part->inverse_mass[i], k, 1 / own);
+        lane_set(&part->sample_mass[i], k, sample);
+        lane_set(&part->inverse_across[i], k, 1 / (own + 0.5 * wisp->samples * sample));
+        lane_set(&part->inverse_along[i], k, 1 / (own + wisp->samples * sample));
     }
 }
 
@@ -178,6 +186,8 @@ void LANED(kernel_free)(void *ctx) {
     if (part) {
         LANED(kernel_matrix_free)(part->matrix);
         free(part->spare);
+        free(part->rows);
+        free(part->panels);
     }
     free(part);
 }
