@@ -82,9 +82,14 @@ struct stepper_method {
      * `stop`, which is met exactly; *t becomes the time reached. */
     int (*advance)(struct stepper *stepper, double *t, double stop, double *q, double *v);
 
-    /* Forgets the history: an event changed the state, the system or both, or the forces have a
-     * kink here. NULL: has none. */
-    int (*reset)(struct stepper *stepper);
+    /* Forgets the history of these lanes, bit k for lane k: an event changed their state, their
+     * system or both, or the forces have a kink here. A method that has one step for all lanes may
+     * forget them all. NULL: has none. */
+    int (*reset)(struct stepper *stepper, unsigned lanes);
+
+    /* What a user should know of the settings when a run has failed, or NULL; itself NULL: nothing.
+     */
+    const char *(*caution)(const struct stepper *stepper);
 
     void (*free)(struct stepper *stepper);
 };

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char name[] = "symplectic-euler";
+static const char name[] = "rosenbrock-euler";
 static const struct launch walk = {.program = WISPLAB_WALK};
 static char folder[PATH_SIZE];
 

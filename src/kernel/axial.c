@@ -34,11 +34,21 @@ struct tension {
 struct softness {
     lane inverse; /* 1 / S */
     lane pull;    /* gamma k / S */
+    mask pulled;  /* where that is not 0 */
 };
 
 SPECIALISED struct softness softness(lane k, lane c, lane alpha, lane beta, lane gamma) {
     const lane s = alpha * c + beta * k;
-    return (struct softness){1 / s, lane_select(s > 0, gamma * k / s, lane_all(0))};
+    const lane pull = lane_select(s > 0, gamma * k / s, lane_all(0));
+    return (struct softness){1 / s, pull, pull != 0};
+}
+
+/* A spring's right side: n.r, and where there is a pull, S^-1 gamma k n.g too; `r` and `g` are what
+ * its ends differ by. `pulls` is 0 where no lane has one: the bits are the same. */
+SPECIALISED lane right_of(const struct softness *soft, int pulls, struct vec n, struct vec r,
+                          struct vec g) {
+    const lane right = dot(n, r);
+    return pulls ? lane_select(soft->pulled, right + soft->pull * dot(n, g), right) : right;
 }
 
 /* The acceleration of node i by a force. */
@@ -76,7 +86,7 @@ SPECIALISED void move(const struct kernel_part *part, int i, int coupled, struct
 /* --- stretch: a tridiagonal system --- */
 
 SPECIALISED void solve_stretch(struct kernel_part *part, const struct part_equation *e, int coupled,
-                               double *x) {
+                               int pulls, double *x) {
     struct tension *row = part->rows;
     const struct softness soft = softness(part->stretch_k, part->stretch_c, load(e->alpha, 0),
                                           load(e->beta, 0), load(e->gamma, 0));
@@ -89,7 +99,7 @@ SPECIALISED void solve_stretch(struct kernel_part *part, const struct part_equat
         if (i > 2)
             diagonal += dot(ni, moved(part, i - 1, coupled, ni));
         const lane beside = -dot(ni, by_last), lower = beside * pivot;
-        const lane right = dot(ni, sub(ri, r)) + soft.pull * dot(ni, sub(gi, g)) - lower * last;
+        const lane right = right_of(&soft, pulls, ni, sub(ri, r), sub(gi, g)) - lower * last;
         pivot = 1 / (diagonal - beside * lower);
         row[i].lower[0] = lower;
         row[i].solution = right * pivot;
@@ -114,19 +124,19 @@ SPECIALISED void solve_stretch(struct kernel_part *part, const struct part_equat
 
 /* The last four equations, the nearest first: rows of L, 1 / D, right sides. */
 struct window {
-    lane lower[BAND - 1][BAND], pivot[BAND], right[BAND];
+    lane lower[BAND - 1][BAND - 1], pivot[BAND], right[BAND];
 };
 
-/* Eliminates the four before from an equation whose coefficients with them are `beside`. */
-SPECIALISED void eliminate_row(struct window *w, const lane *beside, lane diagonal, lane right,
-                               struct tension *row) {
+/* Eliminates those before from an equation that is coupled with `count` of them by `beside`. */
+SPECIALISED void eliminate_row(struct window *w, int count, const lane *beside, lane diagonal,
+                               lane right, struct tension *row) {
     lane u[BAND];
-    EACH_DOWN (j, BAND - 1, 0) {
+    EACH_DOWN (j, count - 1, 0) {
         u[j] = beside[j];
-        EACH_DOWN (k, BAND - 1, j + 1)
+        EACH_DOWN (k, count - 1, j + 1)
             u[j] -= u[k] * w->lower[j][k - j - 1];
     }
-    EACH (j, 0, BAND) {
+    EACH_DOWN (j, count - 1, 0) { /* the nearest last, it waits for a division */
         row->lower[j] = u[j] * w->pivot[j];
         diagonal -= u[j] * row->lower[j];
         right -= row->lower[j] * w->right[j];
@@ -136,9 +146,9 @@ SPECIALISED void eliminate_row(struct window *w, const lane *beside, lane diagon
         w->right[j] = w->right[j - 1];
     }
     EACH_DOWN (j, BAND - 2, 1)
-        EACH (k, 0, BAND)
+        EACH (k, 0, BAND - 1)
             w->lower[j][k] = w->lower[j - 1][k];
-    EACH (k, 0, BAND)
+    EACH (k, 0, BAND - 1)
         w->lower[0][k] = row->lower[k];
     w->pivot[0] = 1 / diagonal;
     w->right[0] = right;
@@ -151,7 +161,8 @@ struct arrivals {
     struct vec r, g;                /* of the node itself */
 };
 
-SPECIALISED void axial_down(struct kernel_part *part, const struct part_equation *e, int coupled) {
+SPECIALISED void axial_down(struct kernel_part *part, const struct part_equation *e, int coupled,
+                            int pulls) {
     struct tension *row = part->rows;
     const lane alpha = load(e->alpha, 0), beta = load(e->beta, 0), gamma = load(e->gamma, 0);
     const struct softness stretch = softness(part->stretch_k, part->stretch_c, alpha, beta, gamma);
@@ -160,11 +171,11 @@ SPECIALISED void axial_down(struct kernel_part *part, const struct part_equation
     const struct vec none = {zero, zero, zero};
     struct arrivals two = {none, none, none, none}, one = two; /* at nodes i - 2 and i - 1 */
     struct window w;
-    EACH (j, 0, BAND) {
+    EACH (j, 0, BAND)
         w.pivot[j] = w.right[j] = zero;
+    EACH (j, 0, BAND - 1)
         EACH (k, 0, BAND - 1)
-            w.lower[k][j] = zero;
-    }
+            w.lower[j][k] = zero;
     for (int i = 2; i < part->nodes; i++) {
         const struct vec c = part->chord[i], n = part->t[i - 1];
         const struct arrivals here = {moved(part, i, coupled, n), moved(part, i, coupled, c),
@@ -177,35 +188,41 @@ SPECIALISED void axial_down(struct kernel_part *part, const struct part_equation
             skip_beside[2] = -dot(c, two.by_segment);
             skip_beside[3] = -dot(c, two.by_skip);
         }
-        eliminate_row(&w, skip_beside, on_skip,
-                      dot(c, sub(here.r, two.r)) + bend.pull * dot(c, sub(here.g, two.g)),
+        eliminate_row(&w, BAND, skip_beside, on_skip,
+                      right_of(&bend, pulls, c, sub(here.r, two.r), sub(here.g, two.g)),
                       &row[2 * i]);
         lane on_segment = stretch.inverse + dot(n, here.by_segment);
         if (i > 2)
             on_segment += dot(n, moved(part, i - 1, coupled, n));
-        const lane segment_beside[BAND] = {dot(n, here.by_skip), -dot(n, one.by_segment),
-                                           -dot(n, one.by_skip), zero};
-        eliminate_row(&w, segment_beside, on_segment,
-                      dot(n, sub(here.r, one.r)) + stretch.pull * dot(n, sub(here.g, one.g)),
+        const lane segment_beside[BAND - 1] = {dot(n, here.by_skip), -dot(n, one.by_segment),
+                                               -dot(n, one.by_skip)};
+        eliminate_row(&w, BAND - 1, segment_beside, on_segment,
+                      right_of(&stretch, pulls, n, sub(here.r, one.r), sub(here.g, one.g)),
                       &row[2 * i + 1]);
         two = one;
         one = here;
     }
 }
 
+/* A tension, less what those behind it take from it: `taken` of this one and of the next three. */
+SPECIALISED lane take(const struct tension *row, int count, lane *taken) {
+    const lane y = row->solution - taken[0];
+    EACH (j, 0, BAND - 1)
+        taken[j] = taken[j + 1] + row->lower[j] * y;
+    taken[BAND - 1] = count == BAND ? row->lower[BAND - 1] * y : lane_all(0);
+    return y;
+}
+
 SPECIALISED void axial_up(struct kernel_part *part, const struct part_equation *e, int coupled,
                           double *x) {
-    struct tension *row = part->rows;
-    const struct vec none = {lane_all(0), lane_all(0), lane_all(0)};
+    const struct tension *row = part->rows;
+    const lane zero = lane_all(0);
+    const struct vec none = {zero, zero, zero};
     struct vec here = none, before = none; /* pulls on nodes i and i - 1 of springs that begin */
+    lane taken[BAND] = {zero, zero, zero, zero};
     for (int i = part->nodes - 1; i >= 2; i--) {
-        EACH_DOWN (s, 1, 0) {
-            const struct tension *t = &row[2 * i + s];
-            EACH (j, 0, BAND) /* rows of nodes 0 and 1 are written, and never read */
-                row[2 * i + s - 1 - j].solution -= t->lower[j] * t->solution;
-        }
-        const struct vec skip = scale(row[2 * i].solution, part->chord[i]);
-        const struct vec segment = scale(row[2 * i + 1].solution, part->t[i - 1]);
+        const struct vec segment = scale(take(&row[2 * i + 1], BAND - 1, taken), part->t[i - 1]);
+        const struct vec skip = scale(take(&row[2 * i], BAND, taken), part->chord[i]);
         move(part, i, coupled, sub(here, add(segment, skip)), e->r, x);
         here = add(before, segment);
         before = skip;
@@ -213,8 +230,8 @@ SPECIALISED void axial_up(struct kernel_part *part, const struct part_equation *
 }
 
 SPECIALISED void solve_axial(struct kernel_part *part, const struct part_equation *e, int coupled,
-                             double *x) {
-    axial_down(part, e, coupled);
+                             int pulls, double *x) {
+    axial_down(part, e, coupled, pulls);
     axial_up(part, e, coupled, x);
 }
 
@@ -233,13 +250,31 @@ int LANED(kernel_solve_part)(void *ctx, const struct part_equation *e, double *x
     }
     const int coupled = part->samples > 0 && part->treatment == WISP_GENERALISED;
     const int axial = e->part == FORCES_AXIAL && part->bending == BENDING_SKIP;
-    if (axial && coupled)
-        solve_axial(part, e, 1, x);
-    else if (axial)
-        solve_axial(part, e, 0, x);
-    else if (coupled)
-        solve_stretch(part, e, 1, x);
-    else
-        solve_stretch(part, e, 0, x);
+    const int pulls = !mask_none(load(e->gamma, 0) != 0);
+    switch (4 * axial + 2 * coupled + pulls) { /* constants where they are inlined */
+    case 0:
+        solve_stretch(part, e, 0, 0, x);
+        break;
+    case 1:
+        solve_stretch(part, e, 0, 1, x);
+        break;
+    case 2:
+        solve_stretch(part, e, 1, 0, x);
+        break;
+    case 3:
+        solve_stretch(part, e, 1, 1, x);
+        break;
+    case 4:
+        solve_axial(part, e, 0, 0, x);
+        break;
+    case 5:
+        solve_axial(part, e, 0, 1, x);
+        break;
+    case 6:
+        solve_axial(part, e, 1, 0, x);
+        break;
+    default:
+        solve_axial(part, e, 1, 1, x);
+    }
     return 0;
 }

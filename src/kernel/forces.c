@@ -29,7 +29,6 @@ SPECIALISED mask walk_springs(struct kernel_part *part, const double *q, const d
         if (bending == BENDING_SKIP) {
             const struct reach skip = reach(pa, p, va, pv, &sound);
             part->chord[i] = skip.n;
-            part->inverse_chord[i] = skip.inverse;
             const struct vec bend = spring(&skip, part->skip_length, part->bend_k, part->bend_c);
             fa = add(fa, bend);
             f = sub(f, bend);
@@ -39,10 +38,10 @@ SPECIALISED mask walk_springs(struct kernel_part *part, const double *q, const d
             fa = sub(fa, bend.on_a);
             fb = add(fb, sub(bend.on_a, bend.on_b));
             f = add(f, bend.on_b);
+            part->inverse_length[i] = segment.inverse;
             before = segment;
         }
         part->t[i - 1] = segment.n;
-        part->inverse_length[i] = segment.inverse;
         part->force[i - 2] = fa;
         pa = pb, va = vb, fa = fb;
         pb = p, vb = pv, fb = f;

@@ -33,6 +33,7 @@ static struct kernel_panels *create(const struct kernel_part *part) {
 /* alpha, beta and gamma, in lanes. */
 struct coefficients {
     lane alpha, beta, gamma;
+    int pulls; /* gamma is not 0 in all lanes: where it is, nothing is added to forces of 0 */
 };
 
 /* --- the matrix, and gamma K g --- */
@@ -41,6 +42,11 @@ SPECIALISED struct vec of_node(const struct kernel_part *part, const double *x, 
     if (i < 2)
         return (struct vec){lane_all(0), lane_all(0), lane_all(0)};
     return vec_load(x, (i - 2) * part->node_unknowns);
+}
+
+/* From the origin. */
+SPECIALISED struct vec place(const struct kernel_part *part, const double *q, int i) {
+    return i < 2 ? part->p[i] : vec_load(q, (i - 2) * part->node_unknowns);
 }
 
 /* Adds s B to the block of nodes row and column, row >= column. */
@@ -55,12 +61,15 @@ SPECIALISED void add_to(struct panel *panels, int row, int column, lane s, const
 
 /* A spring from node a to node b > a: (c alpha + k beta) nn' + s P, and its part of gamma K g. */
 SPECIALISED void add_spring(struct kernel_part *part, const struct part_equation *e,
-                            const struct coefficients *by, int a, int b, struct vec n,
-                            lane shortening, lane k, lane c) {
+                            const struct coefficients *by, int a, int b, struct vec n, lane rest,
+                            lane k, lane c) {
     struct kernel_panels *to = part->panels;
     lane sideways = lane_all(0);
-    if (e->part == FORCES_SPD)
-        sideways = lane_select(shortening > 0, k * shortening, lane_all(0));
+    if (e->part == FORCES_SPD) {
+        const struct vec between = sub(place(part, e->q, b), place(part, e->q, a));
+        const lane longer = k * (1 - rest / lane_sqrt(dot(between, between)));
+        sideways = lane_select(longer > 0, longer, sideways);
+    }
     const lane across = by->beta * sideways, along = by->alpha * c + by->beta * k - across;
     const lane x[3] = {along * n.x, along * n.y, along * n.z}, y[3] = {n.x, n.y, n.z};
     struct block B;
@@ -70,6 +79,8 @@ SPECIALISED void add_spring(struct kernel_part *part, const struct part_equation
     add_to(to->panel, b, b, lane_all(1), &B);
     add_to(to->panel, a, a, lane_all(1), &B);
     add_to(to->panel, b, a, lane_all(-1), &B);
+    if (!by->pulls)
+        return;
     const struct vec d = sub(of_node(part, e->g, b), of_node(part, e->g, a));
     const struct vec pull =
         scale(by->gamma, add_scaled(scale(sideways, d), (k - sideways) * dot(n, d), n));
@@ -131,6 +142,8 @@ SPECIALISED void add_hinge(struct kernel_part *part, const struct part_equation 
     add_to(to->panel, r, q, lane_all(-1), &E[1][1]);
     add_to(to->panel, r, r, lane_all(1), &E[1][1]);
 
+    if (!by->pulls)
+        return;
     const struct vec dp = of_node(part, e->g, p), dq = of_node(part, e->g, q),
                      dr = of_node(part, e->g, r);
     const struct vec difference =
@@ -151,11 +164,11 @@ static void add_springs(struct kernel_part *part, const struct part_equation *e,
     for (int i = 2; i < part->nodes; i++) {
         const struct reach segment = {part->t[i - 1], part->spacing, part->inverse_length[i],
                                       part->v[0]};
-        add_spring(part, e, by, i - 1, i, segment.n, 1 - part->spacing * segment.inverse,
-                   part->stretch_k, part->stretch_c);
+        add_spring(part, e, by, i - 1, i, segment.n, part->spacing, part->stretch_k,
+                   part->stretch_c);
         if (part->bending == BENDING_SKIP)
-            add_spring(part, e, by, i - 2, i, part->chord[i],
-                       1 - part->skip_length * part->inverse_chord[i], part->bend_k, part->bend_c);
+            add_spring(part, e, by, i - 2, i, part->chord[i], part->skip_length, part->bend_k,
+                       part->bend_c);
         if (part->bending == BENDING_HINGE)
             add_hinge(part, e, by, i - 2, &before, &segment);
         before = segment;
@@ -176,9 +189,14 @@ static void right_side(struct kernel_part *part, const struct part_equation *e,
         if (part->samples > 0) {
             const struct frame *frame = &part->frames[i + 2];
             on = add(on, samples_times(part, frame, i + 2, one, zero, zero, r, b));
-            on = add(on, samples_times(part, frame, i + 2, zero, zero, -by->gamma, g, pull));
-            for (int s = 3; s < 3 + samples; s++)
-                store(b, s, load(b, s) + load(pull, s));
+            if (by->pulls) { /* and in lanes without, to the bit as if there were none */
+                const mask pulled = by->gamma != 0;
+                const struct vec more =
+                    samples_times(part, frame, i + 2, zero, zero, -by->gamma, g, pull);
+                on = vec_select(pulled, add(on, more), on);
+                for (int s = 3; s < 3 + samples; s++)
+                    store(b, s, lane_select(pulled, load(b, s) + load(pull, s), load(b, s)));
+            }
         }
         to->x[3 * i] = on.x, to->x[3 * i + 1] = on.y, to->x[3 * i + 2] = on.z;
     }
@@ -204,7 +222,9 @@ static mask factor(struct kernel_part *part, const struct elimination *samples, 
 }
 
 int LANED(kernel_solve_full)(struct kernel_part *part, const struct part_equation *e, double *x) {
-    const struct coefficients by = {load(e->alpha, 0), load(e->beta, 0), load(e->gamma, 0)};
+    const lane gamma = load(e->gamma, 0);
+    const struct coefficients by = {load(e->alpha, 0), load(e->beta, 0), gamma,
+                                    !mask_none(gamma != 0)};
     const struct elimination samples = eliminate(part, by.alpha, by.beta);
     const int f = free_nodes(part), stride = part->node_unknowns * LANES;
     if (!part->panels)

@@ -59,8 +59,7 @@ struct kernel_part {
     /* work space, by node */
     struct vec *t;        /* unit tangents of the segments (i, i + 1) */
     struct vec *chord;    /* by node i >= 2: unit vectors of the skip springs (i - 2, i) */
-    lane *inverse_length; /* of those segments, by node i + 1 as chords are; 1/m */
-    lane *inverse_chord;  /* of those skip springs, 1/m */
+    lane *inverse_length; /* of segments (i - 1, i) between hinges, 1/m */
     struct vec *force;    /* springs on a node, N */
     struct vec *swing;    /* what carries u from one node to the next, see frames.h */
     struct frame *frames; /* of the last acceleration or tick; those of Jacobians are theirs */

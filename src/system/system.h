@@ -45,6 +45,7 @@ enum force_part {
 struct part_equation {
     enum force_part part;
     const double *alpha, *beta, *gamma;
+    const double *q; /* where the last acceleration was */
     const double *r, *g;
 };
 
