@@ -69,12 +69,13 @@ static struct point read_point(const struct plan *plan, const struct labelled_ca
     struct point p = {.error = NAN, .last_radius = NAN, .cost = run_cost(run)};
     sscanf(labelled->label, "%d %d", &p.contestant, &p.k);
     p.setting = setting(&plan->configurations[p.contestant], p.k);
-    const struct table *states = &run->states;
+    const struct trajectory *states = run->states;
     if (run->outcome == FINISHED) {
         p.error = 0;
-        for (int i = 0; i < states->row_count; i++)
-            p.error = fmax(p.error, circle_error(states, i));
-        p.last_radius = circle_radius(states, states->row_count - 1);
+        const int rows = states->table.row_count;
+        for (int i = 0; i < rows; i++)
+            p.error = fmax(p.error, circle_error(trajectory_row(states, i)));
+        p.last_radius = circle_radius(trajectory_row(states, rows - 1));
     }
     return p;
 }
@@ -221,7 +222,7 @@ static int write_contestant(struct plan *plan, int c, const struct work_tables *
         if (strcmp(plan->cases[i].group, "work") != 0 ||
             sscanf(plan->cases[i].label, "%d", &contestant) != 1 || contestant != c)
             continue;
-        if (run_read(&run, plan->cases[i].run.folder, plan->reason))
+        if (run_read_states(&run, plan->cases[i].run.folder, plan->trajectories, plan->reason))
             return -1;
         const struct point point = read_point(plan, &plan->cases[i], &run);
         write_point(tables, &plan->configurations[c], &point, summary);

@@ -50,16 +50,14 @@ int circle_plan_panels(struct plan *plan) {
 
 /* --- reading them --- */
 
-double circle_error(const struct table *states, int row) {
+double circle_error(const double *row) {
     double exact[2];
-    circle_exact(table_value(states, row, 0), exact);
-    return hypot(table_value(states, row, table_column(states, "x")) - exact[0],
-                 table_value(states, row, table_column(states, "y")) - exact[1]);
+    circle_exact(row[STATE_T], exact);
+    return hypot(row[STATE_X] - exact[0], row[STATE_X + 1] - exact[1]);
 }
 
-double circle_radius(const struct table *states, int row) {
-    return hypot(table_value(states, row, table_column(states, "x")),
-                 table_value(states, row, table_column(states, "y")));
+double circle_radius(const double *row) {
+    return hypot(row[STATE_X], row[STATE_X + 1]);
 }
 
 int circle_open_table(struct atomic_file *file, struct plan *plan, const char *folder,
@@ -78,7 +76,7 @@ static int each_panel(struct plan *plan, const char *group, FILE *stream,
         const struct labelled_case *found = find_case(plan, group, label);
         if (!found)
             continue;
-        if (run_read(&run, found->run.folder, plan->reason))
+        if (run_read_states(&run, found->run.folder, plan->trajectories, plan->reason))
             return -1;
         row(stream, i, &run);
         run_free(&run);
@@ -89,14 +87,13 @@ static int each_panel(struct plan *plan, const char *group, FILE *stream,
 /* --- figures 2.4 and 2.5, error against time --- */
 
 static void orbit_rows(FILE *stream, int panel, const struct run_files *run) {
-    const struct table *states = &run->states;
-    const int x = table_column(states, "x"), y = table_column(states, "y");
     const double evaluations = run_number(run, "counters.force_evaluations");
-    for (int i = 0; i < states->row_count; i++)
+    for (int i = 0; i < run->states->table.row_count; i++) {
+        const double *row = trajectory_row(run->states, i);
         fprintf(stream, "%d\t%s\t%s\t%g\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\n", panel + 1,
-                panels[panel].title, panels[panel].stepper, panels[panel].step,
-                table_value(states, i, 0), table_value(states, i, x), table_value(states, i, y),
-                circle_error(states, i), evaluations);
+                panels[panel].title, panels[panel].stepper, panels[panel].step, row[STATE_T],
+                row[STATE_X], row[STATE_X + 1], circle_error(row), evaluations);
+    }
     fprintf(stream, "\n\n");
 }
 
@@ -138,13 +135,13 @@ static int read_panels(struct plan *plan, struct panel_errors errors[PANELS]) {
             const struct labelled_case *found = find_case(plan, e ? "160 s" : "30 s", label);
             if (!found)
                 continue;
-            if (run_read(&run, found->run.folder, plan->reason))
+            if (run_read_states(&run, found->run.folder, plan->trajectories, plan->reason))
                 return -1;
-            const int last = run.states.row_count - 1;
+            const double *last = trajectory_row(run.states, run.states->table.row_count - 1);
             errors[i].finished = run.outcome == FINISHED && (e == 0 || errors[i].finished);
             errors[i].there = 1;
-            errors[i].error[e] = circle_error(&run.states, last);
-            errors[i].radius = circle_radius(&run.states, last);
+            errors[i].error[e] = circle_error(last);
+            errors[i].radius = circle_radius(last);
             errors[i].evaluations = (long long)run_number(&run, "counters.force_evaluations");
             run_free(&run);
         }

@@ -16,8 +16,8 @@ int circle_tabulate_panels(struct plan *plan, const char *folder, struct stateme
 
 /* Of a row of states: the distance from where the particle should be, and from the circle's centre,
  * m. */
-double circle_error(const struct table *states, int row);
-double circle_radius(const struct table *states, int row);
+double circle_error(const double *row);
+double circle_radius(const double *row);
 
 /* A table of the plan's, whose scene is that of its first run. Returns 0, or -1 with plan->reason.
  */

@@ -101,15 +101,15 @@ struct member {
     double contacts; /* of wisps and bodies, after the first of those frames */
 };
 
-static void copy_positions(struct member *member, const struct table *states, double from) {
-    const int x = table_column(states, "x");
+static void copy_positions(struct member *member, const struct trajectory *states, double from) {
+    const int rows = states->table.row_count;
     int first = 0;
-    while (first < states->row_count && table_value(states, first, 0) < from - 1e-9)
+    while (first < rows && trajectory_row(states, first)[STATE_T] < from - 1e-9)
         first++;
-    member->rows = states->row_count - first;
+    member->rows = rows - first;
     member->x = malloc((3 * (size_t)member->rows + 1) * sizeof(double));
     for (int i = 0; member->x && i < 3 * member->rows; i++)
-        member->x[i] = table_value(states, first + i / 3, x + i % 3);
+        member->x[i] = trajectory_row(states, first + i / 3)[STATE_X + i % 3];
 }
 
 static void average_diagnoses(struct member *member, const struct table *diagnoses, double from) {
@@ -129,19 +129,19 @@ static void average_diagnoses(struct member *member, const struct table *diagnos
     member->energy /= frames;
 }
 
-static int read_member(struct member *member, const char *folder, double from, char *reason) {
+static int read_member(struct plan *plan, struct member *member, const char *folder, double from) {
     struct run_files run;
     struct table diagnoses;
     char path[PATH_SIZE];
     int code = 0;
-    if (run_read(&run, folder, reason))
+    if (run_read_states(&run, folder, plan->trajectories, plan->reason))
         return -1;
     *member =
         (struct member){.outcome = run.outcome, .failure_time = run_number(&run, "failure_time")};
     path_format(path, "%s/diagnostics.tsv", folder);
     if (run.outcome == FINISHED) {
-        copy_positions(member, &run.states, from);
-        code = table_read(&diagnoses, path, reason);
+        copy_positions(member, run.states, from);
+        code = table_read(&diagnoses, path, plan->reason);
         if (!code) {
             average_diagnoses(member, &diagnoses, from);
             table_free(&diagnoses);
@@ -174,7 +174,7 @@ static int ensemble_read(struct plan *plan, const struct subject *subject, const
         if (!one)
             continue;
         struct member *member = &ensemble->member[ensemble->count];
-        if (read_member(member, one->run.folder, from, plan->reason))
+        if (read_member(plan, member, one->run.folder, from))
             return -1;
         ensemble->failed += member->outcome != FINISHED;
         ensemble->count++;
@@ -346,8 +346,8 @@ static int tabulate_ensembles(struct plan *plan, const struct subject *subject, 
 static int write_growth(struct plan *plan, const struct subject *subject, FILE *stream) {
     const struct labelled_case *one = find_case(plan, subject->name, "tight"),
                                *other = find_case(plan, subject->name, "tight, perturbed");
-    return measure_separation(one->run.folder, other->run.folder, subject->name, stream,
-                              plan->reason);
+    return measure_separation(plan->trajectories, one->run.folder, other->run.folder, subject->name,
+                              stream, plan->reason);
 }
 
 static void state_horizon(struct statements *statements, const struct subject *subject,
@@ -386,7 +386,8 @@ static int tabulate_subject(struct plan *plan, const struct subject *subject,
     const double duration = tight->run.scene->duration;
     struct run_files run;
     double horizon;
-    if (measure_horizon(tight->run.folder, other->run.folder, &horizon, plan->reason) ||
+    if (measure_horizon(plan->trajectories, tight->run.folder, other->run.folder, &horizon,
+                        plan->reason) ||
         run_read(&run, tight->run.folder, plan->reason))
         return -1;
     fprintf(files[HORIZONS].stream, "%s\t%.17g\t%.17g\t%.17g\t%.17g\t%s\n", subject->name, horizon,

@@ -327,7 +327,8 @@ static int ladder_refine(struct plan *plan) {
         struct run_files tight;
         if (!is_in(plan, cell))
             continue;
-        if (run_read(&tight, plan->cases[tight_case++].run.folder, plan->reason))
+        if (run_read_states(&tight, plan->cases[tight_case++].run.folder, plan->trajectories,
+                            plan->reason))
             return -1;
         const int code = refine_cell(plan, cell, &tight);
         run_free(&tight);
@@ -507,7 +508,7 @@ static double least_cost(const struct ladder *ladder, int cell, int kind) {
 /* Where the cheapest explicit and the cheapest implicit method of a damping change places: one
  * crossing, or none because one kind is ahead everywhere. */
 static void state_order(struct statements *statements, const struct ladder *ladder, int damping) {
-    int explicit_first = 0, implicit_first = 0;
+    int explicit_first = 0, implicit_first = 0, tied = 0;
     char key[64];
     struct statement row = {
         .key = key, .figure = "ladder", .tables = "ladder crossings", .unit = "N"};
@@ -517,8 +518,13 @@ static void state_order(struct statements *statements, const struct ladder *ladd
                                      least_cost(ladder, next, EXPLICIT)},
                      implicits[2] = {least_cost(ladder, cell, IMPLICIT),
                                      least_cost(ladder, next, IMPLICIT)};
-        explicit_first += explicits[0] < implicits[0];
-        implicit_first += implicits[0] < explicits[0];
+        const struct search *one = cheapest(ladder, cell, EXPLICIT, NULL),
+                            *other = cheapest(ladder, cell, IMPLICIT, NULL);
+        if (one && other) {
+            explicit_first += cost_is_less(&one->cost.cpu, &other->cost.cpu);
+            implicit_first += cost_is_less(&other->cost.cpu, &one->cost.cpu);
+            tied += !is_apart(one, other);
+        }
         row.value = next > cell ? crossing(k, explicits, implicits) : NAN;
         snprintf(key, sizeof key, "order, zeta %g, %d", dampings[damping], k);
         if (!isnan(row.value))
@@ -531,13 +537,19 @@ static void state_order(struct statements *statements, const struct ladder *ladd
         return;
     snprintf(key, sizeof key, "order, zeta %g", dampings[damping]);
     row.unit = NULL;
-    row.verdict = explicit_first + implicit_first > 0                          ? HOLDS
+    row.verdict = explicit_first + implicit_first + tied > 0                   ? HOLDS
                   : was_asked(ladder, EXPLICIT) && was_asked(ladder, IMPLICIT) ? NOT_REACHED
                                                                                : NOT_ASKED;
-    if (row.verdict == HOLDS)
+    if (row.verdict == HOLDS && explicit_first + implicit_first == 0)
         statements_add(statements, row,
-                       "At damping %g %s methods are cheaper at every stiffness tried.",
-                       dampings[damping], explicit_first ? "explicit" : "implicit");
+                       "At damping %g explicit and implicit methods are tied at every stiffness "
+                       "tried.",
+                       dampings[damping]);
+    else if (row.verdict == HOLDS)
+        statements_add(statements, row,
+                       "At damping %g %s methods are cheaper at every stiffness tried%s.",
+                       dampings[damping], explicit_first ? "explicit" : "implicit",
+                       tied ? " at which the two are not tied" : "");
     else
         statements_add(statements, row,
                        "At damping %g explicit and implicit methods cannot be compared: %s.",

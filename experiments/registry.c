@@ -19,7 +19,8 @@
     X(subdivision)     \
     X(wind)            \
     X(shake)           \
-    X(kernel)
+    X(kernel)          \
+    X(contact_rate)
 
 #define X(name) extern const struct experiment name##_experiment;
 EXPERIMENTS(X)

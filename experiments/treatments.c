@@ -3,6 +3,7 @@
  * with springs, and is exact in the limit of stiff ones; `projection` and `generalised` leave terms
  * out. Distances here are between tight solutions: no integrator has a part in them. */
 #include "base/files.h"
+#include "experiments/common/limit.h"
 #include "experiments/common/measure.h"
 #include "experiments/common/statements.h"
 #include "model/model.h"
@@ -124,43 +125,6 @@ static int treatments_plan(struct plan *plan) {
     return 0;
 }
 
-/* --- the limit --- */
-
-/* The samples' damper sees them move with the line as it turns, and pushes them off it by
- * c_p r da/dt / k_p ~ 1/sqrt(ratio); so the motion is a series in e = 1/sqrt(ratio), whose first
- * term is small but there. Lagrange's polynomial in e through `count` of the runs, at e = 0: the
- * weight of run i is the product over the others of e_j / (e_j - e_i). */
-static double limit_weight(const double *ratio, int count, int i) {
-    double weight = 1;
-    for (int j = 0; j < count; j++)
-        if (j != i)
-            weight *= sqrt(ratio[i]) / (sqrt(ratio[i]) - sqrt(ratio[j]));
-    return weight;
-}
-
-/* The weighted sum of tables of the same frames; time, wisp and node are the first one's. Returns
- * 0, or -1 where memory cannot be had or they differ. */
-static int extrapolate(const struct table *const *tables, const double *ratio, int count,
-                       struct table *limit) {
-    enum { LABELS = 3 };
-    const struct table *first = tables[0];
-    const size_t size = (size_t)(first->row_count * first->column_count);
-    *limit = (struct table){.row_count = first->row_count, .column_count = first->column_count};
-    limit->value = calloc(size + 1, sizeof(double));
-    for (int i = 0; i < count; i++)
-        if (!limit->value || tables[i]->row_count != first->row_count)
-            return -1;
-    for (size_t k = 0; k < size; k++) {
-        if (k % (size_t)first->column_count < LABELS)
-            limit->value[k] = first->value[k];
-        else
-            for (int i = 0; i < count; i++)
-                limit->value[k] += limit_weight(ratio, count, i) * tables[i]->value[k];
-    }
-    memcpy(limit->name, first->name, sizeof limit->name); /* lent */
-    return 0;
-}
-
 /* --- reading the runs --- */
 
 struct practical {
@@ -183,7 +147,7 @@ struct variant {
 struct study {
     const struct subject *subject;
     struct variant variants[VARIANTS];
-    struct table limit;
+    struct trajectory limit;
     struct deviation uncertainty; /* of the limit */
 };
 
@@ -201,7 +165,7 @@ static int read_tight(struct plan *plan, struct study *study) {
         const struct labelled_case *one = variant_case(plan, study, v, "tight");
         if (!one)
             continue;
-        if (run_read(&variant->tight, one->run.folder, plan->reason))
+        if (run_read_states(&variant->tight, one->run.folder, plan->trajectories, plan->reason))
             return -1;
         variant->there = 1;
         variant->scene = one->run.scene;
@@ -222,19 +186,19 @@ static int read_tight(struct plan *plan, struct study *study) {
  * more term of the series, is its uncertainty. (On the shipped scene the change is 6.9e-8 m, and
  * ratios up to 1e5 move the limit by 9.3e-8 m. Series in 1/ratio are 4.5e-7 m off.) */
 static int find_limit(struct plan *plan, struct study *study) {
-    const struct table *tables[LIMIT_COUNT];
-    struct table more;
+    const struct trajectory *runs[LIMIT_COUNT];
+    struct trajectory more;
     for (int i = 0; i < LIMIT_COUNT; i++)
-        tables[i] = &study->variants[LIMIT_FIRST + i].tight.states;
-    int code = extrapolate(tables + 1, ratios + LIMIT_FIRST + 1, LIMIT_COUNT - 1, &study->limit);
-    code = extrapolate(tables, ratios + LIMIT_FIRST, LIMIT_COUNT, &more) || code ? -1 : 0;
+        runs[i] = study->variants[LIMIT_FIRST + i].tight.states;
+    int code = penalty_limit(runs + 1, ratios + LIMIT_FIRST + 1, LIMIT_COUNT - 1, &study->limit);
+    code = penalty_limit(runs, ratios + LIMIT_FIRST, LIMIT_COUNT, &more) || code ? -1 : 0;
     if (code)
         snprintf(plan->reason, REASON_SIZE, "scene %s: no limit could be taken",
                  study->subject->name);
     else
         code = measure_deviation(study->subject->scene, &more, &study->limit, 1,
                                  &study->uncertainty, plan->reason);
-    free(more.value);
+    free(more.table.value);
     study->uncertainty.end *= 2;
     return code;
 }
@@ -257,12 +221,12 @@ static int try_steps(struct plan *plan, struct study *study, int v) {
         const struct labelled_case *one = variant_case(plan, study, v, label);
         if (!one)
             continue;
-        if (run_read(&run, one->run.folder, plan->reason))
+        if (run_read_states(&run, one->run.folder, plan->trajectories, plan->reason))
             return -1;
         const struct cost cost = run_cost(&run);
         int code = 0;
         if (run.outcome == FINISHED)
-            code = measure_deviation(variant->scene, &run.states, &variant->tight.states, 1, &error,
+            code = measure_deviation(variant->scene, run.states, variant->tight.states, 1, &error,
                                      plan->reason);
         run_free(&run);
         if (code)
@@ -285,7 +249,7 @@ static int read_study(struct plan *plan, struct study *study) {
         struct variant *variant = &study->variants[v];
         if (!variant->there)
             continue;
-        code = measure_deviation(variant->scene, &variant->tight.states, &study->limit, 1,
+        code = measure_deviation(variant->scene, variant->tight.states, &study->limit, 1,
                                  &variant->distance, plan->reason);
         if (!code)
             code = try_steps(plan, study, v);
@@ -296,7 +260,7 @@ static int read_study(struct plan *plan, struct study *study) {
 static void free_study(struct study *study) {
     for (int v = 0; v < VARIANTS; v++)
         run_free(&study->variants[v].tight);
-    free(study->limit.value);
+    free(study->limit.table.value);
 }
 
 /* --- tables --- */

@@ -15,7 +15,7 @@ is_failed(status) = status ne 'finished' && status ne 'refused' && status ne 'le
     && status ne 'status'
 is_point(m) = strcol(1) eq word(names, m) && strcol(2) eq treatment
 is_good(m) = is_point(m) && strcol(STATUS) eq 'finished'
-# At most so many curves have a name: those on a front, then methods as they are, then variants. The
+# At most so many curves have a name: those on the front of CPU time, then methods as they are, then variants. The
 # rest are thin and grey, and in the table.
 NAMED = 8
 named(list, more) = words(list) < NAMED ? with_name(list, more) : list
@@ -49,14 +49,18 @@ do for [s = 1:words(scene_files)] {
     pitch = (page_width - 85) / columns # from panel to panel
     eval names_of(scene)
     chosen = ''
-    stats table(scene.'-front') using (strcol(1) eq 'treatment' ? 0 \
-        : (chosen = named(chosen, strcol(5)), 0)) nooutput
+    stats table(scene.'-front') using (strcol(2) eq 'cpu' \
+        ? (chosen = named(chosen, strcol(5)), 0) : 0) nooutput
     do for [m = 1:words(names)] { if (words(word(names, m)) == 1) { chosen = named(chosen, word(names, m)) } }
+    stats table(scene.'-front') using (strcol(2) eq 'evaluations' \
+        ? (chosen = named(chosen, strcol(5)), 0) : 0) nooutput
     do for [m = 1:words(names)] { chosen = named(chosen, word(names, m)) }
-    rest = ''; own = ''
+    rest = ''; own = ''; finished = ''
+    stats table(scene) using (strcol(STATUS) eq 'finished' \
+        ? (finished = with_name(finished, strcol(1)), 0) : 0) nooutput
     do for [m = 1:words(names)] {
         if (place(chosen, word(names, m))) { own = own.quoted(word(names, m)) } \
-        else { rest = rest.quoted(word(names, m)) }
+        else { if (place(finished, word(names, m))) { rest = rest.quoted(word(names, m)) } }
     }
     names = own
     # The legend's columns are as wide as a name with its slopes; six entries are not of methods.
@@ -86,7 +90,8 @@ do for [s = 1:words(scene_files)] {
     }
     has_bound = 0; has_inexact = 0 # drawn somewhere: then in the legend, where no data are under it
     set multiplot
-    eval heading(WHAT.': '.escaped(word(scene_names, s)), \
+    eval heading(WHAT.': '.escaped(word(scene_names, s)) \
+        .(!many && samples_of[s] > 0 ? ' with '.word(treatments, 1) : ''), \
         'rms distance of the free nodes from the tight solution'.(columns == 3 ? ' of the same treatment' : '') \
         .', all frames'.(compared < duration ? sprintf(' to %.2g s', compared) : '') \
         .'; ×: failed (how many, how and when first); legend: slopes'.(many ? ', panel by panel' : ''))

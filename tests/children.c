@@ -1,6 +1,5 @@
 /* Runs that hang, crash, leave or eat memory: each is a result with its kind and its time, and the
  * others go on. Runs that are killed are none. */
-#include "base/table.h"
 #include "run/results.h"
 #include "run/runs.h"
 #include "scene/scene_load.h"
@@ -272,7 +271,7 @@ static void check_result(const struct run_case *run, const struct bad_method *ba
     struct run_files files;
     char reason[REASON_SIZE];
     const char *name = bad->method.name;
-    cr_assert_eq(run_read(&files, run->folder, reason), 0, "%s: %s", name, reason);
+    cr_assert_eq(run_read_states(&files, run->folder, NULL, reason), 0, "%s: %s", name, reason);
     const char *status = json_string_value(json_object_get(files.json, "status"));
     const char *why = json_string_value(json_object_get(files.json, "reason"));
     cr_assert_str_eq(status, bad->status, "%s: status '%s' (%s)", name, status, why);
@@ -284,9 +283,10 @@ static void check_result(const struct run_case *run, const struct bad_method *ba
               reached);
     cr_assert(strcmp(name, "toils") == 0 || all || reached == least,
               "%s: reached %g s where it went wrong after %g", name, reached, least);
-    cr_assert(files.states.row_count >= GOOD_STEPS + 1, "%s: %d rows are left", name,
-              files.states.row_count);
-    cr_assert_eq(table_value(&files.states, GOOD_STEPS, 0), least, "%s: row of another time", name);
+    const int rows = files.states->table.row_count;
+    cr_assert(rows >= GOOD_STEPS + 1, "%s: %d rows are left", name, rows);
+    cr_assert_eq(trajectory_row(files.states, GOOD_STEPS)[STATE_T], least,
+                 "%s: row of another time", name);
     run_free(&files);
 }
 

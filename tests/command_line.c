@@ -272,6 +272,36 @@ Test(command_line, set_overrides_what_the_scene_says) {
 
 /* --- what a run leaves --- */
 
+/* The steps that were taken, not those that were asked for: 53 to a frame of 1/60 s; of an adaptive
+ * method those whose sum is the duration; of a run that ended before its first step none. */
+Test(command_line, run_json_says_which_steps_were_taken) {
+    char folder[PATH_SIZE];
+    struct finished f;
+    folder_make(folder);
+    PROGRAM(&f, NULL, "run", "swing", "--rate", "3160", "--duration", "0.5", "--out", folder);
+    json_t *json = run_json(folder);
+    cr_assert_float_eq(number_of(json, "step_least"), 1 / 3180., 1e-15);
+    cr_assert_float_eq(number_of(json, "step_largest"), 1 / 3180., 1e-15);
+    json_decref(json);
+    PROGRAM(&f, NULL, "run", "swing", "--stepper", "reference", "--duration", "0.5", "--out",
+            folder);
+    json = run_json(folder);
+    const double steps = number_of(json_object_get(json, "counters"), "steps");
+    const double least = number_of(json, "step_least"), largest = number_of(json, "step_largest");
+    cr_assert(0 < least && least < 0.5 / steps && 0.5 / steps < largest && largest <= 1 / 60.,
+              "steps of %g to %g s, %g s in the mean", least, largest, 0.5 / steps);
+    json_decref(json);
+    PROGRAM(&f, NULL, "run", "swing", "--stepper", "implicit-euler", "--treatment", "penalty",
+            "--step", "0.0166", "--option", "newton.iterations=2", "--out", folder);
+    json = run_json(folder);
+    cr_assert_eq(number_of(json_object_get(json, "counters"), "steps"), 0, "%s", f.err);
+    cr_assert(f.code == 3 && json_is_null(json_object_get(json, "step_least")) &&
+                  json_is_null(json_object_get(json, "step_largest")),
+              "a step that was not taken");
+    json_decref(json);
+    folder_remove(folder);
+}
+
 Test(command_line, run_json_says_everything) {
     char folder[PATH_SIZE], path[PATH_SIZE];
     struct finished f;
@@ -313,7 +343,8 @@ Test(command_line, run_json_says_everything) {
 
     path_format(path, "%s/states.tsv", folder);
     char *states = file_read(path);
-    cr_assert(states && strstr(states, "\nt\twisp\tnode\tx\ty\tz\tvx\tvy\tvz\n0\t0\t0\t0.9"),
+    cr_assert(states &&
+                  strstr(states, "\nt\twisp\tnode\tx\ty\tz\tvx\tvy\tvz\tparent\n0\t0\t0\t0.9"),
               "states.tsv does not begin as promised");
     cr_assert_eq(count_lines(strstr(states, "\nt\twisp") + 1), 202, "%d rows and names",
                  count_lines(strstr(states, "\nt\twisp") + 1));

@@ -329,7 +329,10 @@ Test(eval, wrong_files_are_refused_in_one_line, .init = open_folder, .fini = clo
     refuse_text(scene, "generalised", bad, "'r0'", "no r0");
     free(bad);
     bad = with_field(good, names, 0, "time");
-    refuse_text(scene, "generalised", bad, "have t and 16", "no t");
+    refuse_text(scene, "generalised", bad, "has not the columns of states", "no t");
+    free(bad);
+    bad = with_field(good, names, 17, "more");
+    refuse_text(scene, "generalised", bad, "have t and 16", "more than parent");
     free(bad);
     bad = without_lines(good, names, rows);
     refuse_text(scene, "generalised", bad, "column", "no names");
@@ -412,7 +415,20 @@ Test(eval, a_state_without_direction_exits_3, .init = open_folder, .fini = close
     file_write(folder, "bad.tsv", text, path);
     PROGRAM(&f, NULL, "eval", "swing", "--state", path);
     cr_assert_eq(f.code, 3, "exit code %d, '%s'", f.code, f.err);
-    cr_assert(count_lines(f.err) == 1 && strstr(f.err, "coincide"), "'%s'", f.err);
+    cr_assert(count_lines(f.err) == 1 && strstr(f.err, "wisp 0: nodes 1 and 2 coincide"), "'%s'",
+              f.err);
     cr_assert_eq(f.out[0], '\0', "prints '%.60s'", f.out);
+    free(text);
+    text =
+        states_of("interactions", "generalised", "0.05"); /* of two wisps, and the last one's tip */
+    for (int line = 1; line <= 2; line++)
+        for (int k = 0; k < 3; k++) {
+            char *moved = with_field(text, line_from_end(text, line), 3 + k, on_node_1[k]);
+            free(text);
+            text = moved;
+        }
+    file_write(folder, "bad.tsv", text, path);
+    PROGRAM(&f, NULL, "eval", "interactions", "--treatment", "generalised", "--state", path);
+    cr_assert(f.code == 3 && strstr(f.err, "wisp 1: nodes "), "'%s'", f.err);
     free(text);
 }

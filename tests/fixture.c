@@ -288,6 +288,8 @@ void fixture_manufactured(struct fixture *f) {
 
 struct fixture_start fixture_start;
 
+static const int own_parent[] = {0};
+
 static const char *const columns[] = {"wisp", "node", "x", "y", "z", "vx", "vy", "vz", NULL};
 
 struct fixture_model {
@@ -313,6 +315,7 @@ static struct model *create(const struct scene *scene, int treatment, int lanes)
                               .parts = &m->part,
                               .part_count = 1,
                               .row_count = 1,
+                              .parent = own_parent,
                               .columns = columns,
                               .column_count = 8};
     return &m->model;

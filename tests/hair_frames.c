@@ -19,7 +19,8 @@ static const double length = 0.3, radius = 0.02;
 /* A run of hand-made frames: wisp w hangs straight down from (0.1 w, 0, 0). */
 struct made {
     struct scene *scene;
-    struct table states;
+    double *value; /* until it is opened */
+    struct trajectory states;
     struct hair hair;
     int wisps[FRAMES];
 };
@@ -42,12 +43,12 @@ static double *row_of(struct made *made, int frame, int wisp, int node) {
     int row = 0;
     for (int f = 0; f < frame; f++)
         row += made->wisps[f] * NODES;
-    return made->states.value + (size_t)((row + wisp * NODES + node) * COLUMNS);
+    double *value = made->value ? made->value : made->states.table.value;
+    return value + (size_t)((row + wisp * NODES + node) * COLUMNS);
 }
 
 /* Wisps beyond the scene's are children of wisp 1. */
 static void make(struct made *made, int scene_wisps, const int wisps[FRAMES]) {
-    static char r0[] = "r0";
     struct wisp numbers[WISPS];
     const struct surroundings around = {.gravity = {0, -9.81, 0}};
     for (int w = 0; w < WISPS; w++)
@@ -55,11 +56,7 @@ static void make(struct made *made, int scene_wisps, const int wisps[FRAMES]) {
     *made = (struct made){.scene = lab_scene(numbers, scene_wisps, &around)};
     made->scene->frame_rate = 30;
     memcpy(made->wisps, wisps, sizeof made->wisps);
-    made->states.column_count = COLUMNS;
-    made->states.name[9] = r0;
-    for (int f = 0; f < FRAMES; f++)
-        made->states.row_count += wisps[f] * NODES;
-    made->states.value = calloc((size_t)(made->states.row_count * COLUMNS), sizeof(double));
+    made->value = calloc((size_t)FRAMES * WISPS * NODES * COLUMNS, sizeof(double));
     for (int f = 0; f < FRAMES; f++)
         for (int w = 0; w < wisps[f]; w++)
             for (int i = 0; i < NODES; i++) {
@@ -76,6 +73,13 @@ static void make(struct made *made, int scene_wisps, const int wisps[FRAMES]) {
 
 static struct hair *opened(struct made *made) {
     char reason[REASON_SIZE];
+    int rows = 0;
+    for (int f = 0; f < FRAMES; f++)
+        rows += made->wisps[f] * NODES;
+    lab_trajectory(&made->states, made->value, rows, COLUMNS);
+    made->value = NULL;
+    for (int w = made->scene->wisp_count; w < made->states.wisp_count; w++)
+        made->states.parent[w] = 1;
     cr_assert_eq(hair_open(&made->hair, made->scene, &made->states, WISP_GENERALISED, reason), 0,
                  "%s", reason);
     return &made->hair;
@@ -83,7 +87,7 @@ static struct hair *opened(struct made *made) {
 
 static void unmake(struct made *made) {
     hair_close(&made->hair);
-    free(made->states.value);
+    trajectory_free(&made->states);
     scene_free(made->scene);
 }
 
@@ -105,13 +109,13 @@ Test(hair, frames_and_wisps_are_found_also_when_they_become_more) {
     row_of(&made, 3, 2, 4)[7] = 12.5;
     const struct hair *hair = opened(&made);
     cr_assert_eq(hair->frame_count, FRAMES);
-    cr_assert_eq(hair->most_wisps, 3);
+    cr_assert_eq(hair->states->wisp_count, 3);
     for (int f = 0; f < FRAMES; f++) {
         cr_assert_eq(hair->frames[f].wisps, made.wisps[f], "frame %d", f);
         cr_assert_float_eq(hair->frames[f].t, f / 30., 0);
         for (int w = 0; w < made.wisps[f]; w++) {
             cr_assert_eq(hair_nodes(hair, f, w), NODES, "frame %d, wisp %d", f, w);
-            cr_assert_eq(hair_ancestor(hair, f, w), w < 2 ? w : 1, "frame %d, wisp %d", f, w);
+            cr_assert_eq(hair_ancestor(hair, w), w < 2 ? w : 1, "frame %d, wisp %d", f, w);
         }
     }
     cr_assert_float_eq(hair_node(hair, 3, 2, 4)[4], 12.5, 0);
@@ -199,7 +203,7 @@ Test(hair, depth_is_along_the_normal_of_points_and_of_lines_between_them) {
     made.scene->body_count = 1;
     struct body *ball = made.scene->bodies;
     for (int i = 0; i < FRAMES * NODES * SAMPLES; i++) /* thin, so that nodes alone count */
-        made.states.value[i / SAMPLES * COLUMNS + 9 + 2 * (i % SAMPLES)] = 1e-9;
+        made.value[i / SAMPLES * COLUMNS + 9 + 2 * (i % SAMPLES)] = 1e-9;
     *ball = (struct body){.centre = {0.01, -0.15, 0}, .radii = {0.015, 0.015, 0.015}};
     struct hair *hair = opened(&made);
     struct depth depth = hair_depth(hair, 0);

@@ -353,7 +353,7 @@ Test(memory, pictures_are_drawn_or_not) {
             "--duration", "0.01", "--out", folder);
     cr_assert_eq(f.code, 0, "%s", f.err);
     path_format(path, "%s/states.tsv", folder);
-    cr_assert_eq(frames_open(&frames, path, NULL, 0, reason), 0, "%s", reason);
+    cr_assert_eq(frames_open(&frames, path, NULL, NULL, 0, reason), 0, "%s", reason);
     try_all("picture", draw_picture, &frames);
     frames_close(&frames);
     folder_remove(folder);

@@ -78,15 +78,15 @@ Test(curve, of_two_nodes_is_a_line) {
 
 enum { FRAMES = 3, WISPS = 2, COLUMNS = 9 };
 
-/* States of two straight wisps whose free hair begins at (w, 0, 0) and goes down by `length`; from
+/* States of straight wisps whose free hair begins at (w, 0, 0) and goes down by `length`; from
  * frame to frame all moves by `slide` along z. */
-static struct table straight(int nodes, double length, double slide) {
-    struct table table = {.column_count = COLUMNS, .row_count = FRAMES * WISPS * nodes};
-    double *row = table.value =
-        calloc((size_t)(table.row_count * table.column_count), sizeof *table.value);
+static struct trajectory straight(int frames, int wisps, int nodes, double length, double slide) {
+    struct trajectory made;
+    const int rows = frames * wisps * nodes;
+    double *value = calloc((size_t)(rows * COLUMNS), sizeof *value), *row = value;
     cr_assert(row, "no memory");
-    for (int f = 0; f < FRAMES; f++)
-        for (int w = 0; w < WISPS; w++)
+    for (int f = 0; f < frames; f++)
+        for (int w = 0; w < wisps; w++)
             for (int i = 0; i < nodes; i++, row += COLUMNS) {
                 row[0] = f / 30.;
                 row[1] = w;
@@ -95,10 +95,11 @@ static struct table straight(int nodes, double length, double slide) {
                 row[4] = -length * (i - 1) / (nodes - 2);
                 row[5] = f * slide;
             }
-    return table;
+    lab_trajectory(&made, value, rows, COLUMNS);
+    return made;
 }
 
-static struct curve_deviation distance_of(const struct table *a, const struct table *b) {
+static struct curve_deviation distance_of(const struct trajectory *a, const struct trajectory *b) {
     const struct scene scene = {.name = "two", .wisp_count = WISPS};
     struct curve_deviation deviation;
     char reason[REASON_SIZE];
@@ -109,8 +110,11 @@ static struct curve_deviation distance_of(const struct table *a, const struct ta
 /* Nothing between equal curves; what frame f slides, f d; and where one is longer by a share e of
  * its length, e s/32 at point s of 32. */
 Test(curve, distances_do_not_ask_for_equal_nodes) {
-    struct table few = straight(5, 1, 0), many = straight(12, 1, 0), slid = straight(9, 1, 0.01),
-                 longer = straight(7, 1.1, 0);
+    struct trajectory few = straight(FRAMES, WISPS, 5, 1, 0),
+                      many = straight(FRAMES, WISPS, 12, 1, 0),
+                      slid = straight(FRAMES, WISPS, 9, 1, 0.01),
+                      longer = straight(FRAMES, WISPS, 7, 1.1, 0),
+                      shorter = straight(FRAMES - 1, WISPS, 12, 1, 0);
     struct curve_deviation d = distance_of(&few, &many);
     cr_assert(d.rms < 1e-14 && d.largest < 1e-14 && d.end < 1e-14, "%g", d.largest);
     d = distance_of(&few, &slid);
@@ -120,15 +124,33 @@ Test(curve, distances_do_not_ask_for_equal_nodes) {
     d = distance_of(&many, &longer);
     cr_assert_float_eq(d.rms, 0.1 * sqrt(33. * 65 / 6 / 32 / 32), 1e-14, "%g", d.rms);
     cr_assert_float_eq(d.largest, 0.1, 1e-14, "%g", d.largest);
-    many.row_count -= WISPS * 12;
     const struct scene scene = {.name = "two", .wisp_count = WISPS};
     char reason[REASON_SIZE];
-    cr_assert_eq(measure_curves(&scene, &many, &few, &d, reason), -1);
-    cr_assert_eq(measure_curves(&scene, &few, &many, &d, reason), -1);
-    free(few.value);
-    free(many.value);
-    free(slid.value);
-    free(longer.value);
+    cr_assert_eq(measure_curves(&scene, &shorter, &few, &d, reason), -1);
+    cr_assert_eq(measure_curves(&scene, &few, &shorter, &d, reason), -1);
+    trajectory_free(&few);
+    trajectory_free(&many);
+    trajectory_free(&slid);
+    trajectory_free(&longer);
+    trajectory_free(&shorter);
+}
+
+/* The root's node is one more segment away from node 1 than the hair is long. Of one wisp, too: its
+ * rows of all frames have the same number of a wisp. */
+Test(curve, deviations_are_relative_to_the_length_of_their_wisp) {
+    const struct scene scene = {.name = "some", .wisp_count = WISPS};
+    for (int wisps = 1; wisps <= WISPS; wisps++) {
+        struct trajectory still = straight(FRAMES, wisps, 6, 2, 0),
+                          slid = straight(FRAMES, wisps, 6, 2, 1e-10);
+        struct deviation d;
+        char reason[REASON_SIZE];
+        cr_assert_eq(measure_deviation(&scene, &slid, &still, 1, &d, reason), 0, "%s", reason);
+        cr_assert_float_eq(d.relative, d.rms / 2.5, 1e-9 * d.rms, "%d wisps: %g of %g", wisps,
+                           d.relative, d.rms);
+        cr_assert_float_eq(d.rms, 1e-10 * sqrt((0 + 1 + 4) / 3.), 1e-20, "%g", d.rms);
+        trajectory_free(&still);
+        trajectory_free(&slid);
+    }
 }
 
 /* --- scenes of other detail --- */

@@ -71,7 +71,7 @@ static double horizon(const char *status, const double *x, int frames) {
     folder_make(other);
     write_run(one, "finished", still, frames);
     write_run(other, status, x, frames);
-    cr_assert(measure_horizon(one, other, &found, reason) == 0, "%s", reason);
+    cr_assert(measure_horizon(NULL, one, other, &found, reason) == 0, "%s", reason);
     folder_remove(one);
     folder_remove(other);
     return found;
@@ -219,6 +219,27 @@ Test(race, a_method_without_a_stable_step_is_in_the_chart_with_what_was_tried) {
     cr_expect_geq(c.entries[0].last, c.entries[0].place.missed);
     cr_expect(race_setting(&c.field, &c.entries[1], c.entries[1].place.reached) <= 1e-5);
     cr_expect_eq(c.entries[1].first, c.entries[1].place.reached - RUNGS_BEYOND);
+    scene_free(c.scene);
+}
+
+/* A scene is run for what the budget allows; where that is not even a second, the dearest treatment
+ * goes first, and one is left. */
+Test(race, what_a_budget_does_not_allow_is_left_out_by_name) {
+    static struct chart c;
+    static const struct race rich = {.seconds = 1e6}, poor = {.seconds = 1e-3};
+    open_chart(&c);
+    struct scene *scene = LAB_LOAD("swing-envelope", "duration=2.0");
+    char left_out[64];
+    int treatments[] = {WISP_PROJECTION, WISP_PENALTY, WISP_GENERALISED}, count = 3;
+    c.plan.configurations = c.contestants;
+    c.plan.configuration_count = 3;
+    c.plan.subject_count = 1;
+    cr_expect_eq(race_afford(&c.plan, &rich, scene, treatments, &count, left_out), 2);
+    cr_expect(count == 3 && !left_out[0]);
+    cr_expect_eq(race_afford(&c.plan, &poor, scene, treatments, &count, left_out), 1);
+    cr_expect(count == 1 && treatments[0] == WISP_PROJECTION);
+    cr_expect_str_eq(left_out, "penalty and generalised");
+    scene_free(scene);
     scene_free(c.scene);
 }
 

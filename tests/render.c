@@ -37,7 +37,8 @@ static void write_run(const char *folder, const struct scene *scene, const char 
 }
 
 /* A row: wisps hang from their roots, each `lean` m off in x at its tip, and r = R. */
-static void write_wisp(FILE *file, double t, int index, const struct wisp *wisp, double lean) {
+static void write_wisp(FILE *file, double t, int index, int parent, const struct wisp *wisp,
+                       double lean) {
     for (int i = 0; i < wisp->nodes; i++) {
         const double part = i < 2 ? 0 : (double)i / (wisp->nodes - 1);
         fprintf(file, "%.17g\t%d\t%d", t, index, i);
@@ -48,7 +49,7 @@ static void write_wisp(FILE *file, double t, int index, const struct wisp *wisp,
         fprintf(file, "\t1\t2\t%.17g", (double)i);
         for (int j = 0; j < wisp->samples; j++)
             fprintf(file, "\t%.17g\t0", wisp->radius);
-        fputc('\n', file);
+        fprintf(file, "\t%d\n", parent);
     }
 }
 
@@ -60,7 +61,7 @@ static FILE *begin_states(const char *folder, int samples) {
     fputs("# states at the frames\nt\twisp\tnode\tx\ty\tz\tvx\tvy\tvz", file);
     for (int j = 0; j < samples; j++)
         fprintf(file, "\tr%d\trd%d", j, j);
-    fputc('\n', file);
+    fputs("\tparent\n", file);
     return file;
 }
 
@@ -70,7 +71,7 @@ static void write_frames_of(const char *folder, const struct scene *scene, int c
     FILE *file = begin_states(folder, scene->wisps[0].samples);
     for (int frame = 0; frame < count; frame++)
         for (int i = 0; i < scene->wisp_count; i++)
-            write_wisp(file, frame / 30., i, &scene->wisps[i], frame * lean);
+            write_wisp(file, frame / 30., i, i, &scene->wisps[i], frame * lean);
     fclose(file);
 }
 
@@ -82,7 +83,7 @@ static void write_frames(char *folder, const struct scene *scene, int count, dou
 static void open_frames(struct frames *frames, const char *folder) {
     char path[PATH_SIZE], reason[REASON_SIZE];
     path_format(path, "%s/states.tsv", folder);
-    cr_assert_eq(frames_open(frames, path, NULL, 0, reason), 0, "%s", reason);
+    cr_assert_eq(frames_open(frames, path, NULL, NULL, 0, reason), 0, "%s", reason);
 }
 
 static struct camera camera_at(const struct scene *scene, double width, double height) {
@@ -134,17 +135,17 @@ Test(render, frames_of_a_run_are_its_states) {
         cr_expect_eq(frames.treatment == WISP_PENALTY, i == 1);
         struct strand *strand = strand_create(&frames.wisps[0], frames.treatment);
         frames_load(&frames, 4, 0, strand);
-        const int row = frames.states.row_count - 1;
+        const int row = frames.states->table.row_count - 1;
         for (int k = 0; k < 3; k++)
-            cr_expect_eq(strand->p[10][k], table_value(&frames.states, row, 3 + k));
+            cr_expect_eq(strand->p[10][k], table_value(&frames.states->table, row, 3 + k));
         for (int j = 0; j < 4; j++) { /* by another way: e - p, or r itself */
             double e[3];
             for (int k = 0; k < 3; k++)
-                e[k] =
-                    i == 1 ? table_value(&frames.states, row, 9 + 6 * j + k) : strand->e[40 + j][k];
+                e[k] = i == 1 ? table_value(&frames.states->table, row, 9 + 6 * j + k)
+                              : strand->e[40 + j][k];
             vector_add(e, -1, strand->p[10]);
             const double r =
-                i == 1 ? strand->r[40 + j] : table_value(&frames.states, row, 9 + 2 * j);
+                i == 1 ? strand->r[40 + j] : table_value(&frames.states->table, row, 9 + 2 * j);
             cr_expect(fabs(vector_length(e) - r) < 1e-4 && r > 0.01, "sample %d: %g", j, r);
         }
         strand_free(strand);
@@ -226,7 +227,7 @@ Test(render, states_that_are_not_right_are_refused_in_one_line) {
     struct scene *other = scene_of("envelope={samples=3;}");
     write_run(folder, other, "finished");
     scene_free(other);
-    refused(folder, "has 17 columns; states of wisps with 3 samples have 15");
+    refused(folder, "has 17 columns besides parent; states of wisps with 3 samples have 15");
     file_write(folder, "run.json", "{\"status\":\"finished\"}", NULL);
     refused(folder, "has no scene");
     file_write(folder, "run.json", "{", NULL);
@@ -351,10 +352,12 @@ static void draw(struct picture *picture, const struct frames *frames, unsigned 
 
 /* --- wisps that split --- */
 
-/* Wisp 0 splits after frame 1, its twin 1 after frame 2 and 0 again: parents are found by place,
- * and all hairs are drawn in every frame, each once. */
+/* Wisp 0 splits after frame 1, its twin 1 after frame 2 and 0 again: parents are those that the
+ * file names, though by their places 2 and 3 would be each other's twin's, and all hairs are drawn
+ * in every frame, each once. */
 Test(render, children_have_their_parents_hair) {
-    static const double lean[3][4] = {{0}, {0.02, -0.02}, {0.021, -0.02, -0.021, 0.022}};
+    static const double lean[3][4] = {{0}, {0.02, -0.02}, {0.021, -0.02, 0.022, -0.021}};
+    static const int parent[4] = {0, 0, 1, 0};
     char folder[PATH_SIZE];
     struct scene *scene =
         scene_of("wisps=({root=[0.0,0.0,0.0];direction=[0.0,-1.0,0.0];length=0.3;nodes=4;})");
@@ -364,7 +367,7 @@ Test(render, children_have_their_parents_hair) {
     FILE *file = begin_states(folder, 4);
     for (int frame = 0; frame < 3; frame++)
         for (int i = 0; i < 1 << frame; i++)
-            write_wisp(file, frame / 30., i, &scene->wisps[0], lean[frame][i]);
+            write_wisp(file, frame / 30., i, parent[i], &scene->wisps[0], lean[frame][i]);
     fclose(file);
     open_frames(&frames, folder);
     cr_assert_eq(frames.wisp_count, 4);
@@ -628,10 +631,10 @@ Test(render, exported_frames_have_all_digits) {
         char *at = strstr(text, mark);
         cr_assert(at);
         at = strchr(at, '>') + 1;
-        for (int row = frames.first_row[1]; row < frames.states.row_count; row++)
+        for (int row = frames.first_row[1]; row < frames.states->table.row_count; row++)
             for (int k = 0; k < arrays[a].components; k++)
                 cr_assert_eq(strtod(at, &at),
-                             table_value(&frames.states, row, arrays[a].first + k));
+                             table_value(&frames.states->table, row, arrays[a].first + k));
         cr_expect_eq(strncmp(at, "\n</DataArray>", 13), 0);
     }
     free(text);
@@ -669,6 +672,7 @@ static const char *const reader =
     "assert p.GetArray('strain').GetTuple1(4) == 0.0\n"
     "assert p.GetArray('strain').GetTuple1(8) > 0.01\n"
     "assert d.GetCellData().GetArray('wisp').GetTuple1(1) == 1\n"
+    "assert d.GetCellData().GetArray('parent').GetTuple1(1) == 1\n"
     "assert d.GetFieldData().GetArray('TimeValue').GetTuple1(0) == "
     "float(sets[1].get('timestep'))\n";
 

@@ -217,6 +217,7 @@ Test(resume, what_is_left_of_a_run_is_no_run) {
         {finished, NAMES ROW(0, 0) ROW(0, 1), "states.tsv: has not all frames"},
         {finished, NAMES, "states.tsv: has not all frames"},
         {finished, "t\n0\n1\n", "states.tsv: has not the columns"},
+        {finished, "t\twisp\tnode\n0\t0\t0\n1\t0\t0\n", "states.tsv: has not the columns"},
         {finished, NULL, "states.tsv: cannot be read"},
         {"{\"status\": \"finished\"}", whole, "states.tsv: has not all frames"},
         {"{\"status\": \"not finite\"}", NULL, NULL},
@@ -233,11 +234,91 @@ Test(resume, what_is_left_of_a_run_is_no_run) {
         file_write(folder, "run.json", files[i].json, NULL);
         if (files[i].states)
             file_write(folder, "states.tsv", files[i].states, NULL);
-        const int code = run_read(&run, folder, reason);
+        const int code = run_read_states(&run, folder, NULL, reason);
         cr_expect_eq(code, files[i].says ? -1 : 0, "row %d: '%s'", (int)i, reason);
         cr_expect(!files[i].says || strstr(reason, files[i].says), "row %d: '%s'", (int)i, reason);
         if (!code)
             run_free(&run);
         folder_remove(folder);
     }
+}
+
+/* --- damage --- */
+
+enum { DAMAGES = 6 };
+
+/* The files of the first so many runs, one each. */
+struct victims {
+    int count;
+    char path[DAMAGES][PATH_SIZE];
+};
+
+static void add_victim(const char *path, void *ctx) {
+    struct victims *all = ctx;
+    const char *end = strrchr(path, '/'), *const names[DAMAGES] = {"run.json",   "run.json",
+                                                                   "run.json",   "states.tsv",
+                                                                   "states.tsv", "states.tsv"};
+    if (strcmp(end, "/run.json") == 0 && all->count < DAMAGES) {
+        snprintf(all->path[all->count], PATH_SIZE, "%.*s/%s", (int)(end - path), path,
+                 names[all->count]);
+        all->count++;
+    }
+}
+
+/* An empty file, a cut one, and one of which a digit is another. */
+static void damage(const char *path, int how) {
+    char *text = file_read(path);
+    cr_assert(text, "no %s", path);
+    const size_t length = strlen(text);
+    char *digit = strrchr(text, '7');
+    if (how == 2 && digit)
+        *digit = '3';
+    FILE *file = fopen(path, "w");
+    cr_assert(file && (how != 2 || digit));
+    fwrite(text, 1, how == 0 ? 0 : how == 1 ? length / 2 : length, file);
+    fclose(file);
+    free(text);
+}
+
+static int count_of(const char *text, const char *what) {
+    int count = 0;
+    for (const char *at = text; (at = strstr(at, what)) != NULL; at++)
+        count++;
+    return count;
+}
+
+/* What is damaged is set aside and done again; everything else stays, and all tables appear as they
+ * were. */
+Test(resume, slow_damage_is_local, .init = gnuplot_stub_quiet, .fini = gnuplot_stub_remove) {
+    char folder[PATH_SIZE], table[PATH_SIZE];
+    struct victims victims = {0};
+    struct finished f;
+    int runs, new;
+    folder_make(folder);
+    path_format(table, "%s/circle/radius.tsv", folder);
+    const char *const words[] = {"experiment", "circle", "--quick", "--stepper", "rk4",
+                                 "--stepper",  "euler",  "--out",   folder,      NULL};
+    struct process process = program_start(NULL, words);
+    program_wait(&process, &f);
+    char *before = file_read(table);
+    const struct inventory all = look(folder);
+    each_file(folder, add_victim, &victims);
+    cr_assert(f.code == 0 && before && victims.count == DAMAGES, "%d: %s", f.code, f.err);
+    for (int i = 0; i < DAMAGES; i++)
+        damage(victims.path[i], i % 3);
+    for (int again = 0; again < 2; again++) {
+        process = program_start(NULL, words);
+        program_wait(&process, &f);
+        read_counts(&f, &runs, &new);
+        cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
+        cr_assert_eq(new, again ? 0 : DAMAGES, "%d runs are done again", new);
+        cr_assert_eq(count_of(f.err, "it is set aside as"), new, "%s", f.err);
+    }
+    const struct inventory after = look(folder);
+    cr_expect_geq(kept(&all, &after), all.count - DAMAGES);
+    char *now = file_read(table);
+    cr_expect(now && strcmp(now, before) == 0, "the table is another one");
+    free(now);
+    free(before);
+    folder_remove(folder);
 }

@@ -508,6 +508,8 @@ Test(subdivision, the_limit_goes_by_index) {
         for (int i = 5; i < expected; i++) { /* the - child has its parent's root */
             const double *child = rows_of(&f, i), *parent = rows_of(&f, parents[i - 5]);
             cr_assert(memcmp(child + 2, parent + 2, 3 * sizeof *child) == 0, "child %d", i);
+            cr_assert_eq(f.model->parent[i], parents[i - 5], "child %d is of %d", i,
+                         f.model->parent[i]);
         }
         flock_free(&f);
     }

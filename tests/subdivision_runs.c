@@ -1,6 +1,5 @@
 /* Runs of wisps that split: nothing depends on threads or on the file, and what reads runs knows
  * that their frames grow. */
-#include "base/table.h"
 #include "experiments/common/measure.h"
 #include "run/reference_check.h"
 #include "scene/scene_load.h"
@@ -248,21 +247,28 @@ Test(subdivision_runs, slow_every_stepper_goes_on_with_the_children) {
 
 /* --- what reads runs --- */
 
-static void table_of(const struct film *film, struct table *table) {
+/* The first `frames` of a film, with the wisps of the last in another order where `turned`: rows of
+ * 16 nodes change places. */
+static void trajectory_of(const struct film *film, int frames, int turned,
+                          struct trajectory *trajectory) {
+    const int columns = film->columns + 1;
     int rows = 0;
-    *table = (struct table){.column_count = film->columns + 1};
-    for (int f = 0; f < film->frames; f++)
+    for (int f = 0; f < frames; f++)
         rows += film->rows[f];
-    table->value = malloc((size_t)(rows * table->column_count) * sizeof *table->value);
-    cr_assert(table->value, "no memory");
-    for (int c = 0; c < table->column_count; c++)
-        table->name[c] = strdup(c == 9 ? "r0" : "");
-    for (int f = 0; f < film->frames; f++)
-        for (int i = 0; i < film->rows[f]; i++) {
-            double *row = table->value + table->row_count++ * table->column_count;
+    double *value = malloc((size_t)(rows * columns) * sizeof *value), *row = value;
+    cr_assert(value, "no memory");
+    for (int f = 0; f < frames; f++)
+        for (int i = 0; i < film->rows[f]; i++, row += columns) {
             row[0] = film->t[f];
             memcpy(row + 1, film->row[f] + i * film->columns, (size_t)film->columns * sizeof *row);
         }
+    for (int i = 0; i < 16 && turned; i++)
+        for (int c = 2; c < columns; c++) {
+            double *x = &value[(rows - 32 + i) * columns + c], *y = x + 16 * columns, z = *x;
+            *x = *y;
+            *y = z;
+        }
+    lab_trajectory(trajectory, value, rows, columns);
 }
 
 /* Runs are compared up to where their wisps are no longer the same ones. */
@@ -270,40 +276,31 @@ Test(subdivision_runs, runs_that_part_are_compared_up_to_there) {
     struct scene *scene = LAB_LOAD("subdivision", "duration=0.5"),
                  *without = LAB_LOAD("subdivision", "duration=0.5", "subdivision.limit=2");
     struct film film, plain;
-    struct table table, other;
+    struct trajectory run, other;
     struct deviation d;
     char reason[REASON_SIZE];
     cr_assert(film_make(&film, scene, &(struct run_request){.stepper = "rk4"}));
     cr_assert(film_make(&plain, without, &(struct run_request){.stepper = "rk4"}));
-    table_of(&film, &table);
-    table_of(&plain, &other);
+    trajectory_of(&film, film.frames, 0, &run);
+    trajectory_of(&plain, plain.frames, 0, &other);
     const int f = first_split(&film);
 
-    cr_assert_eq(measure_deviation(scene, &table, &table, 1, &d, reason), 0, "%s", reason);
+    cr_assert_eq(measure_deviation(scene, &run, &run, 1, &d, reason), 0, "%s", reason);
     cr_assert(isnan(d.parted) && d.rms == 0 && d.end == 0, "a run and itself");
-    cr_assert_eq(measure_deviation(scene, &table, &other, 1, &d, reason), 0, "%s", reason);
+    cr_assert_eq(measure_deviation(scene, &run, &other, 1, &d, reason), 0, "%s", reason);
     cr_assert(d.parted == film.t[f] && d.rms == 0, "they part at %g, not %g", d.parted, film.t[f]);
     cr_assert(isnan(d.end) && isnan(d.end_largest) && isnan(d.mescd), "ends are compared");
+    trajectory_free(&other);
 
-    /* equally many, but those that came later are in another order: rows of 16 nodes change places
-     */
-    other.row_count = 0;
-    table_free(&other);
-    table_of(&film, &other);
-    const int last = table.row_count - 32, columns = table.column_count;
-    for (int i = 0; i < 16; i++)
-        for (int c = 2; c < columns; c++) {
-            double *x = &other.value[(last + i) * columns + c], *y = x + 16 * columns, z = *x;
-            *x = *y;
-            *y = z;
-        }
-    cr_assert_eq(measure_deviation(scene, &table, &other, 1, &d, reason), 0, "%s", reason);
+    trajectory_of(&film, film.frames, 1, &other); /* equally many, in another order */
+    cr_assert_eq(measure_deviation(scene, &run, &other, 1, &d, reason), 0, "%s", reason);
     cr_assert_eq(d.parted, film.t[film.frames - 1], "they part at %g", d.parted);
+    trajectory_free(&other);
 
-    other.row_count -= 4 * 16; /* a frame less is no subdivision */
-    cr_assert_eq(measure_deviation(scene, &table, &other, 1, &d, reason), -1);
-    table_free(&table);
-    table_free(&other);
+    trajectory_of(&film, film.frames - 1, 0, &other); /* a frame less is no subdivision */
+    cr_assert_eq(measure_deviation(scene, &run, &other, 1, &d, reason), -1);
+    trajectory_free(&run);
+    trajectory_free(&other);
     film_free(&film);
     film_free(&plain);
     scene_free(scene);
@@ -350,6 +347,30 @@ Test(subdivision_runs, eval_refuses_a_state_after_a_subdivision) {
     cr_assert(f.code == 1 && count_lines(f.err) == 1 && strstr(f.err, "4 wisps") &&
                   strstr(f.err, "subdivision"),
               "exit code %d, '%s'", f.code, f.err);
+    folder_remove(folder);
+}
+
+/* The last column says whom a wisp split off from: one that stands on the same root. */
+Test(subdivision_runs, states_name_the_parents) {
+    char folder[PATH_SIZE], path[PATH_SIZE], reason[REASON_SIZE];
+    static struct finished f;
+    struct trajectory states;
+    folder_make(folder);
+    PROGRAM(&f, NULL, "run", "subdivision", "--duration", "0.25", "--out", folder, "--no-progress");
+    path_format(path, "%s/states.tsv", folder);
+    cr_assert_eq(trajectory_read(&states, path, reason), 0, "%s", reason);
+    const int last = states.frame_count - 1;
+    cr_assert_eq(states.wisp_count, 4);
+    cr_assert(states.parent[0] == 0 && states.parent[1] == 1);
+    for (int i = 0; i < 4; i++)
+        for (int k = 0; k < 2; k++) {
+            const double *child = trajectory_row(&states, trajectory_wisp(&states, last, i)),
+                         *other = trajectory_row(&states, trajectory_wisp(&states, last, k));
+            cr_assert_eq(states.parent[i] == k,
+                         memcmp(child + STATE_X, other + STATE_X, 3 * sizeof *child) == 0,
+                         "wisp %d is a child of %d", i, states.parent[i]);
+        }
+    trajectory_free(&states);
     folder_remove(folder);
 }
 

@@ -260,6 +260,20 @@ void lab_run_free(struct lab_run *run) {
     free(run->row);
 }
 
+void lab_trajectory(struct trajectory *trajectory, double *value, int rows, int columns) {
+    static const char *const names[] = {"t", "wisp", "node", "x", "y", "z", "vx", "vy", "vz"};
+    struct table table = {.column_count = columns, .row_count = rows, .value = value};
+    char reason[REASON_SIZE];
+    for (int c = 0; c < columns; c++) {
+        const int length = c < STATE_SAMPLES
+                               ? asprintf(&table.name[c], "%s", names[c])
+                               : asprintf(&table.name[c], (c - STATE_SAMPLES) % 2 ? "rd%d" : "r%d",
+                                          (c - STATE_SAMPLES) / 2);
+        cr_assert(length > 0, "no memory");
+    }
+    cr_assert_eq(trajectory_of_table(trajectory, &table, "numbers", reason), 0, "%s", reason);
+}
+
 struct lab_distance lab_distance(const struct lab_run *a, const struct lab_run *b, int from,
                                  int first) {
     struct lab_distance d = {0, 0};

@@ -5,6 +5,7 @@
 
 #include "experiments/bench/wisp_twin.h"
 #include "kernel/kernel.h"
+#include "model/trajectory.h"
 #include "run/simulation.h"
 
 enum { TREATMENTS = 3, LAWS = 3, WINDS = 4, LAB_LANES = 4, LAB_NODES = 40 };
@@ -100,6 +101,10 @@ struct run_request lab_request(const struct stepper_method *method, int treatmen
 /* Runs; stops the test where the request is refused. lab_run_free it. */
 void lab_run(const struct scene *scene, const struct run_request *request, struct lab_run *run);
 void lab_run_free(struct lab_run *run);
+
+/* `rows` rows of `columns` numbers as a trajectory, for trajectory_free: t, wisp, node and so on,
+ * from the tenth column on r0 rd0 ... It takes `value` over. No wisp has a parent. */
+void lab_trajectory(struct trajectory *trajectory, double *value, int rows, int columns);
 
 /* rms and largest distance of the nodes of two runs, from frame `from` on; of nodes >= `first`. */
 struct lab_distance {

@@ -150,7 +150,7 @@ static struct crossings look_at_wisps(const struct wisp_pair *wisps, segment_sid
 }
 
 int hair_crossings(const struct hair *hair, double *count, double *net) {
-    const int wisps = hair->most_wisps;
+    const int wisps = hair->states->wisp_count;
     int most_nodes = 0;
     for (int w = 0; w < wisps; w++)
         most_nodes = hair->wisps[w].nodes > most_nodes ? hair->wisps[w].nodes : most_nodes;

@@ -7,46 +7,23 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { T, WISP, NODE, POSITION }; /* columns of states.tsv */
-
-static const double *row_of(const struct hair *hair, int row) {
-    return hair->states->value + (size_t)row * (size_t)hair->states->column_count;
-}
-
 /* --- reading --- */
-
-/* Marks where frames and wisps begin. */
-static void find_frames(struct hair *hair) {
-    int wisps = 0;
-    for (int i = 0; i < hair->states->row_count; i++) {
-        const double *row = row_of(hair, i), *before = i > 0 ? row_of(hair, i - 1) : NULL;
-        const int new_frame = !before || row[T] != before[T];
-        if (new_frame)
-            hair->frames[hair->frame_count++] =
-                (struct hair_frame){.t = row[T], .row = i, .first_wisp = wisps};
-        if (new_frame || row[WISP] != before[WISP]) {
-            hair->wisp_row[wisps++] = i;
-            hair->frames[hair->frame_count - 1].wisps++;
-        }
-    }
-    hair->wisp_row[wisps] = hair->states->row_count;
-    for (int f = 0; f < hair->frame_count; f++)
-        if (hair->frames[f].wisps > hair->most_wisps)
-            hair->most_wisps = hair->frames[f].wisps;
-}
 
 /* The frame of most wisps has all of them that the run ever had. */
 static int fullest_frame(const struct hair *hair) {
     int frame = 0;
-    while (hair->frames[frame].wisps < hair->most_wisps)
+    while (hair->frames[frame].wisps < hair->states->wisp_count)
         frame++;
     return frame;
 }
 
 static int create_strands(struct hair *hair) {
     const int frame = hair->frame_count > 0 ? fullest_frame(hair) : 0;
-    for (int w = 0; w < hair->most_wisps; w++) {
-        hair->wisps[w] = hair->scene->wisps[hair_ancestor(hair, frame, w)];
+    for (int w = 0; w < hair->states->wisp_count; w++) {
+        const int ancestor = hair_ancestor(hair, w);
+        if (ancestor >= hair->scene->wisp_count)
+            return -1;
+        hair->wisps[w] = hair->scene->wisps[ancestor];
         if (hair->wisps[w].nodes != hair_nodes(hair, frame, w))
             return -1;
         hair->strands[w] = strand_create(&hair->wisps[w], hair->treatment);
@@ -57,19 +34,17 @@ static int create_strands(struct hair *hair) {
     return hair->interaction ? 0 : -1;
 }
 
-int hair_open(struct hair *hair, const struct scene *scene, const struct table *states,
+int hair_open(struct hair *hair, const struct scene *scene, const struct trajectory *states,
               enum wisp_treatment treatment, char *reason) {
-    const size_t rows = (size_t)states->row_count;
-    *hair = (struct hair){.scene = scene, .states = states, .treatment = treatment};
-    hair->frames = calloc(rows + 1, sizeof *hair->frames);
-    hair->wisp_row = calloc(rows + 1, sizeof *hair->wisp_row);
-    int code = hair->frames && hair->wisp_row ? 0 : -1;
-    if (!code) {
-        find_frames(hair);
-        hair->wisps = calloc((size_t)hair->most_wisps + 1, sizeof *hair->wisps);
-        hair->strands = calloc((size_t)hair->most_wisps + 1, sizeof *hair->strands);
-        code = hair->wisps && hair->strands ? create_strands(hair) : -1;
-    }
+    const size_t most = (size_t)states->wisp_count;
+    *hair = (struct hair){.scene = scene,
+                          .states = states,
+                          .treatment = treatment,
+                          .frame_count = states->frame_count,
+                          .frames = states->frames};
+    hair->wisps = calloc(most + 1, sizeof *hair->wisps);
+    hair->strands = calloc(most + 1, sizeof *hair->strands);
+    const int code = hair->wisps && hair->strands ? create_strands(hair) : -1;
     if (code)
         snprintf(reason, REASON_SIZE, "scene %s: no memory for its frames, or they are not of it",
                  scene->name);
@@ -77,24 +52,22 @@ int hair_open(struct hair *hair, const struct scene *scene, const struct table *
 }
 
 void hair_close(struct hair *hair) {
-    for (int w = 0; hair->strands && w < hair->most_wisps; w++)
+    for (int w = 0; hair->strands && w < hair->states->wisp_count; w++)
         strand_free(hair->strands[w]);
     if (hair->interaction)
         interaction_free(hair->interaction);
     free(hair->strands);
     free(hair->wisps);
-    free(hair->frames);
-    free(hair->wisp_row);
     *hair = (struct hair){0};
 }
 
 int hair_nodes(const struct hair *hair, int frame, int wisp) {
-    const int *row = hair->wisp_row + hair->frames[frame].first_wisp + wisp;
-    return row[1] - row[0];
+    return trajectory_nodes(hair->states, frame, wisp);
 }
 
 const double *hair_node(const struct hair *hair, int frame, int wisp, int node) {
-    return row_of(hair, hair->wisp_row[hair->frames[frame].first_wisp + wisp] + node) + POSITION;
+    return trajectory_row(hair->states, trajectory_wisp(hair->states, frame, wisp) + node) +
+           STATE_X;
 }
 
 static double square_distance(const double *a, const double *b) {
@@ -102,16 +75,11 @@ static double square_distance(const double *a, const double *b) {
     return vector_dot(d, d);
 }
 
-/* Children have their parent's root, and come after all wisps of the scene. */
-int hair_ancestor(const struct hair *hair, int frame, int wisp) {
-    const int count = hair->scene->wisp_count;
-    int best = wisp < count ? wisp : 0;
-    const double *root = hair_node(hair, frame, wisp, 0);
-    for (int w = 1; w < count && wisp >= count; w++)
-        if (square_distance(root, hair_node(hair, frame, w, 0)) <
-            square_distance(root, hair_node(hair, frame, best, 0)))
-            best = w;
-    return best;
+int hair_ancestor(const struct hair *hair, int wisp) {
+    const int *parent = hair->states->parent;
+    while (parent[wisp] != wisp)
+        wisp = parent[wisp];
+    return wisp;
 }
 
 void hair_lay_open(struct hair *hair, int frame) {
@@ -119,7 +87,8 @@ void hair_lay_open(struct hair *hair, int frame) {
     head_placement(&hair->scene->around.head, hair->frames[frame].t, &head);
     for (int w = 0; w < hair->frames[frame].wisps; w++) {
         strand_turn(hair->strands[w], &head);
-        strand_load(hair->strands[w], hair_node(hair, frame, w, 0), hair->states->column_count);
+        strand_load(hair->strands[w], hair_node(hair, frame, w, 0),
+                    hair->states->table.column_count);
     }
 }
 
@@ -266,7 +235,7 @@ double hair_tips_along(const struct hair *hair, int frame, const double directio
     double sum = 0;
     const int wisps = hair->frames[frame].wisps;
     for (int w = 0; w < wisps; w++) {
-        const double *at = tip(hair, frame, w), *was = tip(hair, 0, hair_ancestor(hair, frame, w));
+        const double *at = tip(hair, frame, w), *was = tip(hair, 0, hair_ancestor(hair, w));
         for (int k = 0; k < 3; k++)
             sum += (at[k] - was[k]) * direction[k];
     }
@@ -298,7 +267,7 @@ static void from_head(const struct scene *scene, double t, const double p[3], do
 double hair_turn(const struct hair *hair, int frame, const double axis[3]) {
     double sine = 0, cosine = 0, from[3], to[3];
     for (int w = 0; w < hair->frames[frame].wisps; w++) {
-        const double *was = tip(hair, 0, hair_ancestor(hair, frame, w));
+        const double *was = tip(hair, 0, hair_ancestor(hair, w));
         from_head(hair->scene, hair->frames[0].t, was, from);
         from_head(hair->scene, hair->frames[frame].t, tip(hair, frame, w), to);
         add_turn(axis, from, to, &sine, &cosine);
@@ -340,11 +309,10 @@ double hair_distance(const struct hair *a, const struct hair *b, int frame) {
 }
 
 int hair_same(const struct hair *a, const struct hair *b, int frame) {
-    const int columns = a->states->column_count;
-    if (!same_layout(a, b, frame) || columns != b->states->column_count)
+    const int columns = a->states->table.column_count;
+    if (!same_layout(a, b, frame) || columns != b->states->table.column_count)
         return 0;
-    const int rows =
-        a->wisp_row[a->frames[frame].first_wisp + a->frames[frame].wisps] - a->frames[frame].row;
-    return memcmp(row_of(a, a->frames[frame].row), row_of(b, b->frames[frame].row),
+    const int first = a->frames[frame].row, rows = trajectory_end(a->states, frame) - first;
+    return memcmp(trajectory_row(a->states, first), trajectory_row(b->states, b->frames[frame].row),
                   (size_t)(rows * columns) * sizeof(double)) == 0;
 }

@@ -4,32 +4,23 @@
 #define WISPLAB_HAIR_FRAMES_H
 
 #include "model/scene.h"
-#include "run/results.h"
-
-struct hair_frame {
-    double t;       /* s */
-    int row;        /* the first of its rows in states.tsv */
-    int first_wisp; /* index of its first wisp in hair.wisp_row */
-    int wisps;
-};
+#include "model/trajectory.h"
 
 struct hair {
-    const struct scene *scene;  /* lent */
-    const struct table *states; /* lent */
+    const struct scene *scene;       /* lent */
+    const struct trajectory *states; /* lent */
     enum wisp_treatment treatment;
-    int frame_count;
-    struct hair_frame *frames; /* owned */
-    int *wisp_row;             /* by frame and wisp: its first row; one more at the end; owned */
+    int frame_count; /* the states', as the frames are */
+    const struct trajectory_frame *frames;
 
     struct strand **strands; /* of the frame laid open; owned, with the wisps they are of */
     struct wisp *wisps;
-    int most_wisps; /* that a frame has */
     struct interaction *interaction;
 };
 
-/* Returns 0, or -1 with one line in `reason` where the table does not fit the scene or memory
- * cannot be had. hair_close it in any case. */
-int hair_open(struct hair *hair, const struct scene *scene, const struct table *states,
+/* Returns 0, or -1 with one line in `reason` where the states do not fit the scene or memory cannot
+ * be had. hair_close it in any case. */
+int hair_open(struct hair *hair, const struct scene *scene, const struct trajectory *states,
               enum wisp_treatment treatment, char *reason);
 void hair_close(struct hair *hair);
 
@@ -41,7 +32,7 @@ int hair_nodes(const struct hair *hair, int frame, int wisp);
 const double *hair_node(const struct hair *hair, int frame, int wisp, int node);
 
 /* The wisp of the scene that this one is, or that it came from by subdivision. */
-int hair_ancestor(const struct hair *hair, int frame, int wisp);
+int hair_ancestor(const struct hair *hair, int wisp);
 
 /* The frame nearest to a time, or -1 where the run ended more than half a frame before it. */
 int hair_frame_at(const struct hair *hair, double t);

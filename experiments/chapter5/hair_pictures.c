@@ -118,8 +118,8 @@ static void write_skeleton(FILE *stream, const struct paper *paper, const struct
 }
 
 /* Few wisps are told apart by two colours, children having their parent's. */
-static int class_of(const struct hair *hair, int frame, int wisp) {
-    return hair->scene->wisp_count <= 4 ? hair_ancestor(hair, frame, wisp) % 2 : 0;
+static int class_of(const struct hair *hair, int wisp) {
+    return hair->scene->wisp_count <= 4 ? hair_ancestor(hair, wisp) % 2 : 0;
 }
 
 /* One block of lines. It begins with a point that is nowhere, so that none is empty. */
@@ -129,7 +129,7 @@ static void write_kind(FILE *stream, const struct paper *paper, struct hair *hai
     for (int b = 0; b < hair->scene->body_count && kind == BODIES; b++)
         write_body(stream, paper, hair->scene, b, hair->frames[frame].t);
     for (int w = 0; w < hair->frames[frame].wisps; w++) {
-        const int class = class_of(hair, frame, w);
+        const int class = class_of(hair, w);
         if (kind == ENVELOPES + class && hair->wisps[w].samples > 0)
             write_envelope(stream, paper, hair->strands[w], kind);
         if (kind == SKELETONS + class)
@@ -217,6 +217,7 @@ int hair_strip(struct plan *plan, const char *folder, const struct hair_study *s
     const struct strip_request request = {.rows = rows,
                                           .row_count = study->count,
                                           .views = VIEW_HAIR,
+                                          .trajectories = plan->trajectories,
                                           .columns =
                                               study->count > 1 ? 0 : study->question->columns};
     const int count = frames_shown(study, frames);

@@ -26,10 +26,11 @@ static int open_attempt(struct plan *plan, const struct hair_study *study,
         recipe->run.settings.method == method ? recipe : find_case(plan, "steppers", method->name);
     if (!attempt->one)
         return 0;
-    if (run_read(&attempt->files, attempt->one->run.folder, plan->reason))
+    if (run_read_states(&attempt->files, attempt->one->run.folder, plan->trajectories,
+                        plan->reason))
         return -1;
     attempt->cost = run_cost(&attempt->files);
-    return hair_open(&attempt->hair, attempt->one->run.scene, &attempt->files.states,
+    return hair_open(&attempt->hair, attempt->one->run.scene, attempt->files.states,
                      (enum wisp_treatment)attempt->one->run.settings.treatment, plan->reason);
 }
 

@@ -163,11 +163,11 @@ static int read_run(struct plan *plan, struct hair_study *study, int i) {
         return -1;
     run->cost = run_cost(&timed);
     run_free(&timed);
-    if (run_read(&run->files, run->watched->run.folder, plan->reason))
+    if (run_read_states(&run->files, run->watched->run.folder, plan->trajectories, plan->reason))
         return -1;
     study->count = i + 1;
     run->finished = run->cost.outcome == FINISHED && run->files.outcome == FINISHED;
-    if (hair_open(&run->hair, run->watched->run.scene, &run->files.states,
+    if (hair_open(&run->hair, run->watched->run.scene, run->files.states,
                   (enum wisp_treatment)run->watched->run.settings.treatment, plan->reason))
         return -1;
     if (measure_run(study, run) == 0)

@@ -1,7 +1,6 @@
 #include "measure.h"
 
 #include "base/files.h"
-#include "base/table.h"
 #include "curve.h"
 #include "run/record.h"
 
@@ -95,54 +94,52 @@ double mixed_error(const double *a, const double *b, int n, double floor) {
     return worst;
 }
 
-enum { WISP = 1, NODE, POSITION, VELOCITY = 6, SAMPLES = 9 }; /* columns of states.tsv */
-
 static double distance(const double *a, const double *b) {
     return hypot(hypot(a[0] - b[0], a[1] - b[1]), a[2] - b[2]);
 }
 
+/* Whether samples are distances from their node, and no particles. */
+static int has_distances(const struct trajectory *run) {
+    return strcmp(run->table.name[STATE_SAMPLES], "r0") == 0;
+}
+
 /* Distance of sample j from its node: r itself, or in `penalty` that of the particle, which is r
  * but for the square of how far the particle is off its line. */
-static double sample_radius(const struct table *states, const double *row, int j) {
-    if (strcmp(states->name[SAMPLES], "r0") == 0)
-        return row[SAMPLES + 2 * j];
-    return distance(row + SAMPLES + 6 * j, row + POSITION);
+static double sample_radius(const struct trajectory *run, const double *row, int j) {
+    if (has_distances(run))
+        return row[STATE_SAMPLES + 2 * j];
+    return distance(row + STATE_SAMPLES + 6 * j, row + STATE_X);
 }
 
-static int sample_count(const struct table *states) {
-    if (states->column_count <= SAMPLES)
+static int sample_count(const struct trajectory *run) {
+    const int columns = run->table.column_count - STATE_SAMPLES;
+    return columns > 0 ? columns / (has_distances(run) ? 2 : 6) : 0;
+}
+
+static int same_samples(const struct trajectory *a, const struct trajectory *b) {
+    const int columns = a->table.column_count;
+    return columns == b->table.column_count && columns > STATE_SAMPLES &&
+           has_distances(a) == has_distances(b);
+}
+
+/* Whether two frames are at the same time. */
+static int same_time(const struct trajectory *run, const struct trajectory *reference, int frame) {
+    const double t = reference->frames[frame].t;
+    return fabs(run->frames[frame].t - t) <= 1e-12 * fmax(1, t);
+}
+
+/* Whether a frame has the same nodes in two runs. That the numbers of wisps agree does not say so:
+ * they come in the order of their subdivisions. But roots tell them apart, and the nodes of the
+ * head are the same in all runs, to rounding. */
+static int same_wisps(const struct trajectory *run, const struct trajectory *reference, int frame) {
+    const int a = run->frames[frame].row, b = reference->frames[frame].row;
+    const int count = trajectory_end(reference, frame) - b;
+    if (trajectory_end(run, frame) - a != count)
         return 0;
-    const int each = strcmp(states->name[SAMPLES], "r0") == 0 ? 2 : 6;
-    return (states->column_count - SAMPLES) / each;
-}
-
-static int same_samples(const struct table *a, const struct table *b) {
-    return a->column_count == b->column_count && a->column_count > SAMPLES &&
-           strcmp(a->name[SAMPLES], b->name[SAMPLES]) == 0;
-}
-
-static const double *row_of(const struct table *states, int i) {
-    return states->value + (size_t)i * (size_t)states->column_count;
-}
-
-/* The row behind the frame that begins at row `first`, or behind the wisp that does. */
-static int behind(const struct table *states, int first, int column) {
-    int i = first + 1;
-    while (i < states->row_count &&
-           table_value(states, i, column) == table_value(states, first, column))
-        i++;
-    return i;
-}
-
-/* Whether `count` rows from a and b on are the same nodes. That the numbers of wisps agree does not
- * say so: they come in the order of their subdivisions. But roots tell them apart, and the nodes of
- * the head are the same in all runs, to rounding. */
-static int same_wisps(const struct table *run, int a, const struct table *reference, int b,
-                      int count) {
     for (int i = 0; i < count; i++) {
-        const double *x = row_of(run, a + i), *y = row_of(reference, b + i);
-        if (x[WISP] != y[WISP] || x[NODE] != y[NODE] ||
-            (x[NODE] < 2 && distance(x + POSITION, y + POSITION) > 1e-9))
+        const double *x = trajectory_row(run, a + i), *y = trajectory_row(reference, b + i);
+        if (x[STATE_WISP] != y[STATE_WISP] || x[STATE_NODE] != y[STATE_NODE] ||
+            (x[STATE_NODE] < 2 && distance(x + STATE_X, y + STATE_X) > 1e-9))
             return 0;
     }
     return 1;
@@ -156,15 +153,15 @@ struct sums {
 
 static void add_row(struct sums *sums, struct deviation *d, const double *a, const double *b,
                     double length, int at_end) {
-    const int is_free = b[NODE] >= 2;
-    const double error = distance(a + POSITION, b + POSITION), square = error * error;
+    const int is_free = b[STATE_NODE] >= 2;
+    const double error = distance(a + STATE_X, b + STATE_X), square = error * error;
     sums->all += square;
     sums->rows++;
     sums->end_all += at_end * square;
     sums->end_rows += at_end;
     if (!is_free)
         return;
-    const double slip = distance(a + VELOCITY, b + VELOCITY);
+    const double slip = distance(a + STATE_VX, b + STATE_VX);
     sums->free += square;
     sums->relative += square / (length * length);
     sums->velocity += slip * slip;
@@ -175,9 +172,9 @@ static void add_row(struct sums *sums, struct deviation *d, const double *a, con
     d->end_largest = fmax(d->end_largest, at_end * error);
 }
 
-static void add_samples(struct sums *sums, const struct table *run, const double *a,
-                        const struct table *reference, const double *b) {
-    for (int j = 0; j < sample_count(run) && b[NODE] >= 2; j++) {
+static void add_samples(struct sums *sums, const struct trajectory *run, const double *a,
+                        const struct trajectory *reference, const double *b) {
+    for (int j = 0; j < sample_count(run) && b[STATE_NODE] >= 2; j++) {
         const double error = sample_radius(run, a, j) - sample_radius(reference, b, j);
         sums->radius += error * error;
         sums->samples++;
@@ -197,51 +194,53 @@ static void finish(const struct sums *sums, struct deviation *d) {
         d->end = d->end_all = d->end_largest = d->mescd = NAN;
 }
 
-/* One frame, `count` rows of each; a wisp's first two nodes tell its length. */
-static void add_frame(struct sums *sums, struct deviation *d, const struct table *run, int first,
-                      const struct table *reference, int reference_first, int count, int at_end,
-                      double floor) {
-    const int samples = same_samples(run, reference);
-    double length = 0;
-    for (int i = 0; i < count; i++) {
-        const double *a = row_of(run, first + i), *b = row_of(reference, reference_first + i);
-        if (b[NODE] == 0) {
-            const int nodes = behind(reference, reference_first + i, WISP) - reference_first - i;
-            length = distance(b + POSITION, row_of(reference, reference_first + i + 1) + POSITION) *
-                     (nodes - 1);
-        }
-        add_row(sums, d, a, b, length, at_end);
-        if (samples)
-            add_samples(sums, run, a, reference, b);
-        if (at_end && b[NODE] >= 2)
-            sums->worst_component =
-                fmax(sums->worst_component,
-                     mixed_error(a + POSITION, b + POSITION,
-                                 (samples ? run->column_count : SAMPLES) - POSITION, floor));
+/* One node; `samples`: both have the same ones. */
+static void add_node(struct sums *sums, struct deviation *d, const struct trajectory *run,
+                     const double *a, const struct trajectory *reference, const double *b,
+                     double length, int samples, int at_end, double floor) {
+    add_row(sums, d, a, b, length, at_end);
+    if (samples)
+        add_samples(sums, run, a, reference, b);
+    if (at_end && b[STATE_NODE] >= 2) {
+        const int columns = samples ? run->table.column_count : STATE_SAMPLES;
+        sums->worst_component = fmax(
+            sums->worst_component, mixed_error(a + STATE_X, b + STATE_X, columns - STATE_X, floor));
     }
 }
 
-int measure_deviation(const struct scene *scene, const struct table *run,
-                      const struct table *reference, double floor, struct deviation *deviation,
+/* A frame that has the same wisps in both; a wisp's first two nodes tell its length. */
+static void add_frame(struct sums *sums, struct deviation *d, const struct trajectory *run,
+                      const struct trajectory *reference, int frame, double floor) {
+    const int samples = same_samples(run, reference), at_end = frame + 1 == run->frame_count;
+    for (int wisp = 0; wisp < reference->frames[frame].wisps; wisp++) {
+        const int nodes = trajectory_nodes(reference, frame, wisp);
+        const int a = trajectory_wisp(run, frame, wisp);
+        const int b = trajectory_wisp(reference, frame, wisp);
+        const double length = distance(trajectory_row(reference, b) + STATE_X,
+                                       trajectory_row(reference, b + 1) + STATE_X) *
+                              (nodes - 1);
+        for (int i = 0; i < nodes; i++)
+            add_node(sums, d, run, trajectory_row(run, a + i), reference,
+                     trajectory_row(reference, b + i), length, samples, at_end, floor);
+    }
+}
+
+int measure_deviation(const struct scene *scene, const struct trajectory *run,
+                      const struct trajectory *reference, double floor, struct deviation *deviation,
                       char *reason) {
     struct sums sums = {0};
-    int a = 0, b = 0; /* first rows of the frames at hand */
+    int frame = 0;
     *deviation = (struct deviation){.parted = NAN};
-    while (b < reference->row_count && a < run->row_count && isnan(deviation->parted)) {
-        const int a_end = behind(run, a, 0), b_end = behind(reference, b, 0);
-        const double t = table_value(reference, b, 0);
-        if (fabs(table_value(run, a, 0) - t) > 1e-12 * fmax(1, t))
+    for (; frame < run->frame_count && frame < reference->frame_count; frame++) {
+        if (!same_time(run, reference, frame))
             break;
-        if (a_end - a == b_end - b && same_wisps(run, a, reference, b, b_end - b)) {
-            add_frame(&sums, deviation, run, a, reference, b, b_end - b, a_end == run->row_count,
-                      floor);
-            a = a_end;
-            b = b_end;
-        } else {
-            deviation->parted = t;
+        if (!same_wisps(run, reference, frame)) {
+            deviation->parted = reference->frames[frame].t;
+            break;
         }
+        add_frame(&sums, deviation, run, reference, frame, floor);
     }
-    if (isnan(deviation->parted) && a < run->row_count) {
+    if (isnan(deviation->parted) && frame < run->frame_count) {
         snprintf(reason, REASON_SIZE, "scene %s: two runs have not the same frames", scene->name);
         return -1;
     }
@@ -253,21 +252,19 @@ int measure_deviation(const struct scene *scene, const struct table *run,
 
 enum { CURVE_POINTS = 32 };
 
-/* The row behind the wisp that begins at row `first`, of a frame that ends at `end`. */
-static int wisp_end(const struct table *states, int first, int end) {
-    int i = first + 1;
-    while (i < end && table_value(states, i, WISP) == table_value(states, first, WISP))
-        i++;
-    return i;
+static void points_of(const struct trajectory *run, int frame, int wisp,
+                      double points[CURVE_POINTS][3]) {
+    const int first = trajectory_wisp(run, frame, wisp);
+    curve_points(trajectory_row(run, first + 1) + STATE_X, run->table.column_count,
+                 trajectory_nodes(run, frame, wisp) - 1, CURVE_POINTS, points);
 }
 
-/* One wisp of one frame, its rows from a to a_end: the mean square of the distances. */
-static double compare_curves(const struct table *run, int a, int a_end,
-                             const struct table *reference, int b, int b_end, double *largest) {
+/* One wisp of one frame: the mean square of the distances. */
+static double compare_curves(const struct trajectory *run, const struct trajectory *reference,
+                             int frame, int wisp, double *largest) {
     double x[CURVE_POINTS][3], y[CURVE_POINTS][3], square = 0;
-    curve_points(row_of(run, a + 1) + POSITION, run->column_count, a_end - a - 1, CURVE_POINTS, x);
-    curve_points(row_of(reference, b + 1) + POSITION, reference->column_count, b_end - b - 1,
-                 CURVE_POINTS, y);
+    points_of(run, frame, wisp, x);
+    points_of(reference, frame, wisp, y);
     for (int i = 0; i < CURVE_POINTS; i++) {
         const double apart = distance(x[i], y[i]);
         square += apart * apart / CURVE_POINTS;
@@ -276,29 +273,24 @@ static double compare_curves(const struct table *run, int a, int a_end,
     return square;
 }
 
-int measure_curves(const struct scene *scene, const struct table *run,
-                   const struct table *reference, struct curve_deviation *deviation, char *reason) {
+int measure_curves(const struct scene *scene, const struct trajectory *run,
+                   const struct trajectory *reference, struct curve_deviation *deviation,
+                   char *reason) {
     double sum = 0, last_frame = 0;
-    int a = 0, b = 0, frames = 0;
+    const int frames = run->frame_count;
+    int frame = 0;
     *deviation = (struct curve_deviation){.largest = 0};
-    while (a < run->row_count && b < reference->row_count) {
-        const int a_end = behind(run, a, 0), b_end = behind(reference, b, 0);
-        const double t = table_value(reference, b, 0);
-        if (fabs(table_value(run, a, 0) - t) > 1e-12 * fmax(1, t))
+    for (; frame < frames && frame < reference->frame_count; frame++) {
+        if (!same_time(run, reference, frame))
             break;
         last_frame = 0;
-        for (int w = 0; w < scene->wisp_count && a < a_end && b < b_end; w++) {
-            const int a_wisp = a, b_wisp = b;
-            a = wisp_end(run, a, a_end);
-            b = wisp_end(reference, b, b_end);
-            last_frame += compare_curves(run, a_wisp, a, reference, b_wisp, b, &deviation->largest);
-        }
+        for (int w = 0; w < scene->wisp_count && w < run->frames[frame].wisps &&
+                        w < reference->frames[frame].wisps;
+             w++)
+            last_frame += compare_curves(run, reference, frame, w, &deviation->largest);
         sum += last_frame;
-        frames++;
-        a = a_end;
-        b = b_end;
     }
-    if (frames == 0 || a < run->row_count || b < reference->row_count) {
+    if (frame == 0 || frame < frames || frame < reference->frame_count) {
         snprintf(reason, REASON_SIZE, "scene %s: two runs have not the same frames", scene->name);
         return -1;
     }
@@ -324,28 +316,32 @@ double reference_cost(const struct scene *scene) {
 }
 
 /* Calls `use` with the largest distance of a node at each frame that both runs have. */
-static int each_separation(const char *folder, const char *other_folder,
-                           void (*use)(void *ctx, double t, double apart), void *ctx,
-                           int *both_finished, char *reason) {
-    struct run_files one, other;
-    if (run_read(&one, folder, reason))
-        return -1;
-    if (run_read(&other, other_folder, reason)) {
-        run_free(&one);
-        return -1;
-    }
-    const struct table *a = &one.states, *b = &other.states;
+static void look_at_frames(const struct trajectory *a, const struct trajectory *b,
+                           void (*use)(void *ctx, double t, double apart), void *ctx) {
     double apart = 0;
-    for (int i = 0; i < a->row_count && i < b->row_count; i++) {
-        const double *x = a->value + (size_t)i * (size_t)a->column_count;
-        const double *y = b->value + (size_t)i * (size_t)b->column_count;
-        const int last = i + 1 == a->row_count || table_value(a, i + 1, 0) != x[0];
-        apart = fmax(apart, distance(x + POSITION, y + POSITION));
+    for (int i = 0; i < a->table.row_count && i < b->table.row_count; i++) {
+        const double *x = trajectory_row(a, i), *y = trajectory_row(b, i);
+        const int last =
+            i + 1 == a->table.row_count || trajectory_row(a, i + 1)[STATE_T] != x[STATE_T];
+        apart = fmax(apart, distance(x + STATE_X, y + STATE_X));
         if (last) {
-            use(ctx, x[0], apart);
+            use(ctx, x[STATE_T], apart);
             apart = 0;
         }
     }
+}
+
+static int each_separation(struct trajectories *owner, const char *folder, const char *other_folder,
+                           void (*use)(void *ctx, double t, double apart), void *ctx,
+                           int *both_finished, char *reason) {
+    struct run_files one, other;
+    if (run_read_states(&one, folder, owner, reason))
+        return -1;
+    if (run_read_states(&other, other_folder, owner, reason)) {
+        run_free(&one);
+        return -1;
+    }
+    look_at_frames(one.states, other.states, use, ctx);
     *both_finished = one.outcome == FINISHED && other.outcome == FINISHED;
     run_free(&one);
     run_free(&other);
@@ -367,10 +363,11 @@ static void look_out(void *ctx, double t, double apart) {
         horizon->t = t;
 }
 
-int measure_horizon(const char *folder, const char *other_folder, double *horizon, char *reason) {
+int measure_horizon(struct trajectories *owner, const char *folder, const char *other_folder,
+                    double *horizon, char *reason) {
     struct horizon found = {0, 0, 0};
     int finished;
-    if (each_separation(folder, other_folder, look_out, &found, &finished, reason))
+    if (each_separation(owner, folder, other_folder, look_out, &found, &finished, reason))
         return -1;
     *horizon = finished ? found.t : NAN;
     return 0;
@@ -386,11 +383,11 @@ static void write_separation(void *ctx, double t, double apart) {
     fprintf(rows->stream, "%s\t%.17g\t%.17g\n", rows->name, t, apart);
 }
 
-int measure_separation(const char *folder, const char *other_folder, const char *name, FILE *stream,
-                       char *reason) {
+int measure_separation(struct trajectories *owner, const char *folder, const char *other_folder,
+                       const char *name, FILE *stream, char *reason) {
     struct separation_rows rows = {stream, name};
     int finished;
-    return each_separation(folder, other_folder, write_separation, &rows, &finished, reason);
+    return each_separation(owner, folder, other_folder, write_separation, &rows, &finished, reason);
 }
 
 /* --- slopes --- */

@@ -63,12 +63,12 @@ struct deviation {
  * the scd of the Test Set for IVP Solvers with a floor of 0, and its mescd with atol/rtol. */
 double mixed_error(const double *a, const double *b, int n, double floor);
 
-/* Compares run and reference, tables of states of `scene`; samples, where both have the same ones.
+/* Compares run and reference, runs of `scene`; samples, where both have the same ones.
  * The reference may go on for longer. `floor` is atol/rtol of the mescd. Where they part, frames
  * before that are compared, and what belongs to the last frame is NaN. Returns 0, or -1 with a
  * reason where their frames differ. */
-int measure_deviation(const struct scene *scene, const struct table *run,
-                      const struct table *reference, double floor, struct deviation *deviation,
+int measure_deviation(const struct scene *scene, const struct trajectory *run,
+                      const struct trajectory *reference, double floor, struct deviation *deviation,
                       char *reason);
 
 /* Distance of a run's wisps from another's as curves, at equal shares of their arc length: their
@@ -79,10 +79,11 @@ struct curve_deviation {
     double end;          /* rms at the last frame, m */
 };
 
-/* Compares run and reference, tables of states of `scene` or of one with as many wisps. Returns 0,
- * or -1 with a reason where their frames differ. */
-int measure_curves(const struct scene *scene, const struct table *run,
-                   const struct table *reference, struct curve_deviation *deviation, char *reason);
+/* Compares run and reference, runs of `scene` or of one with as many wisps. Returns 0, or -1 with a
+ * reason where their frames differ. */
+int measure_curves(const struct scene *scene, const struct trajectory *run,
+                   const struct trajectory *reference, struct curve_deviation *deviation,
+                   char *reason);
 
 /* --- how long trajectories can be compared --- */
 
@@ -98,14 +99,15 @@ double reference_cost(const struct scene *scene);
 #define HORIZON_DISTANCE     1e-3
 
 /* The last frame, s, at which no node of two runs is farther from the other one's than
- * HORIZON_DISTANCE, but at least the second one. NaN where a run did not finish. Returns 0, or -1
- * with a reason. */
-int measure_horizon(const char *folder, const char *other_folder, double *horizon, char *reason);
+ * HORIZON_DISTANCE, but at least the second one. NaN where a run did not finish. `owner`: of their
+ * states, or NULL. Returns 0, or -1 with a reason. */
+int measure_horizon(struct trajectories *owner, const char *folder, const char *other_folder,
+                    double *horizon, char *reason);
 
 /* Writes rows "name, t, largest distance of a node, m", one for each frame of both runs. Returns 0,
  * or -1 with a reason. */
-int measure_separation(const char *folder, const char *other_folder, const char *name, FILE *stream,
-                       char *reason);
+int measure_separation(struct trajectories *owner, const char *folder, const char *other_folder,
+                       const char *name, FILE *stream, char *reason);
 
 /* The slope of log error over log cost, of points added from coarse to fine. */
 enum { SLOPE_POINTS = 48, SLOPE_FINEST = 3 };

@@ -5,6 +5,7 @@
 
 #include "base/files.h"
 #include "integrators/configurations.h"
+#include "model/trajectory.h"
 #include "run/runs.h"
 #include "statements.h"
 
@@ -30,7 +31,8 @@ struct plan {
     int quick;          /* a stated subset */
     int fresh;          /* what is there already does not count */
     double run_seconds; /* CPU time for a run where the user sets none; 0: the program's default */
-    struct run_limits limits;                    /* of what tabulate starts: carry_out's */
+    struct run_limits limits;          /* of what tabulate starts: carry_out's */
+    struct trajectories *trajectories; /* that the command has read; NULL: each reads its own */
     const char *const *scenes, *const *steppers; /* chosen by the user; none: the experiment's */
     int scene_count, stepper_count;
 

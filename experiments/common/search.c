@@ -37,12 +37,12 @@ int judge_runs(struct plan *plan, int first, int count, const struct scene *scen
     for (int i = first; i < first + count && verdict->outcome == FINISHED; i++) {
         struct run_files run;
         struct deviation deviation;
-        int code = run_read(&run, plan->cases[i].run.folder, plan->reason);
+        int code =
+            run_read_states(&run, plan->cases[i].run.folder, plan->trajectories, plan->reason);
         if (code)
             return -1;
         if (run.outcome == FINISHED) {
-            code =
-                measure_deviation(scene, &run.states, &tight->states, 1, &deviation, plan->reason);
+            code = measure_deviation(scene, run.states, tight->states, 1, &deviation, plan->reason);
             verdict->error = fmax(verdict->error, deviation.rms);
         } else {
             *verdict = (struct verdict){NAN, run.outcome, run_number(&run, "failure_time")};

@@ -218,12 +218,12 @@ static int compare_to(struct plan *plan, const struct study *study, int at,
                       struct cost *cost, char *note) {
     struct run_files run;
     *change = (struct curve_deviation){NAN, NAN, NAN};
-    if (run_read(&run, plan->cases[at].run.folder, plan->reason))
+    if (run_read_states(&run, plan->cases[at].run.folder, plan->trajectories, plan->reason))
         return -1;
     *cost = run_cost(&run);
     int code = 0;
     if (run.outcome == FINISHED)
-        code = measure_curves(study->subject->scene, &run.states, &reference->states, change,
+        code = measure_curves(study->subject->scene, run.states, reference->states, change,
                               plan->reason);
     else
         snprintf(note, REASON_SIZE, "%s at t = %.3g s", outcome_name(run.outcome),
@@ -257,7 +257,7 @@ static int judge_singles(struct plan *plan, struct study *study, const struct ru
     for (int check = HALF_STEP; check <= SCATTERED; check++)
         if (judge_check(plan, study, full, (enum check)check))
             return -1;
-    if (measure_horizon(plan->cases[study->full.at].run.folder,
+    if (measure_horizon(plan->trajectories, plan->cases[study->full.at].run.folder,
                         plan->cases[study->check_case[PERTURBED]].run.folder, &study->horizon,
                         plan->reason) ||
         judge(plan, study, full, &study->own))
@@ -333,7 +333,7 @@ static int settle_full(struct plan *plan, struct study *study) {
     struct variant *full = &study->full;
     const char *nodes = study->menu.option[NODES][full->choice.of[NODES]].name;
     struct run_files run;
-    if (run_read(&run, plan->cases[full->at].run.folder, plan->reason))
+    if (run_read_states(&run, plan->cases[full->at].run.folder, plan->trajectories, plan->reason))
         return -1;
     const int code = judge(plan, study, &run, full);
     run_free(&run);
@@ -380,7 +380,8 @@ static int go_on(struct plan *plan, struct study *study) {
 
 static int check_smallest(struct plan *plan, struct study *study) {
     struct run_files smallest;
-    if (run_read(&smallest, plan->cases[study->smallest.at].run.folder, plan->reason))
+    if (run_read_states(&smallest, plan->cases[study->smallest.at].run.folder, plan->trajectories,
+                        plan->reason))
         return -1;
     const int code = judge_check(plan, study, &smallest, SMALLEST_HALF_STEP);
     run_free(&smallest);
@@ -396,7 +397,8 @@ static int refine_study(struct plan *plan, struct study *study) {
         return settle_full(plan, study);
     if (study->phase == CHECKING)
         return check_smallest(plan, study);
-    if (run_read(&full, plan->cases[study->full.at].run.folder, plan->reason))
+    if (run_read_states(&full, plan->cases[study->full.at].run.folder, plan->trajectories,
+                        plan->reason))
         return -1;
     const int code = study->phase == SINGLES ? judge_singles(plan, study, &full)
                                              : judge(plan, study, &full, &study->smallest);

@@ -1,13 +1,12 @@
 /* A cell of the search for the longest stable step: places and steps, the runs of a method in it,
- * and when an error is wrong. */
-#include "base/table.h"
+ * and the errors that they may have. */
 #include "model/problems.h"
 #include "stability_limits.h"
 
 #include <math.h>
 
-static const double beyond_order = 10;  /* an error is wrong beyond this times what order says */
-static const double never_wrong = 1e-4; /* m: an error below it is not */
+static const double beyond_order = 10; /* order is lost beyond this times the error it foretells */
+static const double never_lost = 1e-4; /* m: with an error below it it is not */
 
 double limits_step(const struct cell *cell, int place) {
     return place < 0 ? NAN : place_step(1 / stop_rate(cell->scene), LIMITS_STRIDE, place);
@@ -17,22 +16,26 @@ int limits_place(const struct cell *cell, double step) {
     return step_place(1 / stop_rate(cell->scene), LIMITS_STRIDE, step);
 }
 
-double limits_tolerated(const struct trial *trial, double step) {
-    const int order = trial->contestant->method->order;
-    const double by_order = trial->anchor_error * pow(step / trial->anchor_step, order);
-    return fmax(never_wrong, beyond_order * by_order);
+static double longest_wisp(const struct scene *scene) {
+    double length = 0;
+    for (int i = 0; i < scene->wisp_count; i++)
+        length = fmax(length, scene->wisps[i].length);
+    return length;
 }
 
-double limits_first_wrong(const struct table *run, const struct table *tight, double bound) {
-    enum { X = 3 };
-    for (int i = 0; i < run->row_count && i < tight->row_count; i++) {
-        double square = 0;
-        for (int k = X; k < X + 3; k++)
-            square += pow(table_value(run, i, k) - table_value(tight, i, k), 2);
-        if (!(sqrt(square) <= bound))
-            return table_value(run, i, 0);
+double limits_allowed(const struct cell *cell, const struct trial *trial, enum aim_kind aim,
+                      double step) {
+    const double share_of_length = 0.05, millimetre = 1e-3;
+    const int order = trial->contestant->method->order;
+    switch (aim) {
+    case NEAR:
+        return share_of_length * longest_wisp(cell->scene);
+    case MILLIMETRE:
+        return millimetre;
+    default:
+        return fmax(never_lost,
+                    beyond_order * trial->anchor_error * pow(step / trial->anchor_step, order));
     }
-    return NAN;
 }
 
 const char *limits_treatment(const struct cell *cell) {
@@ -44,5 +47,6 @@ struct run_request limits_request(const struct cell *cell, const struct configur
     struct run_request request =
         contestant_request(contestant, step, cell->scene->run.atol / cell->scene->run.rtol);
     request.treatment = limits_treatment(cell);
+    request.diagnostics = 1; /* a run whose energy nobody accounts for has diverged */
     return request;
 }

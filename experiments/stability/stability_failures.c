@@ -55,24 +55,23 @@ static const struct trial *trial_of(const struct cell *cell, const char *stepper
 static int write_failure(struct plan *plan, FILE *stream, const struct cell *cell,
                          const struct labelled_case *one, const struct run_files *tight) {
     const double step = one->run.settings.step;
-    const double bound = limits_tolerated(trial_of(cell, one->label), step);
     struct run_files run;
     struct deviation deviation;
-    if (run_read(&run, one->run.folder, plan->reason))
+    if (run_read_states(&run, one->run.folder, plan->trajectories, plan->reason))
         return -1;
     const int code =
-        measure_deviation(cell->scene, &run.states, &tight->states, 1, &deviation, plan->reason);
-    const int wrong = run.outcome == FINISHED && deviation.rms > bound;
+        measure_deviation(cell->scene, run.states, tight->states, 1, &deviation, plan->reason);
+    const int stable = run.outcome == FINISHED;
+    const double in_order = limits_allowed(cell, trial_of(cell, one->label), IN_ORDER, step);
     if (!code)
-        fprintf(stream, "%s\t%s\t%s\t%.9g\t%.9g\t%s\t%.9g\t%s\t%.9g\t%.9g\n", cell->subject,
+        fprintf(stream, "%s\t%s\t%s\t%.9g\t%.9g\t%s\t%.9g\t%s\t%.9g\t%.9g\t%s\n", cell->subject,
                 limits_treatment(cell), one->label, step, 1 / step,
-                wrong                     ? "wrong"
-                : run.outcome == FINISHED ? "stable"
-                                          : outcome_name(run.outcome),
-                wrong                     ? limits_first_wrong(&run.states, &tight->states, bound)
-                : run.outcome == FINISHED ? NAN
-                                          : run_number(&run, "failure_time"),
-                run.outcome == NOT_FINITE ? "no" : "yes", deviation.rms, deviation.largest);
+                stable ? "stable" : outcome_name(run.outcome),
+                stable ? NAN : run_number(&run, "failure_time"),
+                run.outcome == NOT_FINITE ? "no" : "yes", deviation.rms, deviation.largest,
+                !stable                     ? "-"
+                : deviation.rms <= in_order ? "kept"
+                                            : "lost");
     run_free(&run);
     return code;
 }
@@ -82,7 +81,8 @@ static int write_cell_failures(struct plan *plan, FILE *stream, const struct cel
     char group[128];
     int code = 0;
     snprintf(group, sizeof group, "failures, %s", cell->name);
-    if (run_read(&tight, plan->cases[cell->tight].run.folder, plan->reason))
+    if (run_read_states(&tight, plan->cases[cell->tight].run.folder, plan->trajectories,
+                        plan->reason))
         return -1;
     for (int i = 0; i < plan->case_count && tight.outcome == FINISHED && !code; i++)
         if (strcmp(plan->cases[i].group, group) == 0)
@@ -98,11 +98,13 @@ int limits_write_failures(struct plan *plan, const char *folder) {
             &file, folder, "failures",
             "how methods fail at steps that are too long: kind, when it first shows, "
             "whether the state stays finite, and the error of the frames before, m (rms, "
-            "largest); wrong: finished, with more than ten times the error that its order "
-            "lets it have, and more than 0.1 mm; nan: of time, it does not fail; of errors, there "
-            "is no frame to compare",
+            "largest); order: lost with more than ten times the error that it foretells from "
+            "shorter "
+            "steps, and more than 0.1 mm; nan: of time, it does not fail; of errors, there is no "
+            "frame to compare",
             plan->subjects[0].scene,
-            "scene\ttreatment\tstepper\tstep\trate\tkind\ttime\tfinite\terror\tlargest_error",
+            "scene\ttreatment\tstepper\tstep\trate\tkind\ttime\tfinite\terror\tlargest_error"
+            "\torder",
             plan->reason))
         return -1;
     for (int i = 0; i < limits->cell_count; i++)

@@ -189,7 +189,8 @@ int limits_refine(struct plan *plan) {
         struct run_files tight;
         if (is_done(&limits->cells[i]))
             continue;
-        if (run_read(&tight, plan->cases[limits->cells[i].tight].run.folder, plan->reason))
+        if (run_read_states(&tight, plan->cases[limits->cells[i].tight].run.folder,
+                            plan->trajectories, plan->reason))
             return -1;
         const int code = refine_cell(plan, &limits->cells[i], &tight);
         run_free(&tight);

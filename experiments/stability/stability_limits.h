@@ -16,19 +16,32 @@ struct axis {
 };
 extern const struct axis limits_axes[AXES];
 
-enum phase { ANCHORING, SEARCHING, TIMING, DONE };
+/* What a stable step may be besides, from the least to the most: within a twentieth of the wisp's
+ * length, within a millimetre (rms over free nodes and frames); and apart from these, of the
+ * method's order: its error is at most ten times what the order makes of that at the anchor. */
+enum aim_kind { NEAR, MILLIMETRE, IN_ORDER, AIMS };
+struct aim {
+    struct bracket place; /* reached: of the longest step, or -1 */
+    double error;         /* of that, m */
+    int timed;            /* its case in the plan, or -1 */
+    struct cost cost;
+};
+
+enum phase { ANCHORING, SEARCHING, AIMING, TIMING, DONE };
 
 /* One method in one cell. */
 struct trial {
     const struct configuration *contestant;
     double predicted; /* step, s; NaN: no prediction */
     enum phase phase;
-    struct bracket place;
-    int run; /* its last case in the plan */
+    struct bracket place; /* reached: of the longest stable step, or -1 */
+    int run;              /* its last case in the plan */
     double anchor_step, anchor_error;
-    struct verdict missed; /* of the finest place that misses */
-    double error;          /* of the coarsest that reaches, m */
-    struct cost cost;      /* of the timed run */
+    struct verdict missed; /* of the finest place that fails */
+    double error;          /* of the coarsest that does not, m */
+    struct cost cost;      /* of its timed run */
+    enum aim_kind aiming;
+    struct aim aims[AIMS];
     char note[REASON_SIZE];
 };
 
@@ -75,11 +88,9 @@ const char *limits_treatment(const struct cell *cell);
 struct run_request limits_request(const struct cell *cell, const struct configuration *contestant,
                                   double step);
 
-/* What the order of the method lets the error be at a step, m. */
-double limits_tolerated(const struct trial *trial, double step);
-
-/* The time of the first frame of which a node is more than `bound` off, s; NaN: none is. */
-double limits_first_wrong(const struct table *run, const struct table *tight, double bound);
+/* The error, m, that a step may have for an aim. */
+double limits_allowed(const struct cell *cell, const struct trial *trial, enum aim_kind aim,
+                      double step);
 
 /* --- stability_trial.c --- */
 

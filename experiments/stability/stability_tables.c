@@ -8,9 +8,7 @@
 /* --- the tables --- */
 
 static const char *kind_of(const struct trial *trial) {
-    return trial->place.missed < 0             ? "none"
-           : trial->missed.outcome != FINISHED ? outcome_name(trial->missed.outcome)
-                                               : "wrong";
+    return trial->place.missed < 0 ? "none" : outcome_name(trial->missed.outcome);
 }
 
 /* The longest stable step, s; of adaptive methods the mean one. */
@@ -20,6 +18,11 @@ static double largest_step(const struct cell *cell, const struct trial *trial) {
                    ? cell->scene->duration * cell->scene->wisp_count / trial->cost.steps
                    : NAN;
     return limits_step(cell, trial->place.reached);
+}
+
+/* The longest step for an aim, s; NaN: there is none, or it was not asked for. */
+static double aim_step(const struct cell *cell, const struct trial *trial, enum aim_kind aim) {
+    return limits_step(cell, trial->aims[aim].place.reached);
 }
 
 /* A predicted step, s, in a table or to be read. */
@@ -42,9 +45,9 @@ static void write_along(FILE *stream, const struct limits *limits, const struct 
         for (int k = 0; cell->axis == axis && k < cell->trial_count; k++) {
             const struct trial *t = &cell->trials[k];
             if (t->contestant == contestant)
-                fprintf(stream, "%s\t%g\t%s\t%.9g\t%.9g\t%s\t%s\n", axis->name, cell->value,
+                fprintf(stream, "%s\t%g\t%s\t%.9g\t%.9g\t%s\t%s\t%.9g\n", axis->name, cell->value,
                         contestant->name, largest_step(cell, t), limits_step(cell, t->place.missed),
-                        prediction_of(t, 9).text, kind_of(t));
+                        prediction_of(t, 9).text, kind_of(t), aim_step(cell, t, IN_ORDER));
         }
     }
     fprintf(stream, "\n\n");
@@ -58,10 +61,12 @@ static int write_limits(struct plan *plan, const char *folder) {
             "longest stable step, s, over 0.5 s of swing (penalty_ratio: of swing-envelope "
             "with penalty), the next that is not, and the prediction of linear theory "
             "at the eigenvalues of the wisp linearised at its start (inf: any step; no prediction: "
-            "there is no theory of the method); nan: of step, none that was tried is stable; of "
-            "unstable_step, all are",
-            plan->loaded[0], "axis\tvalue\tstepper\tstep\tunstable_step\tpredicted\tkind",
-            plan->reason))
+            "there is no theory of the method); order_step: the longest of these whose error is "
+            "what "
+            "the method's order makes of that at shorter ones, to a factor of ten; nan: of step, "
+            "none that was tried is stable; of unstable_step, all are",
+            plan->loaded[0],
+            "axis\tvalue\tstepper\tstep\tunstable_step\tpredicted\tkind\torder_step", plan->reason))
         return -1;
     for (int a = 0; a < AXES; a++)
         for (int c = 0; c < plan->configuration_count; c++)
@@ -72,10 +77,14 @@ static int write_limits(struct plan *plan, const char *folder) {
 static void write_largest(FILE *stream, const struct cell *cell, const struct trial *t) {
     const double step = largest_step(cell, t);
     const int adaptive = contestant_is_adaptive(t->contestant);
-    fprintf(stream, "%s\t%s\t%s\t%.17g\t%.9g\t%s\t%.17g\t%s\t%.9g\t%.9g\t%.9g\t%s\n", cell->subject,
+    fprintf(stream, "%s\t%s\t%s\t%.17g\t%.9g\t%s\t%.17g\t%s\t%.9g\t%.9g\t%.9g", cell->subject,
             limits_treatment(cell), t->contestant->name, step, 1 / step, prediction_of(t, 9).text,
             limits_step(cell, t->place.missed), adaptive ? "chooses its steps" : kind_of(t),
-            t->missed.failure_time, t->error, t->cost.cpu.median / cell->scene->duration,
+            t->missed.failure_time, t->error, t->cost.cpu.median / cell->scene->duration);
+    for (int i = NEAR; i <= MILLIMETRE; i++)
+        fprintf(stream, "\t%.9g\t%.9g\t%.9g", aim_step(cell, t, (enum aim_kind)i), t->aims[i].error,
+                t->aims[i].cost.cpu.median / cell->scene->duration);
+    fprintf(stream, "\t%.9g\t%s\n", aim_step(cell, t, IN_ORDER),
             adaptive ? "mean step at rtol 1e-3" : t->note);
 }
 
@@ -87,13 +96,18 @@ static int write_scenes(struct plan *plan, const char *folder) {
             "the longest stable step of each stepper, s, on the first half second of scenes: what "
             "it is, its rate in Hz, the predicted one, the next that is not stable with how and "
             "when that fails, the error of the stable one, m, and its CPU time per simulated s; "
+            "the "
+            "same of the longest step within a twentieth of the wisp's length (near) and of that "
+            "within 1 mm (mm), rms over free nodes and frames; order_step: the longest whose error "
+            "is what the method's order makes of that at shorter steps, to a factor of ten; "
             "steps divide the time between stops of the clock; predicted is inf where there is no "
             "bound, and no prediction where there is no theory of the method, or too many unknowns "
-            "for eigenvalues; nan: of step, none that was tried is stable; of what fails, none "
-            "does",
+            "for eigenvalues; nan: of step, none that was tried is stable; of near, mm and order, "
+            "none is, or the method chooses its steps; of what fails, none does",
             plan->subjects[0].scene,
             "scene\ttreatment\tstepper\tstep\trate\tpredicted\tunstable_step\tkind\ttime\terror\t"
-            "cpu_per_second\tnote",
+            "cpu_per_second\tnear_step\tnear_error\tnear_cpu\tmm_step\tmm_error\tmm_cpu\torder_step"
+            "\tnote",
             plan->reason))
         return -1;
     for (int i = 0; i < limits->cell_count; i++)
@@ -104,32 +118,42 @@ static int write_scenes(struct plan *plan, const char *folder) {
 
 /* --- statements --- */
 
-/* How a fixed step fails that is longer than the longest stable one. */
-static void describe_miss(const struct trial *t, char text[96]) {
-    if (t->missed.outcome == FINISHED)
-        snprintf(text, 96, "is finite and wrong by %.2g mm", 1e3 * t->missed.error);
+/* "; within 5 % of the wisp's length up to 1 ms, within 1 mm up to 0.1 ms": how good a stable step
+ * is. */
+static void describe_aims(const struct cell *cell, const struct trial *t, char text[128]) {
+    const double near = aim_step(cell, t, NEAR), mm = aim_step(cell, t, MILLIMETRE);
+    size_t used = 0;
+    text[0] = '\0';
+    if (!isnan(near))
+        used = (size_t)snprintf(text, 128, "; within 5 %% of the wisp's length up to %.3g ms",
+                                1e3 * near);
+    if (!isnan(mm))
+        snprintf(text + used, 128 - used, "%s within 1 mm up to %.3g ms", used ? "," : ";",
+                 1e3 * mm);
     else
-        snprintf(text, 96, "ends '%s' at %.3g s", outcome_name(t->missed.outcome),
-                 t->missed.failure_time);
+        snprintf(text + used, 128 - used, "%s within 1 mm at none that was tried",
+                 used ? "," : ";");
 }
 
-static void state_fixed(struct statements *statements, struct statement row, const struct trial *t,
-                        const char *where) {
+static void state_fixed(struct statements *statements, struct statement row,
+                        const struct cell *cell, const struct trial *t, const char *where) {
     const char *name = t->contestant->name;
-    char miss[96];
-    describe_miss(t, miss);
+    char aims[128];
+    describe_aims(cell, t, aims);
     if (t->place.reached < 0 && t->place.missed < 0)
         statements_add(statements, row, "No step of %s was tried on %s: %s.", name, where, t->note);
     else if (t->place.reached < 0)
         statements_add(statements, row, "No step of %s that was tried on %s is stable: %s.", name,
                        where, t->note);
     else if (t->place.missed < 0)
-        statements_add(statements, row, "%s is stable on %s at every step tried, up to %.3g ms.",
-                       name, where, row.value);
+        statements_add(statements, row, "%s is stable on %s at every step tried, up to %.3g ms%s.",
+                       name, where, row.value, aims);
     else
         statements_add(statements, row,
-                       "%s is stable on %s up to %.3g ms (%.0f Hz); the next step tried %s.", name,
-                       where, row.value, 1e3 / row.value, miss);
+                       "%s is stable on %s up to %.3g ms (%.0f Hz); the next step tried ends '%s' "
+                       "at %.3g s%s.",
+                       name, where, row.value, 1e3 / row.value, outcome_name(t->missed.outcome),
+                       t->missed.failure_time, aims);
 }
 
 /* A method that chooses its steps has no longest one. */
@@ -163,7 +187,7 @@ void limits_state_trial(struct statements *statements, const struct cell *cell,
     if (contestant_is_adaptive(trial->contestant))
         state_adaptive(statements, row, trial, where);
     else
-        state_fixed(statements, row, trial, where);
+        state_fixed(statements, row, cell, trial, where);
 }
 
 /* How far the measured limits of the axes are from the predicted ones. */

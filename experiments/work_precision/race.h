@@ -36,7 +36,6 @@ struct entry {
     double pace;          /* of an adaptive one: steps tried per simulated second, in all wisps, at
                              RUNG_PROBED; NaN: unknown */
     int first, last;      /* rungs of the chart; where last < first there is none */
-    int jitters;          /* runs of each adaptive one */
     char left_out[200];   /* which rungs the chart has not, and why; empty: it has all */
     char refused[REASON_SIZE]; /* why it cannot take part; empty: it can */
 };
@@ -67,8 +66,9 @@ struct field {
     const struct subject *subject;
     const struct scene *whole, *scene; /* of the reference; cut to the horizon */
     int treatment;
-    int touches;    /* whether ticks can part trajectories: they are compared with a horizon */
-    double horizon; /* s; the duration where nothing parts within it; NaN: unknown */
+    char left_out[64]; /* other treatments of the scene that are too dear; empty: none */
+    int touches;       /* whether ticks can part trajectories: they are compared with a horizon */
+    double horizon;    /* s; the duration where nothing parts within it; NaN: unknown */
     int has_reference;
     double bound;      /* of the reference, m; NaN: unknown */
     double evaluation; /* CPU s of one force evaluation, by the finest run of the explicit method
@@ -149,6 +149,13 @@ enum { RUNG_PROBED = 4 };
 /* CPU time of one run, s, as it would be on the machine of the table of costs; NaN: unknown. */
 double race_predicted(const struct field *field, const struct entry *entry, int k);
 
+/* Whether a run is so dear that it is done once, without diagnoses. */
+int race_is_dear(const struct field *field, const struct entry *entry, int k);
+
+/* How many runs a rung has, at tolerances that differ in the twelfth digit. */
+int race_jitters(const struct plan *plan, const struct field *field, const struct entry *entry,
+                 int k);
+
 /* How often a run is repeated for its CPU time. */
 int race_timings(const struct plan *plan, const struct field *field, const struct entry *entry,
                  int k);
@@ -164,9 +171,11 @@ void race_search_on(const struct plan *plan, const struct field *field, struct e
 /* When all searches of a scene's fields have ended: which rungs their charts have. */
 void race_fit(const struct plan *plan, struct field *fields, int field_count);
 
-/* How long of a scene the race may take, by predicted costs of what `treatments` of it need, s. */
-double race_duration(const struct plan *plan, const struct race *race, const struct scene *scene,
-                     const int *treatments, int treatment_count);
+/* How long of a scene the race may take by predicted costs, s: what the budget allows, but a second
+ * at least (with --quick a tenth of one). Where that is too dear, treatments are taken out, the
+ * dearest first, down to one; `left_out` names them. */
+double race_afford(struct plan *plan, const struct race *race, const struct scene *scene,
+                   int *treatments, int *count, char left_out[64]);
 
 /* --- race_statements.c --- */
 

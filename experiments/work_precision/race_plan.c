@@ -51,7 +51,7 @@ static struct run_request request_for(const struct plan *plan, const struct fiel
                            scene->run.atol / scene->run.rtol);
     request.treatment = race_treatment(field->treatment);
     request.timings = race_timings(plan, field, entry, k); /* these go without diagnoses */
-    request.diagnostics = 1;
+    request.diagnostics = !race_is_dear(field, entry, k);
     return request;
 }
 
@@ -123,7 +123,9 @@ static int plan_scenes(struct plan *plan, struct race_notes *notes) {
         for (int t = 0; wisp_problem.treatments[t].name; t++)
             if (wants_treatment(notes->race, subject->scene, t))
                 treatments[count++] = t;
-        const double duration = race_duration(plan, notes->race, subject->scene, treatments, count);
+        char left_out[64];
+        const double duration =
+            race_afford(plan, notes->race, subject->scene, treatments, &count, left_out);
         const double rate = sparse_frame_rate(subject->scene, duration);
         const struct scene *scene = plan_cut_scene(plan, subject, rate, duration, NULL),
                            *exact = NULL;
@@ -137,6 +139,7 @@ static int plan_scenes(struct plan *plan, struct race_notes *notes) {
             field->subject = subject;
             field->whole = field->scene = scene;
             field->treatment = treatments[t];
+            snprintf(field->left_out, sizeof field->left_out, "%s", left_out);
             field->touches = scene_has_contacts(scene);
             notes->field_count++;
             if (plan_field(plan, field, exact))
@@ -183,7 +186,8 @@ static int read_horizon(struct plan *plan, struct field *field) {
     field->horizon = field->whole->duration;
     if (!perturbed)
         return 0;
-    if (measure_horizon(tight->run.folder, perturbed->run.folder, &field->horizon, plan->reason))
+    if (measure_horizon(plan->trajectories, tight->run.folder, perturbed->run.folder,
+                        &field->horizon, plan->reason))
         return -1;
     if (isnan(field->horizon) || field->horizon >= field->whole->duration)
         return 0;
@@ -241,7 +245,7 @@ static int go_on_searching(struct plan *plan, struct field *field) {
 
 static int plan_entry(struct plan *plan, const struct field *field, const struct entry *entry) {
     for (int k = entry->first; k <= entry->last; k++)
-        for (int j = 0; j < entry->jitters && race_takes(plan, entry, k); j++)
+        for (int j = 0; race_takes(plan, entry, k) && j < race_jitters(plan, field, entry, k); j++)
             if (plan_run(plan, field, entry, k, j))
                 return -1;
     return 0;

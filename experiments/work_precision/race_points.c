@@ -76,7 +76,7 @@ static int read_run(struct plan *plan, const struct field *field, const struct l
     const struct scene *scene = field->scene;
     struct run_files run;
     int code = 0;
-    if (run_read(&run, one->run.folder, plan->reason))
+    if (run_read_states(&run, one->run.folder, plan->trajectories, plan->reason))
         return -1;
     const char *reason = json_string_value(json_object_get(run.json, "reason"));
     result->outcome = run.outcome;
@@ -85,7 +85,7 @@ static int read_run(struct plan *plan, const struct field *field, const struct l
     snprintf(result->reason, REASON_SIZE, "%s", reason ? reason : "");
     if (run.outcome == FINISHED && field->has_reference)
         code =
-            measure_deviation(scene, &run.states, &field->reference.states,
+            measure_deviation(scene, run.states, field->reference.states,
                               scene->run.atol / scene->run.rtol, &result->deviation, plan->reason);
     run_free(&run);
     return code ? code : read_extent(one->run.folder, &result->extent, plan->reason);
@@ -148,24 +148,26 @@ static int record_parting(struct point *p, const struct outcome_of_run *run) {
 
 static int read_point(struct plan *plan, struct field *field, const struct entry *entry, int k) {
     struct outcome_of_run runs[JITTERS];
-    struct point *p = new_point(field, entry, k, outcome_name(FINISHED), "");
-    p->runs = entry->jitters;
+    struct point *p = new_point(field, entry, k, outcome_name(FINISHED),
+                                race_is_dear(field, entry, k) ? "not diagnosed, for its cost" : "");
+    const int count = race_jitters(plan, field, entry, k);
+    p->runs = count;
     p->failed = 0;
-    for (int j = 0; j < entry->jitters; j++) {
+    for (int j = 0; j < count; j++) {
         if (read_run(plan, field, race_case(plan, field, entry, k, j), &runs[j]))
             return -1;
         p->failed += runs[j].outcome != FINISHED;
     }
     int parted = 0;
-    for (int j = 0; j < entry->jitters && !p->failed && !parted; j++)
+    for (int j = 0; j < count && !p->failed && !parted; j++)
         if (!isnan(runs[j].deviation.parted))
             parted = record_parting(p, &runs[j]);
     if (p->failed)
-        record_failure(p, runs, entry->jitters);
+        record_failure(p, runs, count);
     else if (parted)
-        p->failed = entry->jitters;
+        p->failed = count;
     else
-        summarise(p, runs, entry->jitters);
+        summarise(p, runs, count);
     p->limited = p->deviation.rms < 10 * field->bound;
     return 0;
 }
@@ -207,7 +209,8 @@ static void read_evaluation(struct field *field) {
 static int read_reference(struct plan *plan, struct field *field) {
     char group[128];
     race_group(group, field);
-    if (run_read(&field->reference, find_case(plan, group, "tight")->run.folder, plan->reason))
+    if (run_read_states(&field->reference, find_case(plan, group, "tight")->run.folder,
+                        plan->trajectories, plan->reason))
         return -1;
     field->has_reference = field->reference.outcome == FINISHED;
     field->bound = run_number(&field->reference, "second_opinion.bound");
@@ -251,11 +254,11 @@ static int read_treatment_error(struct plan *plan, struct field *field) {
     field->treatment_error = NAN;
     if (!one || !field->has_reference)
         return 0;
-    if (run_read(&exact, one->run.folder, plan->reason))
+    if (run_read_states(&exact, one->run.folder, plan->trajectories, plan->reason))
         return -1;
     if (exact.outcome == FINISHED) {
-        code = measure_deviation(field->whole, &field->reference.states, &exact.states, 1,
-                                 &deviation, plan->reason);
+        code = measure_deviation(field->whole, field->reference.states, exact.states, 1, &deviation,
+                                 plan->reason);
         field->treatment_error = deviation.rms;
     }
     run_free(&exact);

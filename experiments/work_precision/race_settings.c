@@ -17,7 +17,7 @@ static const double process_cost = 0.012, point_cost = 100e-9;
 
 /* No run that is predicted to take longer is tried, s. */
 static double dearest(const struct plan *plan) {
-    return plan->quick ? 0.5 : 5;
+    return plan->quick ? 0.5 : 1.5;
 }
 
 /* What costs no more is in every chart, s. */
@@ -54,12 +54,28 @@ double race_predicted(const struct field *field, const struct entry *entry, int 
     return steps_cost(field, contestant, field->scene->wisp_count / pace);
 }
 
+/* A run that takes so long, s, is done once, and once more for its time. */
+static const double dear = 0.5;
+
+int race_is_dear(const struct field *field, const struct entry *entry, int k) {
+    return race_predicted(field, entry, k) > dear;
+}
+
+int race_jitters(const struct plan *plan, const struct field *field, const struct entry *entry,
+                 int k) {
+    return !contestant_is_adaptive(entry->contestant) || race_is_dear(field, entry, k) ? 1
+           : plan->quick                                                               ? 3
+                                                                                       : JITTERS;
+}
+
 int race_timings(const struct plan *plan, const struct field *field, const struct entry *entry,
                  int k) {
-    if (contestant_is_adaptive(entry->contestant))
-        return 1; /* jittered runs are each other's repetitions */
     const double cost = race_predicted(field, entry, k);
-    return plan->quick ? 2 : cost < 0.2 ? 5 : 2;
+    return contestant_is_adaptive(entry->contestant) || cost > dear
+               ? 1 /* jittered ones repeat it */
+           : plan->quick ? 2
+           : cost < 0.2  ? 5
+                         : 2;
 }
 
 /* --- the largest stable step --- */
@@ -151,11 +167,9 @@ void race_fit(const struct plan *plan, struct field *fields, int field_count) {
     for (int f = 0; f < field_count; f++)
         for (int i = 0; i < fields[f].entry_count; i++) {
             struct entry *entry = &fields[f].entries[i];
-            const int adaptive = contestant_is_adaptive(entry->contestant);
-            entry->jitters = !adaptive ? 1 : plan->quick ? 3 : JITTERS;
             if (entry->refused[0])
                 continue;
-            if (adaptive)
+            if (contestant_is_adaptive(entry->contestant))
                 fit_adaptive(&fields[f], entry, cap);
             else
                 fit_fixed(&fields[f], entry, cap);
@@ -168,30 +182,72 @@ int race_takes(const struct plan *plan, const struct entry *entry, int k) {
 
 /* --- how long a scene is run --- */
 
+static int would_run(struct plan *plan, const struct field *field, const struct entry *entry) {
+    struct run_request request = contestant_request(
+        entry->contestant, race_setting(field, entry, 0), field->scene->run.atol);
+    char reason[REASON_SIZE];
+    request.treatment = race_treatment(field->treatment);
+    return plan_takes(plan, field->scene, &request, reason);
+}
+
 /* What the charts of one treatment will cost for a simulated second, by linear theory: the rungs of
  * one method together cost 3.4 times the dearest of them, and each is run with diagnoses, which
- * takes 1.6 times as long, and twice for its time. */
-static double charts_cost(const struct plan *plan, const struct scene *scene, int treatment) {
-    const double together = 3.4 * (1.6 + 2), below = exp2(RUNGS_BELOW / 2.);
+ * takes 1.6 times as long, and twice for its time; or where it is dear, twice. */
+static double charts_cost(struct plan *plan, const struct scene *scene, int treatment) {
+    const double together = 3.4, below = exp2(RUNGS_BELOW / 2.);
     struct field field = {.whole = scene, .scene = scene, .treatment = treatment};
     double cap = 0;
+    int count = 0;
     for (int c = 0; c < plan->configuration_count; c++) {
         const struct entry entry = {.contestant = &plan->configurations[c]};
+        if (!would_run(plan, &field, &entry))
+            continue;
+        count++;
         if (contestant_is_adaptive(entry.contestant))
             continue;
         const double step = race_setting(&field, &entry, first_seen_stable(&field, &entry));
         cap = fmax(cap, steps_cost(&field, entry.contestant, step / below));
     }
-    return together * plan->configuration_count * cap / scene->duration;
+    cap = fmin(cap, dearest(plan));
+    return together * (cap > dear ? 2 : 3.6) * count * cap / scene->duration;
 }
 
-double race_duration(const struct plan *plan, const struct race *race, const struct scene *scene,
-                     const int *treatments, int treatment_count) {
-    const double budget = plan->quick ? race->quick_seconds : race->seconds;
-    const double least = plan->quick ? 0.1 : 1; /* s: a scene that moves is worth that much */
-    double cost = 0;
-    for (int i = 0; i < treatment_count; i++)
-        cost += charts_cost(plan, scene, treatments[i]) +
-                reference_cost(scene) * (scene_has_contacts(scene) ? 2 : 1);
-    return fmin(scene->duration, fmax(least, budget / plan->subject_count / cost));
+/* Of one treatment, with its references, per simulated second. */
+static double treatment_cost(struct plan *plan, const struct scene *scene, int treatment) {
+    return charts_cost(plan, scene, treatment) +
+           reference_cost(scene) * (scene_has_contacts(scene) ? 2 : 1);
+}
+
+/* Takes the dearest of the treatments out, of equal ones the last. Returns which it was. */
+static int drop_dearest(struct plan *plan, const struct scene *scene, int *treatments, int count) {
+    int dearest_at = 0;
+    double most = 0;
+    for (int i = 0; i < count; i++) {
+        const double cost = treatment_cost(plan, scene, treatments[i]);
+        if (cost >= most) {
+            most = cost;
+            dearest_at = i;
+        }
+    }
+    const int dropped = treatments[dearest_at];
+    for (int i = dearest_at; i + 1 < count; i++)
+        treatments[i] = treatments[i + 1];
+    return dropped;
+}
+
+double race_afford(struct plan *plan, const struct race *race, const struct scene *scene,
+                   int *treatments, int *count, char left_out[64]) {
+    const double budget = (plan->quick ? race->quick_seconds : race->seconds) / plan->subject_count;
+    const double least = fmin(scene->duration, plan->quick ? 0.1 : 1);
+    for (left_out[0] = '\0';;) {
+        double cost = 0;
+        for (int i = 0; i < *count; i++)
+            cost += treatment_cost(plan, scene, treatments[i]);
+        if (*count == 1 || cost * least <= budget)
+            return fmin(scene->duration, fmax(least, budget / cost));
+        const size_t used = strlen(left_out);
+        snprintf(left_out + used, 64 - used, "%s%s", used ? " and " : "",
+                 race_treatment(drop_dearest(plan, scene, treatments, *count)));
+        --*count;
+    }
 }

@@ -404,6 +404,12 @@ static void state_cuts(struct statements *statements, const struct field *fields
     if (fields->whole->duration < whole)
         statements_add(statements, row, "Of %s the first %.3g of %.3g s are compared.",
                        fields->subject->name, fields->whole->duration, whole);
+    row = row_of(fields, "treatments left out", &keys);
+    row.verdict = NOT_REACHED;
+    if (fields->left_out[0])
+        statements_add(statements, row,
+                       "On %s nothing is run with %s, which is predicted to take too long.",
+                       fields->subject->name, fields->left_out);
     row = row_of(fields, "left out", &keys);
     row.verdict = NOT_REACHED;
     row.value = cut;

@@ -12,7 +12,7 @@ static const struct race race = {
     .quick_scenes = quick_scenes,
     .kinds =
         CONFIGURATION_PLAIN | CONFIGURATION_ITERATED | CONFIGURATION_SOLVER | CONFIGURATION_ORDER,
-    .seconds = 600,
+    .seconds = 1500,
     .quick_seconds = 60,
 };
 

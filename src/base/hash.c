@@ -30,17 +30,23 @@ void hash_json(const json_t *json, char hash[HASH_SIZE]) {
     free(text);
 }
 
+int hash_file(const char *path, char hash[HASH_SIZE]) {
+    uint64_t sum = fnv_start;
+    FILE *file = fopen(path, "rb");
+    char block[65536];
+    if (!file)
+        return -1;
+    for (size_t n; (n = fread(block, 1, sizeof block, file)) > 0;)
+        sum = fnv_bytes(sum, block, n);
+    const int failed = ferror(file);
+    fclose(file);
+    print_hash(sum, hash);
+    return failed ? -1 : 0;
+}
+
 const char *program_hash(void) {
     static char text[HASH_SIZE];
-    if (text[0])
-        return text;
-    uint64_t hash = fnv_start;
-    FILE *program = fopen("/proc/self/exe", "rb");
-    char block[65536];
-    for (size_t n; program && (n = fread(block, 1, sizeof block, program)) > 0;)
-        hash = fnv_bytes(hash, block, n);
-    if (program)
-        fclose(program);
-    print_hash(hash, text);
+    if (!text[0])
+        hash_file("/proc/self/exe", text);
     return text;
 }

@@ -13,6 +13,9 @@ void hash_bytes(const void *bytes, size_t count, char hash[HASH_SIZE]);
 /* FNV-1a of a JSON value in canonical form: keys sorted, reals with 17 digits. */
 void hash_json(const json_t *json, char hash[HASH_SIZE]);
 
+/* FNV-1a of a file's bytes. Returns 0, or -1 with errno. */
+int hash_file(const char *path, char hash[HASH_SIZE]);
+
 /* FNV-1a of the program file that is running: another compiler or flag is another program. */
 const char *program_hash(void);
 

@@ -1,7 +1,6 @@
 /* wisplab eval: the accelerations at one state, to be compared with another program's. */
 #include "base/complain.h"
 #include "base/files.h"
-#include "base/table.h"
 #include "cli.h"
 #include "model/state.h"
 #include "run/record.h"
@@ -21,19 +20,19 @@ static const struct cli_option options[] = {
 };
 
 static int load_state(struct model *model, const char *file, double *t, char *reason) {
-    struct table table;
-    if (table_read(&table, file, reason))
+    struct trajectory states;
+    if (trajectory_read(&states, file, reason))
         return -1;
     double *rows = malloc((size_t)(model->row_count * model->column_count) * sizeof *rows);
     int code = -1;
     if (!rows)
         snprintf(reason, REASON_SIZE, "out of memory");
     else
-        code = state_of_table(model, &table, file, rows, t, reason);
+        code = state_of(model, &states, file, rows, t, reason);
     if (!code)
         model->problem->restore(model, rows);
     free(rows);
-    table_free(&table);
+    trajectory_free(&states);
     return code;
 }
 

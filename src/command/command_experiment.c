@@ -61,8 +61,10 @@ static int experiment(const struct arguments *arguments) {
             return complain(1, "no stepper '%s'; `wisplab list steppers` names them",
                             plan.steppers[i]);
     struct manner manner = {.runs = 0};
+    plan.trajectories = trajectories_create();
     const int code = read_manner(arguments, &manner) ? 1 : carry_out(&plan, &manner);
     plan_free(&plan);
+    trajectories_free(plan.trajectories);
     return code;
 }
 

@@ -18,7 +18,7 @@ static int export(const struct arguments *arguments) {
     if (!frames_path(arguments->words[0], states))
         return complain(1, "export: %.100s is neither a states.tsv nor the folder of one",
                         arguments->words[0]);
-    int code = frames_open(&frames, states, NULL, 0, reason);
+    int code = frames_open(&frames, states, NULL, NULL, 0, reason);
     if (!code && make_folder(folder, reason))
         code = 2;
     if (!code) {
@@ -40,7 +40,8 @@ const struct command export_command = {
     .details =
         "STATES is a states.tsv with its run.json beside it, or the folder of both. Each frame\n"
         "becomes a .vtp (VTK's XML of lines, as text) with velocity (m/s), strain and radius (m)\n"
-        "at the nodes; the .pvd is what to open in ParaView.\n"
+        "at the nodes, and each line's wisp and the parent that it split off from; the .pvd is\n"
+        "what to open in ParaView.\n"
         "\n"
         "  wisplab run sphere --out sphere\n"
         "  wisplab export sphere/states.tsv --vtk sphere/vtk\n",

@@ -49,6 +49,7 @@ struct task {
     double rate;
     int threads, as_strip, film;
 
+    struct trajectories *trajectories;
     struct strip *strip;
     int *frames, count;
     char name[80];          /* of the scene, for file names */
@@ -171,6 +172,7 @@ static int find_runs(struct task *task) {
         }
         task->rows[i] = (struct strip_row){.states = task->states[i], .scene = task->scenes[i]};
     }
+    task->request.trajectories = task->trajectories;
     task->request.rows = task->rows;
     task->request.row_count = arguments->word_count;
     if (reference && !frames_path(reference, task->reference))
@@ -368,10 +370,12 @@ static int render(const struct arguments *arguments) {
     if (!task)
         return complain(2, "out of memory");
     task->arguments = arguments;
+    task->trajectories = trajectories_create();
     int code = read_task(task) ? 1 : find_runs(task);
     if (!code)
         code = draw(task);
     strip_free(task->strip);
+    trajectories_free(task->trajectories);
     for (int i = 0; i < CLI_WORDS_MAX; i++)
         if (task->scenes[i])
             scene_free(task->scenes[i]);

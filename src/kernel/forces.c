@@ -174,13 +174,42 @@ SPECIALISED void walk_nodes(struct kernel_part *part, double t, const double *q,
     }
 }
 
+static struct vec node_at(const struct kernel_part *part, const double *q, int i) {
+    return i < 2 ? part->p[i] : vec_load(q + (i - 2) * part->node_unknowns * LANES, 0);
+}
+
+/* The first two nodes of a lane that a spring joins and that have no direction from one to the
+ * other; `*from` is -1 where there are none. */
+static void find_coinciding(const struct kernel_part *part, const double *q, int k, int *from,
+                            int *to) {
+    const int farthest = part->bending == BENDING_SKIP ? 2 : 1;
+    for (*from = 0; *from < part->nodes - 1; ++*from)
+        for (*to = *from + 1; *to <= *from + farthest && *to < part->nodes; ++*to) {
+            const struct vec a = node_at(part, q, *from), b = node_at(part, q, *to);
+            const lane square =
+                (a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y) + (a.z - b.z) * (a.z - b.z);
+            if (!(lane_get(square, k) > 0))
+                return;
+        }
+    *from = -1;
+}
+
 /* A segment or a spring without direction: coinciding nodes, or a state that overflowed. */
-static int refuse_state(struct kernel_part *part, const double *q, const double *v) {
-    for (int i = 0; i < part->system->size; i++)
+int LANED(kernel_refuse_state)(const struct kernel_part *part, const double *q, const double *v) {
+    struct system *system = part->system;
+    for (int i = 0; i < system->size; i++)
         if (!isfinite(q[i]) || !isfinite(v[i]))
-            return system_fail(part->system, NOT_FINITE, "the state overflowed or became NaN");
-    return system_fail(part->system, MODEL_FAILED,
-                       "two nodes that a spring joins coincide: it has no direction");
+            return system_fail(system, NOT_FINITE, "the state overflowed or became NaN");
+    for (int k = 0; k < LANES; k++) {
+        int from, to;
+        find_coinciding(part, q, k, &from, &to);
+        if (from >= 0)
+            return system_fail(system, MODEL_FAILED,
+                               "wisp %d: nodes %d and %d coincide: the spring that joins them has "
+                               "no direction",
+                               system->numbers ? system->numbers[k] : k, from, to);
+    }
+    return system_fail(system, NOT_FINITE, "the state overflowed");
 }
 
 int LANED(kernel_acceleration)(void *ctx, double t, const double *q, const double *v, double *a) {
@@ -191,7 +220,7 @@ int LANED(kernel_acceleration)(void *ctx, double t, const double *q, const doubl
                        : part->bending == BENDING_HINGE ? walk_springs(part, q, v, BENDING_HINGE)
                                                         : walk_springs(part, q, v, BENDING_NONE);
     if (!mask_all(sound))
-        return refuse_state(part, q, v);
+        return LANED(kernel_refuse_state)(part, q, v);
     if (part->samples == 0)
         walk_nodes(part, t, q, v, a, WISP_PROJECTION, 0);
     else if (part->treatment == WISP_PROJECTION && part->samples == 4)

@@ -295,7 +295,6 @@ int LANED(kernel_linearise)(void *ctx, enum jacobian kind, double t, const doubl
     if (part->samples > 0)
         sound &= LANED(kernel_frames)(part, q, m->frames);
     if (!mask_all(sound))
-        return system_fail(part->system, MODEL_FAILED,
-                           "two nodes that a spring joins coincide: it has no direction");
+        return LANED(kernel_refuse_state)(part, q, v);
     return 0;
 }

@@ -78,6 +78,8 @@ int LANED(kernel_powers)(void *ctx, double t, const double *q, const double *v,
                          struct powers *powers);
 int LANED(kernel_linearise)(void *ctx, enum jacobian kind, double t, const double *q,
                             const double *v);
+/* Says why a state has no acceleration and no Jacobians. Returns an enum outcome. */
+int LANED(kernel_refuse_state)(const struct kernel_part *part, const double *q, const double *v);
 void LANED(kernel_product)(void *ctx, double m, double d, double k, const double *x, double *y);
 int LANED(kernel_factor)(void *ctx, double alpha, double beta);
 void LANED(kernel_solve)(void *ctx, const double *b, double *x);

@@ -18,6 +18,8 @@ static const struct treatment treatments[] = {
 
 static const char *const rate_columns[] = {"wisp", "node", "ax", "ay", "az", NULL};
 
+static const int own_parent[] = {0};
+
 static const char *const columns[] = {"wisp", "node", "x", "y", "z", "vx", "vy", "vz", NULL};
 
 struct circle {
@@ -214,6 +216,7 @@ static struct model *circle_create(const struct scene *scene, int treatment, int
                                    .parts = &circle->part,
                                    .part_count = 1,
                                    .row_count = 1,
+                                   .parent = own_parent,
                                    .columns = columns,
                                    .column_count = 8,
                                    .rate_columns = rate_columns,

@@ -27,6 +27,7 @@ struct model {
     int parts_to_come;          /* that ticks may add to those at the start, at most */
     int row_count;              /* of a frame: one per wisp and node */
     int rows_to_come;           /* likewise */
+    const int *parent;          /* by wisp: the one that it split off from, or itself */
     const char *const *columns; /* of a frame's rows, after `t`; NULL-terminated */
     int column_count;
     const char *const *rate_columns; /* of the accelerations, likewise */

@@ -1,7 +1,6 @@
 #include "state.h"
 
 #include "base/files.h"
-#include "base/table.h"
 
 #include <errno.h>
 #include <math.h>
@@ -21,8 +20,9 @@ static int match_columns(const struct model *model, const struct table *table, c
     }
     if (table_column(table, "t") == 0 && table->column_count == model->column_count + 1)
         return 0;
-    snprintf(reason, REASON_SIZE, "%.120s: has %d columns; this scene and treatment have t and %d",
-             file, table->column_count, model->column_count);
+    snprintf(reason, REASON_SIZE,
+             "%.120s: has %d columns besides parent; this scene and treatment have t and %d", file,
+             table->column_count, model->column_count);
     return -1;
 }
 
@@ -56,8 +56,23 @@ static void refuse_row(const struct model *model, const struct table *table, con
                  first + i + 1, expected[i * count], expected[i * count + 1]);
 }
 
-int state_of_table(const struct model *model, const struct table *table, const char *file,
-                   double *rows, double *t, char *reason) {
+/* The scene's wisps split off from none. */
+static int check_parents(const struct trajectory *trajectory, const char *file, char *reason) {
+    for (int i = 0; i < trajectory->wisp_count; i++) {
+        if (trajectory->parent[i] == i)
+            continue;
+        snprintf(reason, REASON_SIZE,
+                 "%.120s: wisp %d has split off from wisp %d: after a subdivision a state is none "
+                 "of the scene's",
+                 file, i, trajectory->parent[i]);
+        return -1;
+    }
+    return 0;
+}
+
+int state_of(const struct model *model, const struct trajectory *trajectory, const char *file,
+             double *rows, double *t, char *reason) {
+    const struct table *table = &trajectory->table;
     int columns[TABLE_COLUMNS_MAX], i = 0;
     const int first = table->row_count - model->row_count, count = model->column_count;
     if (match_columns(model, table, file, columns, reason))
@@ -80,7 +95,7 @@ int state_of_table(const struct model *model, const struct table *table, const c
         refuse_row(model, table, columns, i, expected, file, reason);
     *t = table_value(table, table->row_count - 1, 0);
     free(expected);
-    return i < model->row_count ? -1 : 0;
+    return i < model->row_count ? -1 : check_parents(trajectory, file, reason);
 }
 
 /* Copies a text file from where it stands, up to `end` or, where that is negative, to its end. */

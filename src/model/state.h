@@ -2,14 +2,14 @@
 #ifndef WISPLAB_STATE_H
 #define WISPLAB_STATE_H
 
-#include "base/table.h"
 #include "model.h"
+#include "trajectory.h"
 
-/* The last frame of a table, which must have the columns and rows of the model's frames, as
+/* The last frame of a trajectory, which must have the columns and rows of the model's frames, as
  * row_count times column_count numbers into `rows`, and its time; `file` is for messages. Returns
  * 0, or -1 with one line in `reason` (REASON_SIZE); errno is ENOMEM where it was memory. */
-int state_of_table(const struct model *model, const struct table *table, const char *file,
-                   double *rows, double *t, char *reason);
+int state_of(const struct model *model, const struct trajectory *trajectory, const char *file,
+             double *rows, double *t, char *reason);
 
 /* Makes of the last frame of the file `states` a file of its own, which appears whole or not at
  * all. Returns 0, or -1 with one line in `reason` (REASON_SIZE). */

@@ -22,6 +22,7 @@ struct wisp_model {
     const struct scene *scene;
     struct wisp *wisps; /* the scene's, then those that subdivisions made */
     int wisp_count, wisp_room;
+    int *parent; /* the model's */
     const struct kernel *kernel;
     enum wisp_treatment treatment;
     struct batch *batches;   /* one for each part */

@@ -48,6 +48,7 @@ int wisp_part_create(struct wisp_model *m, int i) {
                                    .size = size,
                                    .lanes = lanes,
                                    .wisps = batch->count,
+                                   .numbers = batch->wisp,
                                    .bdf_order = 2};
     declare_matrix(&part->system, wisps[0], m->treatment);
     part->system.ctx = m->kernel->create(wisps, &m->scene->around, m->treatment, &part->system);

@@ -32,6 +32,7 @@ static void settle(const struct wisp_model *m, int wisp, int *changed) {
 static struct strand *add_wisp(struct wisp_model *m, int parent, const struct placement *head) {
     const int wisp = m->wisp_count, stride = m->model.column_count - 2;
     m->wisps[wisp] = m->wisps[parent];
+    m->parent[wisp] = parent;
     struct strand *strand = strand_create(&m->wisps[wisp], m->treatment);
     if (!strand)
         return NULL;

@@ -201,7 +201,9 @@ static enum outcome interact(struct tick *tick, struct workers *workers) {
     if (contacts < 0)
         return OUT_OF_MEMORY;
     /* they are of two wisps, and so of no part: the first one counts them */
-    m->model.parts[0].system.counters.wisp_contacts += contacts;
+    struct counters *counters = &m->model.parts[0].system.counters;
+    counters->wisp_contacts += contacts;
+    counters->sections_tested += interaction_sections(m->interaction);
     do_parts(tick, workers, close_part);
     return FINISHED;
 }

@@ -179,6 +179,7 @@ static void wisps_free(struct model *model) {
     free_names(m->columns);
     free_names(m->rate_columns);
     free(m->first_row);
+    free(m->parent);
     free(m->batches);
     free(model->parts);
     free(m->wisps);
@@ -218,12 +219,15 @@ static int take_wisps(struct wisp_model *m) {
     const size_t room = (size_t)m->wisp_room;
     m->wisps = calloc(room, sizeof *m->wisps);
     m->first_row = calloc(room, sizeof *m->first_row);
+    m->parent = calloc(room, sizeof *m->parent);
     m->batches = calloc(room, sizeof *m->batches);
     m->model.parts = calloc(room, sizeof *m->model.parts);
-    if (!m->wisps || !m->first_row || !m->batches || !m->model.parts)
+    if (!m->wisps || !m->first_row || !m->parent || !m->batches || !m->model.parts)
         return -1;
+    m->model.parent = m->parent;
     memcpy(m->wisps, scene->wisps, (size_t)m->wisp_count * sizeof *m->wisps);
     for (int i = 0; i < m->wisp_count; i++) {
+        m->parent[i] = i;
         wisp_take_lane(m, i);
         wisp_take_rows(m, i);
     }

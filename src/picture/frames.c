@@ -1,7 +1,6 @@
 #include "frames.h"
 
 #include "base/files.h"
-#include "base/table.h"
 #include "base/vector.h"
 #include "model/model.h"
 #include "scene/scene_load.h"
@@ -12,9 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-
-/* Columns of a table of states. */
-enum { T, WISP, NODE, X, FIXED = 9 };
 
 static int out_of_memory(char *reason) {
     snprintf(reason, REASON_SIZE, "out of memory");
@@ -33,16 +29,17 @@ __attribute__((format(printf, 3, 4))) static int refuse(const char *file, char *
 }
 
 static double number(const struct frames *f, int row, int column) {
-    return f->states.value[(size_t)row * (size_t)f->states.column_count + (size_t)column];
+    return trajectory_row(f->states, row)[column];
 }
 
 /* --- the columns --- */
 
 static void column_name(int column, int penalty, char *name, size_t size) {
-    static const char *const fixed[FIXED] = {"t", "wisp", "node", "x", "y", "z", "vx", "vy", "vz"};
+    static const char *const fixed[STATE_SAMPLES] = {"t", "wisp", "node", "x", "y",
+                                                     "z", "vx",   "vy",   "vz"};
     static const char *const distance[] = {"r", "rd"};
     static const char *const particle[] = {"x", "y", "z", "vx", "vy", "vz"};
-    const int k = column - FIXED;
+    const int k = column - STATE_SAMPLES;
     if (k < 0)
         snprintf(name, size, "%s", fixed[column]);
     else if (penalty)
@@ -53,20 +50,22 @@ static void column_name(int column, int penalty, char *name, size_t size) {
 
 static int check_columns(struct frames *f, const char *states, char *reason) {
     const int samples = f->scene->wisps[0].samples;
-    const int penalty = table_column(&f->states, "e0x") >= 0;
-    const int expected = FIXED + samples * (penalty ? 6 : 2), count = f->states.column_count;
+    const int penalty = table_column(&f->states->table, "e0x") >= 0;
+    const int expected = STATE_SAMPLES + samples * (penalty ? 6 : 2),
+              count = f->states->table.column_count;
     f->treatment = penalty ? WISP_PENALTY : WISP_GENERALISED; /* projection's columns are these */
     for (int i = 0; i < expected && i < count; i++) {
         char name[32];
         column_name(i, penalty, name, sizeof name);
-        if (strcmp(name, f->states.name[i]) == 0)
+        if (strcmp(name, f->states->table.name[i]) == 0)
             continue;
         return refuse(states, reason, "column %d is '%.20s'; in states of this scene it is %s",
-                      i + 1, f->states.name[i], name);
+                      i + 1, f->states->table.name[i], name);
     }
     if (count == expected)
         return 0;
-    return refuse(states, reason, "has %d columns; states of wisps with %d samples have %d", count,
+    return refuse(states, reason,
+                  "has %d columns besides parent; states of wisps with %d samples have %d", count,
                   samples, expected);
 }
 
@@ -75,8 +74,8 @@ static int check_columns(struct frames *f, const char *states, char *reason) {
 /* How many rows from this one on are nodes 0, 1, 2, ... of a wisp at a time, up to `most`. */
 static int count_nodes(const struct frames *f, int row, double t, int wisp, int most) {
     int n = 0;
-    while (n < most && row + n < f->states.row_count && number(f, row + n, T) == t &&
-           number(f, row + n, WISP) == wisp && number(f, row + n, NODE) == n)
+    while (n < most && row + n < f->states->table.row_count && number(f, row + n, STATE_T) == t &&
+           number(f, row + n, STATE_WISP) == wisp && number(f, row + n, STATE_NODE) == n)
         n++;
     return n;
 }
@@ -90,7 +89,7 @@ struct reach {
 /* What a wisp that no frame before had has here is what it has. */
 static struct reach find_reach(const struct frames *f, int row, int *nodes) {
     struct reach reach = {.end = row};
-    const double t = number(f, row, T);
+    const double t = number(f, row, STATE_T);
     for (; reach.wisps < f->wisp_count; reach.wisps++) {
         const int known = nodes[reach.wisps];
         const int n = count_nodes(f, reach.end, t, reach.wisps, known ? known : INT_MAX);
@@ -110,20 +109,20 @@ static struct reach find_reach(const struct frames *f, int row, int *nodes) {
 static int take_frame(struct frames *f, int row, int *nodes, const char *states, char *reason) {
     const struct reach reach = find_reach(f, row, nodes);
     const int due = f->count ? frames_wisps(f, f->count) : f->scene->wisp_count;
-    const int end = reach.end, more = end < f->states.row_count;
-    const double t = number(f, row, T);
+    const int end = reach.end, more = end < f->states->table.row_count;
+    const double t = number(f, row, STATE_T);
     if (!more && (reach.wisps < due || reach.rest > 0)) {
         refuse(states, reason,
                "frame %d, the last, is not complete: it ends before wisp %d, node %d", f->count + 1,
                reach.wisps, reach.rest);
         return -1;
     }
-    if (more && (reach.wisps < due || reach.rest > 0 || number(f, end, T) == t))
+    if (more && (reach.wisps < due || reach.rest > 0 || number(f, end, STATE_T) == t))
         return refuse(states, reason,
                       "frame %d: row %d is wisp %g, node %g at %g s, where wisp %d, node %d at "
                       "%g s should be",
-                      f->count + 1, end + 1, number(f, end, WISP), number(f, end, NODE),
-                      number(f, end, T), reach.wisps, reach.rest, t);
+                      f->count + 1, end + 1, number(f, end, STATE_WISP), number(f, end, STATE_NODE),
+                      number(f, end, STATE_T), reach.wisps, reach.rest, t);
     if (f->count && !(t > frames_time(f, f->count)))
         return refuse(states, reason, "frame %d: its time %g s does not come after %g s",
                       f->count + 1, t, frames_time(f, f->count));
@@ -132,26 +131,26 @@ static int take_frame(struct frames *f, int row, int *nodes, const char *states,
 }
 
 static int check_numbers(const struct frames *f, const char *states, char *reason) {
-    const int columns = f->states.column_count;
-    for (int row = 0; row < f->states.row_count; row++)
+    const int columns = f->states->table.column_count;
+    for (int row = 0; row < f->states->table.row_count; row++)
         for (int k = 0; k < columns; k++) {
             if (isfinite(number(f, row, k)))
                 continue;
             return refuse(states, reason,
                           "row %d (t = %g s, wisp %g, node %g): %s is not a finite number", row + 1,
-                          number(f, row, T), number(f, row, WISP), number(f, row, NODE),
-                          f->states.name[k]);
+                          number(f, row, STATE_T), number(f, row, STATE_WISP),
+                          number(f, row, STATE_NODE), f->states->table.name[k]);
         }
     return 0;
 }
 
 /* Frame by frame; wisps that frames have more of than the scene come of subdivisions. */
 static int take_frames(struct frames *f, int failed, const char *states, char *reason) {
-    const int known = f->scene->wisp_count, rows = f->states.row_count;
+    const int known = f->scene->wisp_count, rows = f->states->table.row_count;
     f->wisp_count = known;
     for (int row = 0; row < rows; row++)
-        if (number(f, row, WISP) >= f->wisp_count && number(f, row, WISP) < rows)
-            f->wisp_count = (int)number(f, row, WISP) + 1;
+        if (number(f, row, STATE_WISP) >= f->wisp_count && number(f, row, STATE_WISP) < rows)
+            f->wisp_count = (int)number(f, row, STATE_WISP) + 1;
     int *nodes = calloc((size_t)f->wisp_count, sizeof *nodes);
     f->first_row = calloc((size_t)rows + 2, sizeof *f->first_row);
     f->offset = calloc((size_t)f->wisp_count + 1, sizeof *f->offset);
@@ -179,68 +178,43 @@ static int take_frames(struct frames *f, int failed, const char *states, char *r
 /* --- who came of whom --- */
 
 static const double *position(const struct frames *f, int frame, int wisp, int node) {
-    const int row = f->first_row[frame - 1] + f->offset[wisp] + node;
-    return f->states.value + (size_t)row * (size_t)f->states.column_count + X;
+    return trajectory_row(f->states, f->first_row[frame - 1] + f->offset[wisp] + node) + STATE_X;
 }
 
 static int node_count(const struct frames *f, int wisp) {
     return f->offset[wisp + 1] - f->offset[wisp];
 }
 
-/* Mean distance of nodes, m; infinite where they do not stand on the same root. */
-static double apart(const struct frames *f, int frame, int a, int b) {
-    if (node_count(f, a) != node_count(f, b))
-        return INFINITY;
-    double sum = 0;
-    for (int i = 0; i < node_count(f, a); i++) {
-        const double *p = position(f, frame, a, i), *q = position(f, frame, b, i);
-        const double d[3] = {p[0] - q[0], p[1] - q[1], p[2] - q[2]};
-        sum += vector_length(d);
-        if (i < 2 && sum > 0)
-            return INFINITY;
-    }
-    return sum / node_count(f, a);
-}
-
-/* The file does not say it. Twins stand on one root, and part from a common place; so the parent is
- * the nearest of those on the root. If two wisps of one root were confused, they would still share
- * the hairs of that root among them, each having its own. */
-static int find_parent(struct frames *f, int wisp, const char *states, char *reason) {
-    const int frame = f->born[wisp];
-    double least = INFINITY;
-    f->parent[wisp] = -1;
-    for (int i = 0; i < wisp; i++) {
-        const double distance = apart(f, frame, i, wisp);
-        if (distance < least) {
-            least = distance;
-            f->parent[wisp] = i;
-        }
-    }
-    if (f->parent[wisp] < 0)
-        return refuse(states, reason,
-                      "frame %d: wisp %d has no other wisp's root, of which it could have split",
-                      frame, wisp);
-    f->wisps[wisp] = f->wisps[f->parent[wisp]];
-    return 0;
+/* The scene's wisps split off from none, and all others did. */
+static int check_parent(const struct frames *f, int wisp, const char *states, char *reason) {
+    const int parent = f->parent[wisp];
+    if (wisp < f->scene->wisp_count && parent != wisp)
+        return refuse(states, reason, "wisp %d is one of the scene's, and has a parent: wisp %d",
+                      wisp, parent);
+    if (wisp < f->scene->wisp_count ||
+        (parent != wisp && node_count(f, parent) == node_count(f, wisp)))
+        return 0;
+    return refuse(states, reason,
+                  "frame %d: wisp %d is none of the scene's, and has no parent with as many nodes, "
+                  "of which it could have split",
+                  f->born[wisp], wisp);
 }
 
 static int find_parents(struct frames *f, const char *states, char *reason) {
     const size_t count = (size_t)f->wisp_count;
-    const int known = f->scene->wisp_count;
     f->wisps = calloc(count, sizeof *f->wisps);
-    f->parent = calloc(count, sizeof *f->parent);
     f->born = calloc(count, sizeof *f->born);
-    if (!f->wisps || !f->parent || !f->born)
+    f->parent = f->states->parent;
+    if (!f->wisps || !f->born)
         return out_of_memory(reason);
-    memcpy(f->wisps, f->scene->wisps, (size_t)known * sizeof *f->wisps);
     int frame = 1, code = 0;
     for (int i = 0; i < f->wisp_count && !code; i++) {
         while (frames_wisps(f, frame) <= i)
             frame++;
         f->born[i] = frame;
-        f->parent[i] = -1;
-        if (i >= known)
-            code = find_parent(f, i, states, reason);
+        code = check_parent(f, i, states, reason);
+        if (!code)
+            f->wisps[i] = i < f->scene->wisp_count ? f->scene->wisps[i] : f->wisps[f->parent[i]];
     }
     return code;
 }
@@ -302,10 +276,10 @@ int frames_path(const char *word, char *states) {
            path_format(states, "%s/states.tsv", word) == 0;
 }
 
-int frames_open(struct frames *f, const char *states, const char *const *sets, int set_count,
-                char *reason) {
+int frames_open(struct frames *f, const char *states, struct trajectories *owner,
+                const char *const *sets, int set_count, char *reason) {
     char path[PATH_SIZE];
-    *f = (struct frames){0};
+    *f = (struct frames){.owner = owner};
     if (!file_exists(states))
         return refuse(states, reason, "no such file, or it cannot be read");
     json_t *run = read_run(states, path, reason);
@@ -318,8 +292,10 @@ int frames_open(struct frames *f, const char *states, const char *const *sets, i
              status ? status : "failed");
     int code = open_scene(f, run, path, sets, set_count, reason);
     json_decref(run);
-    if (!code)
-        code = table_read(&f->states, states, reason) ? 1 : 0;
+    if (!code) {
+        f->states = trajectories_take(owner, states, reason);
+        code = f->states ? 0 : 1;
+    }
     if (!code)
         code = check_columns(f, states, reason);
     if (!code)
@@ -330,11 +306,11 @@ int frames_open(struct frames *f, const char *states, const char *const *sets, i
 }
 
 void frames_close(struct frames *f) {
-    table_free(&f->states);
+    if (f->states)
+        trajectories_return(f->owner, f->states);
     if (f->scene)
         scene_free(f->scene);
     free(f->wisps);
-    free(f->parent);
     free(f->born);
     free(f->first_row);
     free(f->offset);
@@ -344,39 +320,44 @@ void frames_close(struct frames *f) {
 /* --- what is in them --- */
 
 double frames_time(const struct frames *f, int frame) {
-    return number(f, f->first_row[frame - 1], T);
+    return number(f, f->first_row[frame - 1], STATE_T);
 }
 
 int frames_wisps(const struct frames *f, int frame) {
-    return (int)number(f, f->first_row[frame] - 1, WISP) + 1;
+    return (int)number(f, f->first_row[frame] - 1, STATE_WISP) + 1;
 }
 
 void frames_load(const struct frames *f, int frame, int wisp, struct strand *strand) {
     struct placement head;
     head_placement(&f->scene->around.head, frames_time(f, frame), &head);
     strand_turn(strand, &head);
-    strand_load(strand, position(f, frame, wisp, 0), f->states.column_count);
+    strand_load(strand, position(f, frame, wisp, 0), f->states->table.column_count);
 }
 
 int frames_ancestor(const struct frames *f, int wisp) {
-    while (f->parent[wisp] >= 0)
+    while (f->parent[wisp] != wisp)
         wisp = f->parent[wisp];
     return wisp;
+}
+
+static int came_of(const struct frames *f, int wisp, int parent) {
+    return wisp != parent && f->parent[wisp] == parent;
 }
 
 /* What its parent had left when it was born, halved; and then what its own children took. */
 struct hair_share frames_share(const struct frames *f, int frame, int wisp) {
     struct hair_share share = {0, 0}, second;
-    if (f->parent[wisp] >= 0) {
-        share = frames_share(f, 0, f->parent[wisp]); /* as its parent was born */
+    const int parent = f->parent[wisp];
+    if (parent != wisp) {
+        share = frames_share(f, 0, parent); /* as its parent was born */
         for (int i = 0; i < wisp; i++)
-            if (f->parent[i] == f->parent[wisp])
+            if (came_of(f, i, parent))
                 hair_share_split(&share, &second);
         hair_share_split(&share, &second);
         share = second;
     }
     for (int i = 0; i < f->wisp_count; i++)
-        if (f->parent[i] == wisp && f->born[i] <= frame)
+        if (came_of(f, i, wisp) && f->born[i] <= frame)
             hair_share_split(&share, &second);
     return share;
 }

@@ -3,7 +3,7 @@
 #define WISPLAB_FRAMES_H
 
 #include "model/scene.h"
-#include "run/results.h"
+#include "model/trajectory.h"
 #include "wisp/hair.h"
 
 struct frames {
@@ -13,24 +13,25 @@ struct frames {
     int count;          /* numbered from 1 */
     int wisp_count;     /* in the last frame; no frame has more */
     struct wisp *wisps; /* numbers of each; those that came of a subdivision have their parent's */
-    int *parent;        /* of each such wisp, and in which frame it is seen first; else -1 and 1 */
-    int *born;
+    const int *parent;  /* by wisp, as states have it; of the scene's wisps they themselves */
+    int *born;          /* by wisp: in which frame it is seen first */
 
-    struct table states;
-    int *first_row; /* of the table, by frame - 1; and the last's end */
-    int *offset;    /* from there, by wisp */
+    struct trajectories *owner;
+    const struct trajectory *states; /* lent by the owner */
+    int *first_row;                  /* of the states, by frame - 1; and the last's end */
+    int *offset;                     /* from there, by wisp */
 };
 
 /* The states that a word names: a path that ends in .tsv, or the folder of a run. Returns 1, with
  * their path in `states` (PATH_SIZE), or 0 where it names none. */
 int frames_path(const char *word, char *states);
 
-/* Reads the table `states`, which must have its run.json beside it; `sets` change the scene as in
- * scene_load. A last frame that is not complete is left out if the run says that it failed. Returns
- * 0, or with one line in `reason` (REASON_SIZE) the exit code: 1 where the files are wrong, 2 where
- * memory cannot be had. To be closed either way. */
-int frames_open(struct frames *frames, const char *states, const char *const *sets, int set_count,
-                char *reason);
+/* Takes the file `states`, which must have its run.json beside it, from `owner` (or NULL); `sets`
+ * change the scene as in scene_load. A last frame that is not complete is left out if the run says
+ * that it failed. Returns 0, or with one line in `reason` (REASON_SIZE) the exit code: 1 where the
+ * files are wrong, 2 where memory cannot be had. To be closed either way. */
+int frames_open(struct frames *frames, const char *states, struct trajectories *owner,
+                const char *const *sets, int set_count, char *reason);
 void frames_close(struct frames *frames);
 
 double frames_time(const struct frames *frames, int frame);

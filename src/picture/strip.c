@@ -51,7 +51,8 @@ static int check_views(const struct frames *frames, unsigned views, const char *
 static int open_run(struct strip *strip, int i, const struct strip_request *request, char *reason) {
     const struct strip_row *row = &request->rows[i];
     struct run *run = &strip->runs[i];
-    int code = frames_open(&run->frames, row->states, request->sets, request->set_count, reason);
+    int code = frames_open(&run->frames, row->states, request->trajectories, request->sets,
+                           request->set_count, reason);
     strip->run_count++;
     if (code)
         return code;
@@ -109,7 +110,7 @@ static int comparable(const struct frames *a, const struct frames *b) {
 }
 
 static const double *node_at(const struct frames *frames, int row) {
-    return frames->states.value + (size_t)row * (size_t)frames->states.column_count + 3;
+    return trajectory_row(frames->states, row) + STATE_X;
 }
 
 static double largest_distance(const struct frames *a, const struct frames *b) {
@@ -124,8 +125,8 @@ static double largest_distance(const struct frames *a, const struct frames *b) {
 }
 
 static int open_reference(struct strip *strip, const struct strip_request *request, char *reason) {
-    const int code = frames_open(&strip->reference, request->reference, request->sets,
-                                 request->set_count, reason);
+    const int code = frames_open(&strip->reference, request->reference, request->trajectories,
+                                 request->sets, request->set_count, reason);
     for (int i = 0; i < strip->run_count && !code; i++) {
         struct run *run = &strip->runs[i];
         if (!comparable(&run->frames, &strip->reference))

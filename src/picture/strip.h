@@ -24,6 +24,7 @@ struct strip_request {
     int width, height;     /* of a panel, pixels; 320 x 240 */
     int columns;           /* panels of a run in one row; 0: all */
     const char *reference; /* states from which the distance is shown as colour, or NULL */
+    struct trajectories *trajectories; /* that have read the states, or will; NULL: nobody has */
 };
 
 struct strip;

@@ -55,7 +55,8 @@ static void write_nodes(FILE *file, struct strand *const *strands, int count,
 }
 
 /* The points of line after line are numbered through. */
-static void write_lines(FILE *file, struct strand *const *strands, int count, int points) {
+static void write_lines(FILE *file, struct strand *const *strands, const int *parent, int count,
+                        int points) {
     static const char *const begin = "<DataArray type=\"Int32\" Name=\"%s\" format=\"ascii\">\n";
     fputs("<Lines>\n", file);
     fprintf(file, begin, "connectivity");
@@ -69,10 +70,15 @@ static void write_lines(FILE *file, struct strand *const *strands, int count, in
     fprintf(file, begin, "wisp");
     for (int wisp = 0; wisp < count; wisp++)
         fprintf(file, "%d\n", wisp);
+    fputs("</DataArray>\n", file);
+    fprintf(file, begin, "parent");
+    for (int wisp = 0; wisp < count; wisp++)
+        fprintf(file, "%d\n", parent[wisp]);
     fputs("</DataArray>\n</CellData>\n", file);
 }
 
-static void write_document(FILE *file, struct strand *const *strands, int count, double t) {
+static void write_document(FILE *file, struct strand *const *strands, const int *parent, int count,
+                           double t) {
     int points = 0;
     for (int wisp = 0; wisp < count; wisp++)
         points += strands[wisp]->wisp->nodes;
@@ -89,7 +95,7 @@ static void write_document(FILE *file, struct strand *const *strands, int count,
     write_nodes(file, strands, count, STRAIN, "strain", 1);
     write_nodes(file, strands, count, RADIUS, "radius", 1);
     fputs("</PointData>\n", file);
-    write_lines(file, strands, count, points);
+    write_lines(file, strands, parent, count, points);
     fputs("</Piece>\n</PolyData>\n</VTKFile>\n", file);
 }
 
@@ -103,7 +109,7 @@ static int write_frame(const struct frames *frames, int frame, struct strand *co
         return 2;
     for (int wisp = 0; wisp < count; wisp++)
         frames_load(frames, frame, wisp, strands[wisp]);
-    write_document(file.stream, strands, count, frames_time(frames, frame));
+    write_document(file.stream, strands, frames->parent, count, frames_time(frames, frame));
     return atomic_commit(&file, reason) ? 2 : 0;
 }
 

@@ -1,8 +1,12 @@
 #include "case.h"
 
+#include "base/complain.h"
 #include "identity.h"
+#include "seal.h"
 
 #include <ctype.h>
+#include <errno.h>
+#include <string.h>
 #include <unistd.h>
 
 void run_folder(const char *root, const struct scene *scene, const struct settings *settings,
@@ -20,6 +24,36 @@ void run_folder(const char *root, const struct scene *scene, const struct settin
 int run_is_complete(const char *folder) {
     char path[PATH_SIZE];
     return path_format(path, "%s/run.json", folder) == 0 && file_exists(path);
+}
+
+/* To the first name that is free. Another process may have been faster. */
+static int set_aside(const char *folder, char *to, char *reason) {
+    for (int k = 1;; k++) {
+        char number[16] = "";
+        if (k > 1)
+            snprintf(number, sizeof number, "-%d", k);
+        if (path_format(to, "%s.damaged%s", folder, number) == 0 && !file_exists(to))
+            break;
+    }
+    if (rename(folder, to) == 0 || errno == ENOENT)
+        return 0;
+    snprintf(reason, REASON_SIZE, "%.200s is damaged, and cannot be set aside: %s", folder,
+             strerror(errno));
+    return -1;
+}
+
+int run_is_sound(const char *folder, char *reason) {
+    char to[PATH_SIZE];
+    if (!run_is_complete(folder))
+        return 0;
+    if (seal_holds(folder, reason))
+        return 1;
+    char what[REASON_SIZE];
+    snprintf(what, sizeof what, "%s", reason);
+    if (set_aside(folder, to, reason))
+        return -1;
+    complain(0, "%.150s: %.150s; it is set aside as %.150s, and run again", folder, what, to);
+    return 0;
 }
 
 void run_remove(const char *folder) {

@@ -31,6 +31,11 @@ void run_folder(const char *root, const struct scene *scene, const struct settin
 /* Whether a folder holds a complete run. */
 int run_is_complete(const char *folder);
 
+/* Whether a folder holds a complete run as it was written. One of which something is damaged is set
+ * aside, to a name beside it that ends with .damaged, and that is said; it is then to be run again.
+ * Returns 1; 0: there is none, or no more; or -1 with a reason where it cannot be set aside. */
+int run_is_sound(const char *folder, char *reason);
+
 /* Removes a run from its folder, and what is left of unfinished ones. The folder is locked, or
  * nobody else's. */
 void run_remove(const char *folder);

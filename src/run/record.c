@@ -6,6 +6,7 @@
 #include "identity.h"
 #include "model/problems.h"
 #include "reference_check.h"
+#include "seal.h"
 #include "warnings.h"
 
 #include <errno.h>
@@ -39,7 +40,7 @@ struct frame_writer {
 static void write_names(FILE *stream, const struct model *model) {
     for (int i = 0; i < model->column_count; i++)
         fprintf(stream, "\t%s", model->columns[i]);
-    fputc('\n', stream);
+    fputs("\tparent\n", stream);
 }
 
 static void write_diagnosis(struct frame_writer *writer, const struct diagnosis *diagnosis) {
@@ -59,7 +60,7 @@ static int write_frame(void *ctx, const struct model *model, double t, const dou
         fprintf(stream, "%.17g", t);
         for (int j = 0; j < columns; j++)
             fprintf(stream, "\t%.17g", rows[i * columns + j]);
-        fputc('\n', stream);
+        fprintf(stream, "\t%d\n", model->parent[(int)rows[i * columns]]);
     }
     if (fflush(stream)) /* now, so that a killed run keeps its frames and a full disk shows */
         writer->error = errno;
@@ -175,6 +176,11 @@ static json_t *counters_to_json(const struct counters *counters) {
     return json;
 }
 
+/* Of a run that took no step there is none. */
+static json_t *step_to_json(const struct step_range *steps, double step) {
+    return steps->largest > 0 ? json_real(step) : json_null();
+}
+
 static json_t *terms_to_json(const struct scene *scene) {
     const char *names[16];
     json_t *json = json_array();
@@ -203,24 +209,29 @@ static json_t *result_to_json(const struct scene *scene, const struct settings *
     run_hash(scene, settings, run_text);
     const int failed = result->outcome != FINISHED;
     return json_pack(
-        "{s:s, s:s, s:o, s:f, s:i, s:o, s:i, s:o, s:o, s:o, s:f, s:o, s:b, s:s, s:s, s:O, s:o, "
-        "s:o, "
-        "s:o}",
+        "{s:s, s:s, s:o, s:f, s:i, s:o, s:i, s:o, s:o, s:o, s:o, s:o, s:f, s:o, s:b, s:s, s:s, "
+        "s:O, "
+        "s:o, s:o, s:o}",
         "status", outcome_name(result->outcome), "reason", result->reason, "failure_time",
         failed ? json_real(result->time) : json_null(), "simulated_time", result->time, "frames",
         result->frames, "wisps", result->wisps > 0 ? json_integer(result->wisps) : json_null(),
         "unknowns", settings->unknowns, "terms", terms_to_json(scene), "warnings",
-        scene_warnings(scene), "counters", counters_to_json(&result->counters), "cpu_seconds",
-        result->cpu_seconds, "seconds", seconds_to_json(settings, result), "times_comparable",
+        scene_warnings(scene), "counters", counters_to_json(&result->counters), "step_least",
+        step_to_json(&result->steps, result->steps.least), "step_largest",
+        step_to_json(&result->steps, result->steps.largest), "cpu_seconds", result->cpu_seconds,
+        "seconds", seconds_to_json(settings, result), "times_comparable",
         !settings->diagnostics && !settings->profile, "run_hash", run_text, "scene_hash",
         scene_text, "scene", scene->source, "settings", settings_to_json(scene, settings), "build",
         build_to_json(), "machine", machine_to_json());
 }
 
-static int write_json(const json_t *json, const char *folder, char *reason) {
+/* The tables of the run are there. */
+static int write_json(json_t *json, const char *folder, char *reason) {
     char path[PATH_SIZE];
     struct atomic_file file;
     path_format(path, "%s/run.json", folder);
+    if (json && seal_add(json, folder, reason))
+        return -1;
     if (atomic_open(&file, path, reason))
         return -1;
     if (!json || json_dumpf(json, file.stream, JSON_INDENT(2) | JSON_REAL_PRECISION(17))) {

@@ -1,27 +1,23 @@
 #include "results.h"
 
-#include "base/table.h"
-
 #include <gsl/gsl_sort.h>
 #include <gsl/gsl_statistics_double.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+static const struct trajectory no_states;
+
 /* Whether all frames are there that run.json counts, and the last has no fewer nodes than the one
  * before: wisps become more, but not fewer. */
 static int has_all_frames(const struct run_files *run) {
-    const struct table *states = &run->states;
-    int frames = 0, rows = 0, rows_before = 0;
-    for (int i = 0; i < states->row_count; i++) {
-        if (i == 0 || table_value(states, i, 0) != table_value(states, i - 1, 0)) {
-            rows_before = rows;
-            rows = 0;
-            frames++;
-        }
-        rows++;
-    }
-    return frames > 0 && frames == run_number(run, "frames") && rows >= rows_before;
+    const struct trajectory *states = run->states;
+    const int frames = states->frame_count;
+    if (frames == 0 || frames != run_number(run, "frames"))
+        return 0;
+    const int last = states->frames[frames - 1].row,
+              before = frames > 1 ? last - states->frames[frames - 2].row : 0;
+    return states->table.row_count - last >= before;
 }
 
 static int states_fail(const char *path, const char *what, char *reason) {
@@ -29,24 +25,10 @@ static int states_fail(const char *path, const char *what, char *reason) {
     return -1;
 }
 
-/* A run that died early has no frames. */
-static int read_states(struct run_files *run, const char *path, char *reason) {
-    enum { T_TO_VZ = 9 };
-    if (run->outcome != FINISHED && !file_exists(path))
-        return 0;
-    if (table_read(&run->states, path, reason))
-        return -1;
-    if (run->states.column_count < T_TO_VZ)
-        return states_fail(path, "has not the columns of states", reason);
-    if (run->outcome == FINISHED && !has_all_frames(run))
-        return states_fail(path, "has not all frames of a run that finished", reason);
-    return 0;
-}
-
 int run_read(struct run_files *run, const char *folder, char *reason) {
     char path[PATH_SIZE];
     json_error_t error;
-    *run = (struct run_files){0};
+    *run = (struct run_files){.states = &no_states};
     path_format(path, "%s/run.json", folder);
     run->json = json_load_file(path, 0, &error);
     if (!run->json) {
@@ -55,12 +37,36 @@ int run_read(struct run_files *run, const char *folder, char *reason) {
     }
     const char *status = json_string_value(json_object_get(run->json, "status"));
     run->outcome = outcome_from_name(status ? status : "");
-    path_format(path, "%s/states.tsv", folder);
-    if (run->outcome == OUTCOME_COUNT) {
-        snprintf(reason, REASON_SIZE, "%.150s/run.json: unknown status", folder);
-    } else if (read_states(run, path, reason) == 0) {
+    if (run->outcome != OUTCOME_COUNT)
         return 0;
-    }
+    run_free(run);
+    return states_fail(path, "unknown status", reason);
+}
+
+/* A run that died early has no frames. */
+static int read_states(struct run_files *run, const char *path, char *reason) {
+    if (run->outcome != FINISHED && !file_exists(path))
+        return 0;
+    const struct trajectory *states = trajectories_take(run->owner, path, reason);
+    if (!states)
+        return -1;
+    run->states = states;
+    if (states->table.column_count < STATE_SAMPLES)
+        return states_fail(path, "has not the columns of states", reason);
+    if (run->outcome == FINISHED && !has_all_frames(run))
+        return states_fail(path, "has not all frames of a run that finished", reason);
+    return 0;
+}
+
+int run_read_states(struct run_files *run, const char *folder, struct trajectories *owner,
+                    char *reason) {
+    char path[PATH_SIZE];
+    if (run_read(run, folder, reason))
+        return -1;
+    run->owner = owner;
+    path_format(path, "%s/states.tsv", folder);
+    if (read_states(run, path, reason) == 0)
+        return 0;
     run_free(run);
     return -1;
 }
@@ -68,7 +74,9 @@ int run_read(struct run_files *run, const char *folder, char *reason) {
 void run_free(struct run_files *run) {
     json_decref(run->json);
     run->json = NULL;
-    table_free(&run->states);
+    if (run->states && run->states != &no_states)
+        trajectories_return(run->owner, run->states);
+    run->states = NULL;
 }
 
 double run_number(const struct run_files *run, const char *path) {

@@ -4,18 +4,27 @@
 
 #include "base/files.h"
 #include "base/outcome.h"
-#include "base/table.h"
+#include "model/trajectory.h"
 
 #include <jansson.h>
 
 /* A run's folder read back. */
 struct run_files {
-    json_t *json; /* run.json */
-    struct table states;
+    json_t *json;                    /* run.json */
+    const struct trajectory *states; /* without frames where they were not asked for, or the run
+                                        died before its first */
     enum outcome outcome;
+    struct trajectories *owner; /* of the states; not the run's */
 };
 
+/* How a run went: run.json alone. Returns 0, or -1 with one line in `reason` (REASON_SIZE). */
 int run_read(struct run_files *run, const char *folder, char *reason);
+
+/* The same, and its states, which `owner` has read or reads now; NULL: the run's own. */
+int run_read_states(struct run_files *run, const char *folder, struct trajectories *owner,
+                    char *reason);
+
+/* Of both. */
 void run_free(struct run_files *run);
 
 /* A number of run.json by its path, "counters.steps"; NaN where there is none. */

@@ -214,8 +214,9 @@ static enum attempt try_to_start(struct pool *pool, struct slot *slot, struct ta
                                  char *reason) {
     const char *folder = task->run->folder;
     long who;
-    if (run_is_complete(folder))
-        return THERE;
+    const int sound = run_is_sound(folder, reason);
+    if (sound)
+        return sound > 0 ? THERE : FAILED;
     if (host_enter(pool->timed, &who)) {
         say_who(reason, pool->timed, who);
         return HOST_IS_TAKEN;

@@ -18,6 +18,7 @@ struct progress_of_part {
     int code;           /* of the step that failed, or 0 */
     int finite;         /* whether the state is */
     double evaluations; /* up to the last stop */
+    struct step_range steps;
     struct profile profile;
     struct account account; /* where diagnoses are asked for */
 };
@@ -145,6 +146,13 @@ static void add_counters(struct counters *sum, const struct counters *part) {
 #undef X
 }
 
+static void add_steps(struct step_range *all, const struct step_range *part) {
+    if (part->largest == 0)
+        return;
+    all->least = all->largest > 0 ? fmin(all->least, part->least) : part->least;
+    all->largest = fmax(all->largest, part->largest);
+}
+
 static void add_profile(struct profile *sum, const struct profile *part) {
 #define X(call) sum->call += part->call;
     SYSTEM_CALLS(X)
@@ -156,8 +164,10 @@ static void close_simulation(struct simulation *sim) {
         for (int i = 0; i < sim->model->part_count; i++) {
             sim->result->wisps += sim->model->parts[i].system.wisps;
             add_counters(&sim->result->counters, &sim->model->parts[i].system.counters);
-            if (sim->progress)
+            if (sim->progress) {
+                add_steps(&sim->result->steps, &sim->progress[i].steps);
                 add_profile(&sim->result->profile, &sim->progress[i].profile);
+            }
             if (sim->steppers && sim->steppers[i])
                 sim->settings->method->free(sim->steppers[i]);
         }
@@ -195,6 +205,13 @@ static void count_evaluations(struct simulation *sim) {
     sim->evaluations_left = left;
 }
 
+/* Part i has taken a step of h. */
+static void note_step(struct simulation *sim, int i, double h) {
+    struct part *part = &sim->model->parts[i];
+    part->system.counters.steps += part->system.wisps;
+    add_steps(&sim->progress[i].steps, &(struct step_range){h, h});
+}
+
 /* Equal steps over the interval, the last of them ending at `to`. */
 static int advance_fixed(struct simulation *sim, int i, double *t, double to) {
     struct part *part = &sim->model->parts[i];
@@ -206,7 +223,7 @@ static int advance_fixed(struct simulation *sim, int i, double *t, double to) {
         const int code = sim->settings->method->step(sim->steppers[i], *t, h, part->q, part->v);
         if (code)
             return code;
-        part->system.counters.steps += part->system.wisps;
+        note_step(sim, i, h);
         *t = k + 1 == steps ? to : from + (double)(k + 1) * h;
         if (part->account)
             account_step(part, *t);
@@ -218,10 +235,11 @@ static int advance_fixed(struct simulation *sim, int i, double *t, double to) {
 static int advance_adaptive(struct simulation *sim, int i, double *t, double to, int once) {
     struct part *part = &sim->model->parts[i];
     do {
+        const double from = *t;
         const int code = sim->settings->method->advance(sim->steppers[i], t, to, part->q, part->v);
         if (code)
             return code;
-        part->system.counters.steps += part->system.wisps;
+        note_step(sim, i, *t - from);
         if (part->account)
             account_step(part, *t);
     } while (*t < to && !once && !interrupted(sim, i, *t));

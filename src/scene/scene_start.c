@@ -50,12 +50,12 @@ static void fail(struct config_reader *reader, const config_setting_t *setting,
     config_fail(reader, setting, "start: %s", reason);
 }
 
-/* What is in the table, as a model of the treatment whose columns it has knows it. */
-static void take_table(struct config_reader *reader, const config_setting_t *setting,
-                       const struct table *table, const char *file, struct scene *scene) {
+/* What is in the file, as a model of the treatment whose columns it has knows it. */
+static void take_states(struct config_reader *reader, const config_setting_t *setting,
+                        const struct trajectory *states, const char *file, struct scene *scene) {
     char reason[REASON_SIZE] = "out of memory";
-    struct start start = {.treatment =
-                              table_column(table, "e0x") >= 0 ? WISP_PENALTY : WISP_GENERALISED};
+    struct start start = {.treatment = table_column(&states->table, "e0x") >= 0 ? WISP_PENALTY
+                                                                                : WISP_GENERALISED};
     double t;
     errno = 0;
     struct model *model = scene->problem->create(scene, start.treatment, 1);
@@ -69,7 +69,7 @@ static void take_table(struct config_reader *reader, const config_setting_t *set
     start.columns = model->column_count;
     start.count = (int)size;
     start.rows = malloc(size * sizeof *start.rows);
-    if (!expected || !start.rows || state_of_table(model, table, file, start.rows, &t, reason)) {
+    if (!expected || !start.rows || state_of(model, states, file, start.rows, &t, reason)) {
         fail(reader, setting, reason);
     } else {
         model->problem->sample(model, expected);
@@ -84,7 +84,7 @@ void scene_read_start(struct config_reader *reader, config_setting_t *top, struc
     const config_setting_t *setting = config_setting_get_member(top, "start");
     const char *name = config_text(reader, top, "start", NULL);
     char path[PATH_SIZE], reason[REASON_SIZE];
-    struct table table;
+    struct trajectory states;
     if (reader->failed || !name)
         return;
     if (!*name || start_path(reader, name, path)) {
@@ -92,12 +92,12 @@ void scene_read_start(struct config_reader *reader, config_setting_t *top, struc
         return;
     }
     errno = 0;
-    if (table_read(&table, path, reason)) {
+    if (trajectory_read(&states, path, reason)) {
         fail(reader, setting, reason);
         return;
     }
-    take_table(reader, setting, &table, path, scene);
-    table_free(&table);
+    take_states(reader, setting, &states, path, scene);
+    trajectory_free(&states);
 }
 
 void scene_note_start(struct scene *scene) {

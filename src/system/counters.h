@@ -21,6 +21,7 @@
     X(restarts, "times a stepper began anew after an event")                                \
     X(body_contacts, "times a node or sample was inside a body and was put outside")        \
     X(nodes_left_inside, "times a node was still inside a body after a tick's passes")      \
+    X(sections_tested, "times points were looked for in a section of a wisp")               \
     X(wisp_contacts, "times a point was found in a section of another wisp")                \
     X(splits, "wisps that were divided in two")
 
@@ -28,6 +29,13 @@ struct counters {
 #define X(field, definition) long long field;
     COUNTERS(X)
 #undef X
+};
+
+/* The shortest and the longest accepted step of any wisp, s, as they were taken: a fixed step is
+ * divided so that the time to each stop has a whole number of them, and a step of a method's own
+ * choice may be cut short by a stop. largest = 0: none was taken. */
+struct step_range {
+    double least, largest;
 };
 
 #endif

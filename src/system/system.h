@@ -115,6 +115,7 @@ struct system {
     int size;                        /* doubles in q, in v, in a */
     int lanes;                       /* wisps side by side, padding included */
     int wisps;                       /* wisps that count: lanes without the padding */
+    const int *numbers;              /* of the wisps in the lanes, for messages; or NULL */
     unsigned matrix[JACOBIAN_COUNT]; /* enum matrix_property, by kind of Jacobian */
     const char *matrix_note;         /* why the matrix is not symmetric, or NULL */
     unsigned force_parts;            /* that solve_part takes, bit k for part k; 0: none */

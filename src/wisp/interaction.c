@@ -431,6 +431,10 @@ struct contact *interaction_contacts(struct interaction *it) {
     return it->contact;
 }
 
+int interaction_sections(const struct interaction *it) {
+    return it->volume_count;
+}
+
 /* --- what all contacts do together --- */
 
 /* c of every point. One-sided, a section's nodes take no part. */

@@ -44,6 +44,9 @@ int interaction_tick(struct interaction *interaction, struct strand *const *stra
 int interaction_find(struct interaction *interaction, struct strand *const *strands, int count);
 struct contact *interaction_contacts(struct interaction *interaction);
 
+/* In how many sections the last search looked: all those of the strands that it was given. */
+int interaction_sections(const struct interaction *interaction);
+
 /* Second pass: the changes of velocity that `count` contacts, all or some of those found in that
  * order, make together. Every change is from the velocities that interaction_find saw. */
 void interaction_apply(struct interaction *interaction, struct strand *const *strands,

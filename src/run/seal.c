@@ -1,0 +1,73 @@
+#include "seal.h"
+
+#include "base/hash.h"
+
+#include <errno.h>
+#include <string.h>
+
+static const char *const tables[] = {"states.tsv", "diagnostics.tsv"};
+
+/* Of everything but itself. */
+static void hash_of(json_t *json, char hash[HASH_SIZE]) {
+    json_t *others = json_copy(json);
+    json_object_del(others, "seal");
+    hash_json(others, hash);
+    json_decref(others);
+}
+
+int seal_add(json_t *json, const char *folder, char *reason) {
+    json_t *files = json_object();
+    char hash[HASH_SIZE];
+    for (size_t i = 0; i < sizeof tables / sizeof *tables; i++) {
+        char path[PATH_SIZE];
+        path_format(path, "%s/%s", folder, tables[i]);
+        if (hash_file(path, hash) == 0) {
+            json_object_set_new(files, tables[i], json_string(hash));
+        } else if (errno != ENOENT) {
+            snprintf(reason, REASON_SIZE, "%.150s: cannot read: %s", path, strerror(errno));
+            json_decref(files);
+            return -1;
+        }
+    }
+    json_object_set_new(json, "files", files);
+    hash_of(json, hash);
+    json_object_set_new(json, "seal", json_string(hash));
+    return 0;
+}
+
+static int files_hold(const json_t *files, const char *folder, char *reason) {
+    const char *name;
+    json_t *hash;
+    json_object_foreach((json_t *)files, name, hash) {
+        char path[PATH_SIZE], now[HASH_SIZE];
+        if (path_format(path, "%s/%s", folder, name) || hash_file(path, now)) {
+            snprintf(reason, REASON_SIZE, "%.80s cannot be read", name);
+            return 0;
+        }
+        if (!json_is_string(hash) || strcmp(json_string_value(hash), now) != 0) {
+            snprintf(reason, REASON_SIZE, "%.80s is not what the run has written", name);
+            return 0;
+        }
+    }
+    return 1;
+}
+
+int seal_holds(const char *folder, char *reason) {
+    char path[PATH_SIZE], hash[HASH_SIZE];
+    json_error_t error;
+    path_format(path, "%s/run.json", folder);
+    json_t *json = json_load_file(path, 0, &error);
+    if (!json) {
+        snprintf(reason, REASON_SIZE, "run.json:%d: %.100s", error.line, error.text);
+        return 0;
+    }
+    const char *seal = json_string_value(json_object_get(json, "seal"));
+    hash_of(json, hash);
+    int holds = seal && strcmp(seal, hash) == 0;
+    if (!holds)
+        snprintf(reason, REASON_SIZE, "run.json is not what the run has written");
+    else
+        holds = files_hold(json_object_get(json, "files"), folder, reason);
+    json_decref(json);
+    return holds;
+}
