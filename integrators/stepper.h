@@ -45,6 +45,7 @@ struct stepper_method {
     const char *summary;                     /* one line */
     const char *reference;                   /* paper, book or manual */
     int order;                               /* of accuracy; the highest where it varies */
+    int undamped_order;                      /* where nothing is damped, if another; else 0 */
     unsigned capabilities;                   /* enum stepper_capability */
     const struct option_spec *options;       /* its own, or NULL */
     const struct butcher_table *table;       /* of Runge-Kutta methods, else NULL */
