@@ -144,8 +144,8 @@ Test(configurations, a_stepper_that_takes_no_part_is_named) {
     static const struct {
         const char *experiment, *stepper, *says;
     } rows[] = {
-        {"solvers", "rk4", "it compares implicit-euler, cvode"},
-        {"solvers", "reference", "it compares implicit-euler, cvode"},
+        {"solvers", "rk4", "implicit-euler, cvode"},
+        {"solvers", "reference", "implicit-euler, cvode"},
         {"kernel", "rk4", "kernel"},
         {"needs", "rk4", "leave out --stepper"},
         {"treatments", "rk4", "leave out --stepper"},
