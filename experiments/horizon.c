@@ -444,7 +444,7 @@ static int horizon_tabulate(struct plan *plan, const char *folder) {
 const struct experiment horizon_experiment = {
     .name = "horizon",
     .question = "how long can trajectories be compared where wisps touch, and what after that?",
-    .place = 14,
+    .place = 15,
     .full_seconds = 150,
     .plan = horizon_plan,
     .tabulate = horizon_tabulate,

@@ -19,6 +19,7 @@
     X(subdivision)     \
     X(wind)            \
     X(shake)           \
+    X(chapter5)        \
     X(kernel)          \
     X(contact_rate)
 

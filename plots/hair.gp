@@ -114,8 +114,10 @@ set bars 0.7
 if (VARIANTS_HERE > 1) {
     eval panel(70, 80, 375, 340)
     set xrange [0.5:VARIANTS_HERE + 0.5]
-    stats table('table') using (larger(column(GREATEST + 3), column(THESIS_RATIO))) nooutput
-    set yrange [0:1.12 * STATS_max]
+    stats table('table') using 9 nooutput
+    highest = STATS_max
+    if (has_thesis) { stats table('table') using THESIS_RATIO nooutput; highest = larger(highest, STATS_max) }
+    set yrange [0:1.12 * highest]
     eval 'set xtics ('.names_below.') noenhanced font ",11"'
     set ylabel 'CPU time over the first row''s' offset 1, 0
     plot table('table') using (place_of(strcol(1)) - 0.1):RATIO:(column(8)):(column(9)) \

@@ -29,6 +29,8 @@ static const char breath[] = COMMON HANGING
 static const char long_gust[] = COMMON HANGING
     "duration = 2.5;\n"
     "wind = { kind = \"gust\"; velocity = [5.0, 0.0, 0.0]; hold = 2.4; decay = 0.05; };\n";
+static const char steady[] =
+    COMMON HANGING "duration = 2.5; wind = { kind = \"steady\"; velocity = [5.0, 0.0, 0.0]; };\n";
 static const char shaken[] = COMMON HANGING
     "duration = 3.0;\n"
     "head = { times = [0.0, 0.2, 0.6, 0.8]; positions = ([0.0, 0.0, 0.0], [0.0, 0.0, 0.0],\n"
@@ -37,6 +39,22 @@ static const char shaken[] = COMMON HANGING
 /* Wisps that start in each other, and stay so up to the frame at which the thesis's have parted. */
 static const char hugging[] = COMMON HANGING "duration = 0.7; contacts = { };\n";
 static const char still[] = COMMON HANGING "duration = 0.5;\n";
+/* A body that never comes near the hair. */
+static const char far[] =
+    COMMON HANGING "duration = 0.5; contacts = { };\n"
+                   "body = ( { name = \"far\"; center = [2.0, 0.0, 0.0]; radii = [0.1, 0.1, 0.1];\n"
+                   "           friction = 50.0; elasticity = 0.1; offset = 1.0e-4; } );\n";
+/* The wisps of figure 5.3 as they first were, with every response switched off: they part and come
+ * back by gravity and air alone. */
+static const char untouched[] =
+    "name = \"no-contact\"; duration = 3.0; frame_rate = 30.0; gravity = [0.0, -9.81, 0.0];\n"
+    "material = { drag_rate = 2.0; bending = \"hinge\"; bending_stiffness = 3.0e-4; };\n"
+    "envelope = { };\n"
+    "wisps = ( { root = [-0.045, 0.0, -0.003]; direction = [0.25, -1.0, 0.0]; length = 0.60;\n"
+    "            nodes = 21; },\n"
+    "          { root = [0.045, 0.0, 0.003]; direction = [-0.25, -1.0, 0.0]; length = 0.60;\n"
+    "            nodes = 21; } );\n"
+    "contacts = { viscosity = 0.5; interpenetration = false; collision = false; };\n";
 
 /* Two wisps that meet so fast that contacts cannot keep them apart. */
 static const char fast[] =
@@ -175,11 +193,11 @@ Test(chapter5, slow_interactions_tell_who_passes_through, QUIET) {
     ask(&answer, "interactions", "euler", NULL);
     HOLD(&answer, "crossings, none", "crossings, interpenetration", "crossings, collision",
          "crossings, all");
-    cr_assert_gt(number(answer.statement, "crossings, none", "value"), 5);
+    cr_assert_geq(number(answer.statement, "crossings, none", "value"), 1);
     static const char *const moved[] = {"influence, interpenetration", "influence, collision",
                                         "influence, all"};
-    for (int i = 0; i < 3; i++) /* by more than a quarter of a wisp */
-        cr_assert_gt(number(answer.statement, moved[i], "value"), 40);
+    for (int i = 0; i < 3; i++)
+        cr_assert_gt(number(answer.statement, moved[i], "value"), 20);
     forget(&answer);
     must_not_hold("interactions", radii, "crossings, none");
     must_not_hold("interactions", fast, "crossings, collision");
@@ -188,13 +206,60 @@ Test(chapter5, slow_interactions_tell_who_passes_through, QUIET) {
 Test(chapter5, slow_viscosity_tells_when_wisps_part, QUIET) {
     struct answer answer;
     ask(&answer, "viscosity", "euler", NULL);
-    HOLD(&answer, "overlap at the start", "parted", "stuck", "stay");
-    cr_assert_float_eq(number(answer.statement, "parted", "value"), 12, 1e-9);
-    cr_assert_float_eq(number(answer.statement, "stay", "value"), 54, 2.1);
+    HOLD(&answer, "stuck", "held together");
+    says(&answer, "parted", "tells nothing"); /* 0.5 /s changes half a millimetre */
+    cr_assert_float_eq(number(answer.statement, "parted", "value"), 13, 1.1);
+    cr_assert_float_eq(number(answer.statement, "stay", "value"), 26, 2.1);
     forget(&answer);
     must_not_hold("viscosity", hugging, "parted");
     must_say("viscosity", radii, "parted", "not reached"); /* it ends before that frame */
     must_not_hold("viscosity", crossed, "stay");
+}
+
+/* How many statements of the figure `series` are whose, and have that verdict. */
+static int count_series(const struct answer *answer, const char *by, const char *verdict) {
+    const char *const table = answer->statement, *line = table;
+    char figure[400], whose[400], came[400];
+    int count = 0;
+    while (*line == '#')
+        line = strchr(line, '\n') + 1;
+    for (line = strchr(line, '\n') + 1; *line; line = strchr(line, '\n') + 1) {
+        field(line, column_named(table, "figure"), figure);
+        field(line, column_named(table, "by"), whose);
+        field(line, column_named(table, "verdict"), came);
+        count +=
+            strcmp(figure, "series") == 0 && strcmp(whose, by) == 0 && strcmp(came, verdict) == 0;
+    }
+    return count;
+}
+
+/* Where nothing is switched on, the control is what it is to be told from. */
+Test(chapter5, slow_a_claim_that_the_control_passes_tells_nothing, QUIET) {
+    struct answer answer;
+    char text[400];
+    ask(&answer, "viscosity", "euler", untouched);
+    says(&answer, "parted", "tells nothing");
+    says(&answer, "stay", "tells nothing");
+    says(&answer, "stuck", "not reached");
+    says(&answer, "held together", "not reached");
+    field(row_named(answer.statement, "parted"), column_named(answer.statement, "statement"), text);
+    cr_assert(strstr(text, "So it is without contact, too."), "%s", text);
+    cr_assert_eq(count_series(&answer, "thesis", "holds"), 0, "%s", answer.statement);
+    forget(&answer);
+}
+
+/* Statements are of all frames also with --quick. */
+Test(chapter5, slow_quick_ones_watch_the_whole_scene, QUIET) {
+    static const char *const names[] = {"interactions", "viscosity", "sphere", "subdivision"};
+    for (int i = 0; i < 4; i++) {
+        struct answer answer;
+        ask(&answer, names[i], NULL, NULL);
+        cr_assert_eq(count_series(&answer, "thesis", "not reached") +
+                         count_series(&answer, "ours", "not reached"),
+                     0, "%s", answer.statement);
+        cr_assert_gt(count_series(&answer, "thesis", "holds"), 0, "%s", answer.statement);
+        forget(&answer);
+    }
 }
 
 Test(chapter5, slow_the_sphere_keeps_hair_out, QUIET) {
@@ -204,7 +269,27 @@ Test(chapter5, slow_the_sphere_keeps_hair_out, QUIET) {
     cr_assert_gt(number(answer.statement, "deepest segment", "value"), 0.1);
     cr_assert_float_eq(number(answer.table, "sphere", "thesis_per_frame"), 21.6, 0);
     forget(&answer);
-    must_not_hold("sphere", still, "touched");
+    must_say("sphere", far, "touched", "not reached");
+    must_say("sphere", far, "strain", "not reached"); /* of a push that never came */
+}
+
+/* Two wisps whose soft envelopes are flattened by their fall: twins stay where they are. */
+static const char close_twins[] =
+    "name = \"twins\"; duration = 1.0; frame_rate = 30.0; gravity = [0.0, -9.81, 0.0];\n"
+    "material = { }; envelope = { frequency = 2.0; };\n"
+    "wisps = ( { root = [0.0, 0.0, 0.0]; direction = [1.0, 0.345, -0.074]; length = 0.30;\n"
+    "            nodes = 11; },\n"
+    "          { root = [0.085, 0.065, 0.035]; direction = [0.007, 1.057, -1.0];\n"
+    "            length = 0.30; nodes = 11; } );\n"
+    "contacts = { }; subdivision = { ratio = 0.75; separation = 0.01; limit = 4; };\n";
+
+Test(chapter5, slow_subdivision_adds_what_is_seen, QUIET) {
+    struct answer answer;
+    ask(&answer, "subdivision", "euler", NULL);
+    HOLD(&answer, "wisps, without", "wisps", "the same until", "complexity", "evaluations");
+    cr_assert_gt(number(answer.statement, "complexity", "value"), 20);
+    forget(&answer);
+    must_not_hold("subdivision", close_twins, "complexity");
 }
 
 Test(chapter5, slow_wind_lays_over_and_lets_fall, QUIET) {
@@ -213,7 +298,8 @@ Test(chapter5, slow_wind_lays_over_and_lets_fall, QUIET) {
     HOLD(&answer, "laid over", "in the gust", "fallen back");
     forget(&answer);
     must_not_hold("wind", breath, "laid over");
-    must_not_hold("wind", long_gust, "fallen back");
+    must_not_hold("wind", steady, "fallen back");
+    must_say("wind", long_gust, "fallen back", "not reached"); /* it ends before the gust does */
 }
 
 Test(chapter5, slow_hair_lags_a_head_that_shakes, QUIET) {
@@ -223,7 +309,7 @@ Test(chapter5, slow_hair_lags_a_head_that_shakes, QUIET) {
     const double lag = number(answer.statement, "lag", "value");
     cr_assert(lag > 0.02 && lag < 0.5, "a lag of %g s", lag);
     forget(&answer);
-    must_not_hold("shake", still, "lag");
+    must_say("shake", still, "lag", "not reached"); /* its head does not turn */
 }
 
 Test(chapter5, slow_radii_are_compared_from_one_to_the_next, QUIET) {
@@ -284,9 +370,45 @@ Test(chapter5, slow_costs_are_normalised_to_the_first_row, QUIET) {
         cr_assert_eq(strstr(words, ": more") != NULL, i > 0 && low > theirs_high, "%s: %s",
                      names[i], words);
         snprintf(text, sizeof text, "cost, %s", names[i]);
-        says(&answer, text, alike ? "holds" : "does not hold");
+        says(&answer, text, "holds"); /* it is measured: nothing is judged by a time */
     }
     forget(&answer);
+}
+
+/* The thesis's times of a wisp over those of figure 5.2 without interaction, worked out by hand
+ * from its tables; and where the scenes are off the common model. */
+Test(chapter5, slow_figures_are_compared_by_the_wisp, QUIET) {
+    static const struct {
+        const char *name;
+        double thesis;
+        const char *deviates;
+    } rows[] = {{"5.2 none", 1, "no wisp contact"},      {"5.1 radius 1 cm", 1.146, "length"},
+                {"5.1 radius 3 cm", 1.503, "viscosity"}, {"5.3 viscosity 0.5", 1.118, "bending"},
+                {"5.4 sphere", 1.579, "nothing"},        {"5.5 without", 1.158, "drag"},
+                {"5.5 with", 2.184, "one-sided"},        {"5.6 wind", 6.184, "nothing"}};
+    struct answer answer;
+    struct finished f;
+    char text[400];
+    folder_make(answer.folder);
+    PROGRAM(&f, NULL, "experiment", "chapter5", "--quick", "--out", answer.folder);
+    cr_assert_eq(f.code, 0, "%s", f.err);
+    char *figures = table_of(&answer, "chapter5", "figures"),
+         *models = table_of(&answer, "chapter5", "models");
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        const double cpu = number(figures, rows[i].name, "cpu"),
+                     none = number(figures, "5.2 none", "cpu");
+        cr_assert_float_eq(number(figures, rows[i].name, "thesis"), rows[i].thesis, 6e-4, "%s: %g",
+                           rows[i].name, number(figures, rows[i].name, "thesis"));
+        cr_assert_float_eq(number(figures, rows[i].name, "ours"), cpu / none, 1e-9);
+        field(row_named(models, rows[i].name), column_named(models, "deviates"), text);
+        cr_assert(strstr(text, rows[i].deviates), "%s deviates: %s", rows[i].name, text);
+    }
+    cr_assert_eq(number(figures, "5.2 none", "contacts"), 0);
+    free(figures);
+    free(models);
+    PROGRAM(&f, NULL, "experiment", "chapter5", "--scene", "swing", "--out", answer.folder);
+    cr_assert(f.code == 1 && strstr(f.err, "takes no --scene"), "%d: %s", f.code, f.err);
+    folder_remove(answer.folder);
 }
 
 /* Every stepper has a row; two are compared by their distance. */
@@ -353,10 +475,8 @@ static void try_quickly(const char *experiment, const char *scene) {
     const int figures = 3 + count_files(runs, ".tsv") - TABLES;
     statements_must_be_whole(runs);
     cr_assert_gt(figures, 3, "%s: no run is diagnosed", experiment);
-    const int hair = count_files(runs, "hair.png"); /* sphere --quick ends before the first */
-    cr_assert_eq(hair, strcmp(experiment, "sphere") != 0, "%s: pictures of hair", experiment);
-    cr_assert_eq(count_files(runs, ".png"), figures + hair, "%s: not %d figures", experiment,
-                 figures);
+    cr_assert_eq(count_files(runs, "hair.png"), 1, "%s: pictures of hair", experiment);
+    cr_assert_eq(count_files(runs, ".png"), figures + 1, "%s: not %d figures", experiment, figures);
     cr_assert_eq(count_files(runs, ".svg"), figures, "%s: not %d figures", experiment, figures);
     folder_remove(folder);
 }
@@ -382,10 +502,9 @@ Test(chapter5, two_scenes_are_refused) {
 
 /* Variants of what a scene has not would be its own, all alike. */
 Test(chapter5, a_scene_without_what_is_varied_is_refused) {
-    static const char *const needs[][2] = {{"radii", "envelope"},
-                                           {"interactions", "contacts"},
-                                           {"viscosity", "contacts"},
-                                           {"subdivision", "subdivision"}};
+    static const char *const needs[][2] = {
+        {"radii", "envelope"},          {"interactions", "contacts"}, {"viscosity", "contacts"},
+        {"subdivision", "subdivision"}, {"sphere", "body"},           {"wind", "wind"}};
     char folder[PATH_SIZE];
     folder_make(folder);
     for (size_t i = 0; i < sizeof needs / sizeof *needs; i++) {

@@ -6,7 +6,7 @@
 
 /* k / 30 exactly, an hour long: 108 000 frames, where adding 1/30 would be 1e-9 off. */
 Test(clock, frames_come_from_integer_counts) {
-    struct clock clock = clock_start(3600);
+    struct clock clock = clock_start(0, 3600);
     struct stop stop;
     long long frames = 0;
     clock_add(&clock, STOP_FRAME, 30, 0);
@@ -25,7 +25,7 @@ Test(clock, frames_come_from_integer_counts) {
  * 300 + 90 + 30 ticks; at 30 times all three meet, and nowhere else any two: 360 stops fewer 2
  * * 30. */
 Test(clock, ticks_of_three_rates_merge) {
-    struct clock clock = clock_start(100);
+    struct clock clock = clock_start(0, 100);
     struct stop stop;
     long long stops = 0, count[3] = {0};
     double last = 0;
@@ -53,7 +53,7 @@ Test(clock, ticks_of_three_rates_merge) {
 
 /* A duration that no rate divides: the end is a stop and a frame, and no tick of its own. */
 Test(clock, the_end_is_a_stop) {
-    struct clock clock = clock_start(0.1234);
+    struct clock clock = clock_start(0, 0.1234);
     struct stop stop, before = {0};
     int frames = 0;
     clock_add(&clock, STOP_FRAME, 30, 0);
@@ -69,14 +69,14 @@ Test(clock, the_end_is_a_stop) {
     cr_assert_eq(before.t, 37. / 300, "the last tick is at %.17g", before.t);
     cr_assert_eq(frames, 4, "%d frames: 3 and the end", frames);
 
-    clock = clock_start(2); /* nothing but the end */
+    clock = clock_start(0, 2); /* nothing but the end */
     cr_assert(clock_next(&clock, &stop) && stop.t == 2 && (stop.events & STOP_END), "no end");
     cr_assert_not(clock_next(&clock, &stop), "two ends");
 }
 
 /* By the step: k h, the last stop at the duration even where the count does not come out. */
 Test(clock, stops_at_every_step) {
-    struct clock clock = clock_start(30);
+    struct clock clock = clock_start(0, 30);
     struct stop stop;
     int stops = 0;
     clock_add(&clock, STOP_FRAME, 0, 0.8);
@@ -85,7 +85,7 @@ Test(clock, stops_at_every_step) {
         cr_assert_eq(stop.t, stops == 38 ? 30 : stops * 0.8, "stop %d at %.17g", stops, stop.t);
     }
     cr_assert_eq(stops, 38, "%d stops", stops);
-    clock = clock_start(0.3); /* 3 * 0.1 is one rounding beyond 0.3: one stop, not two */
+    clock = clock_start(0, 0.3); /* 3 * 0.1 is one rounding beyond 0.3: one stop, not two */
     clock_add(&clock, STOP_FRAME, 0, 0.1);
     for (stops = 0; clock_next(&clock, &stop);)
         stops++;
@@ -95,7 +95,7 @@ Test(clock, stops_at_every_step) {
 
 Test(clock, kinks_are_stops_and_merge_with_ticks) {
     static const double kinks[] = {0.05, 0.1, 0.1 + 5e-13, 0.25, 7};
-    struct clock clock = clock_start(1);
+    struct clock clock = clock_start(0, 1);
     struct stop stop;
     int stops = 0, kinked = 0;
     clock.kink = kinks;
@@ -120,7 +120,7 @@ Test(clock, the_tolerance_of_one_time) {
     for (int beyond = 0; beyond <= 1; beyond++)
         for (double t = 0.5; t < 2000; t *= 10) {
             const double kink[] = {t, t + (beyond ? 2e-12 : 0.5e-12) * fmax(1, t)};
-            struct clock clock = clock_start(2 * t);
+            struct clock clock = clock_start(0, 2 * t);
             struct stop stop;
             int stops = 0;
             clock.kink = kink;

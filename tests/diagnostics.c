@@ -506,7 +506,8 @@ Test(diagnostics, bits_depend_neither_on_threads_nor_states_on_diagnoses) {
     for (int i = 0; i < 3; i++) {
         struct scene *scene = LAB_LOAD("sphere", "duration=0.02", "wisps.[0].grid=[3, 2]",
                                        "body.[0].center=[-0.1, -0.24, 0.0]");
-        struct run_request request = {.stepper = steppers[i], .treatment = "penalty"};
+        struct run_request request = {
+            .stepper = steppers[i], .treatment = "penalty", .strain_limit = 1};
         struct lab_run plain, diagnosed;
         request.threads = 1;
         run_with_books(scene, request, &one);

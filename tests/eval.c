@@ -419,8 +419,7 @@ Test(eval, a_state_without_direction_exits_3, .init = open_folder, .fini = close
               f.err);
     cr_assert_eq(f.out[0], '\0', "prints '%.60s'", f.out);
     free(text);
-    text =
-        states_of("interactions", "generalised", "0.05"); /* of two wisps, and the last one's tip */
+    text = states_of("radii", "generalised", "0.05"); /* of nine wisps, and the last one's tip */
     for (int line = 1; line <= 2; line++)
         for (int k = 0; k < 3; k++) {
             char *moved = with_field(text, line_from_end(text, line), 3 + k, on_node_1[k]);
@@ -428,7 +427,7 @@ Test(eval, a_state_without_direction_exits_3, .init = open_folder, .fini = close
             text = moved;
         }
     file_write(folder, "bad.tsv", text, path);
-    PROGRAM(&f, NULL, "eval", "interactions", "--treatment", "generalised", "--state", path);
-    cr_assert(f.code == 3 && strstr(f.err, "wisp 1: nodes "), "'%s'", f.err);
+    PROGRAM(&f, NULL, "eval", "radii", "--treatment", "generalised", "--state", path);
+    cr_assert(f.code == 3 && strstr(f.err, "wisp 8: nodes "), "'%s'", f.err);
     free(text);
 }

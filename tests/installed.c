@@ -126,6 +126,7 @@ Test(installed, program_works_from_any_folder) {
         "share/wisplab/experiments/circle.cfg",
         "share/wisplab/experiments/figure.inc",
         "share/wisplab/experiments/wind-start.tsv",
+        "share/wisplab/experiments/wind-start-projection.tsv",
         "share/wisplab/plots/style.gp",
         "share/wisplab/plots/work-precision.gp",
     };

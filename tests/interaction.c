@@ -703,9 +703,9 @@ Test(interaction, contacts_matter_and_cost_nothing_where_they_are_off) {
  * one root has become 1e-8 m. */
 Test(interaction, slow_two_methods_agree_as_long_as_the_motion_is_told) {
     static const char pushed[] =
-        "wisps=({ root = [0.0, 0.0, 0.0]; direction = [0.99, -0.08, 0.4]; length = 0.16;"
-        "nodes = 7; }, { root = [0.0870000001, 0.033, -0.066]; direction = [-0.58, 0.81, 0.95];"
-        "length = 0.16; nodes = 7; })";
+        "wisps=({ root = [0.0, 0.0, 0.0]; direction = [1.0, 0.345, -0.074]; length = 0.30;"
+        "nodes = 11; }, { root = [0.0850000001, 0.065, 0.035]; direction = [0.007, 1.057, -1.0];"
+        "length = 0.30; nodes = 11; })";
     struct scene *scene = LAB_LOAD("interactions", "duration=1.5"),
                  *other = LAB_LOAD("interactions", "duration=1.5", pushed);
     const struct run_request tight = {.stepper = "cvode", .rtol = 3e-10, .atol = 3e-12};
@@ -767,7 +767,7 @@ static void see_pair(struct crossing *c, double *side, const double *p, const do
 }
 
 static struct crossing crossing_of(const struct lab_run *run) {
-    enum { SEGMENTS = 6 };
+    enum { SEGMENTS = 10 };
     static double side[SEGMENTS][SEGMENTS];
     struct crossing c = {.least = INFINITY};
     memset(side, 0, sizeof side);
@@ -794,12 +794,12 @@ Test(interaction, slow_the_scene_interactions_shows_what_it_says) {
     static const struct {
         int least_crossed, most_crossed;
         double least, most; /* distance, m */
-    } expected[] = {{6, 12, 0, 1e-3},
-                    {1, 4, 0, 2e-3},
-                    {0, 0, 2e-3, 1.5e-2},
-                    {0, 0, 2e-3, 1e-2},
-                    {0, 0, 3e-3, 1e-2}};
-    const struct run_request request = {.stepper = "rk4", .step = 2e-4};
+    } expected[] = {{1, 1, 0, 2e-2},
+                    {1, 1, 0, 2e-2},
+                    {0, 0, 2e-3, 3e-2},
+                    {0, 0, 2e-3, 3e-2},
+                    {0, 0, 2e-3, 3e-2}};
+    const struct run_request request = {.stepper = "rk4", .step = 2e-4, .treatment = "projection"};
     for (int i = 0; i < 5; i++) {
         struct scene *scene =
             LAB_LOAD("interactions", sets[i][0], sets[i][1], sets[i][2], "frame_rate=300.0");
@@ -843,15 +843,16 @@ Test(interaction, slow_the_scene_viscosity_shows_what_it_says) {
                                      one, numbered from 1 */
         lab_run(scene, &request, &run);
         cr_assert_eq(run.frames, 91, "%d frames", run.frames);
-        cr_assert_gt(contacts_at(&run, 0, scene), 8, "they start apart");
+        cr_assert_gt(contacts_at(&run, 0, scene), 5, "they start apart");
         for (int f = 0; f < run.frames; f++)
             if (!contacts_at(&run, f, scene)) {
                 parted = parted ? parted : f + 1;
                 back = f + 2;
             }
-        cr_assert_eq(parted, thick ? 0 : 12, "they part at frame %d", parted);
+        cr_assert(thick ? parted == 0 : parted > 11 && parted < 17, "they part at frame %d",
+                  parted);
         cr_assert_eq(contacts_at(&run, 19, scene) > 0, thick, "at frame 20");
-        cr_assert(thick ? back == 0 : back > 50 && back < 62, "they stay from frame %d on", back);
+        cr_assert(thick ? back == 0 : back > 21 && back < 57, "they stay from frame %d on", back);
         lab_run_free(&run);
         scene_free(scene);
     }

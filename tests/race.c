@@ -146,7 +146,7 @@ struct chart {
 
 static void open_chart(struct chart *c) {
     static const char *const names[] = {"euler", "implicit-euler", "cvode"};
-    static const double costs[] = {5e-9, 30e-9, 35e-9};
+    static const double costs[] = {50e-9, 30e-9, 35e-9}; /* Euler is the dearest */
     *c = (struct chart){.scene = lab_load("swing", NULL, 0)};
     for (int i = 0; i < 3; i++) {
         c->contestants[i] = (struct configuration){.name = names[i],

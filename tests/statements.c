@@ -197,7 +197,12 @@ Test(statements, claims_on_the_circle_follow_its_runs, .init = set_up, .fini = c
             "--out", folder, "--no-progress");
     cr_assert_eq(f.code, 0, "%s", f.err);
     circle_says("explicit Euler", "holds", 20.211);
-    circle_says("Runge-Kutta 4", "holds", 0.06646);
+    circle_says("Runge-Kutta 4", "holds", 0.03710);
+    circle_says("Runge-Kutta 4, not at all", "does not hold", 0.06646);
+    circle_says("Runge-Kutta 4, speed", "holds", 0.06257);
+    circle_says("explicit Euler, shorter steps", "holds", 0.04556);
+    circle_says("explicit Euler, projected", "holds", 0.9);
+    circle_says("explicit Euler, projected, gap", "holds", 0.32901);
     circle_says("explicit Euler, fine", "holds", 0.04556);
     circle_says("midpoint", "not asked", NAN);
     PROGRAM(&f, NULL, "experiment", "circle", "--quick", "--fresh", "--stepper", "rk4", "--out",

@@ -73,7 +73,7 @@ static int first_split(const struct film *film) {
 }
 
 /* What the scene's first line says, with every treatment. */
-Test(subdivision_runs, the_shipped_scene_splits_each_wisp_once_at_frames_5_to_8) {
+Test(subdivision_runs, the_shipped_scene_splits_each_wisp_once_within_a_second) {
     struct scene *scene = lab_load("subdivision", NULL, 0);
     for (int treatment = 0; treatment < TREATMENTS; treatment++) {
         struct film film;
@@ -81,9 +81,9 @@ Test(subdivision_runs, the_shipped_scene_splits_each_wisp_once_at_frames_5_to_8)
         cr_assert(film_make(&film, scene, &request));
         const int f = first_split(&film);
         cr_assert_eq(film.result.outcome, FINISHED, "%s", film.result.reason);
-        cr_assert(f >= 4 && f <= 6, "%s: frame %d", request.treatment, f + 1);
-        cr_assert(film.frames == 84 && film.rows[7] == 4 * 16 && film.rows[83] == 4 * 16,
-                  "%s: %d rows at frame 8, %d at the end", request.treatment, film.rows[7],
+        cr_assert(f >= 6 && f <= 12, "%s: frame %d", request.treatment, f + 1);
+        cr_assert(film.frames == 84 && film.rows[30] == 4 * 11 && film.rows[83] == 4 * 11,
+                  "%s: %d rows at frame 31, %d at the end", request.treatment, film.rows[30],
                   film.rows[83]);
         cr_assert(film.result.counters.splits == 2 && film.result.wisps == 4);
         film_free(&film);
@@ -92,8 +92,8 @@ Test(subdivision_runs, the_shipped_scene_splits_each_wisp_once_at_frames_5_to_8)
 }
 
 Test(subdivision_runs, the_motion_is_another_after_the_split_and_only_then) {
-    struct scene *scene = LAB_LOAD("subdivision", "duration=0.5"),
-                 *without = LAB_LOAD("subdivision", "duration=0.5", "subdivision.limit=2");
+    struct scene *scene = LAB_LOAD("subdivision", "duration=0.9"),
+                 *without = LAB_LOAD("subdivision", "duration=0.9", "subdivision.limit=2");
     struct film film, plain;
     cr_assert(film_make(&film, scene, &(struct run_request){.stepper = "rk4"}));
     cr_assert(film_make(&plain, without, &(struct run_request){.stepper = "rk4"}));
@@ -219,7 +219,7 @@ Test(subdivision_runs, only_the_wisp_that_splits_begins_anew) {
 /* Every stepper with every treatment and linear solver, or a refusal. */
 Test(subdivision_runs, slow_every_stepper_goes_on_with_the_children) {
     static const char *const solvers[] = {"direct", "klu", "cholmod", "cg"};
-    struct scene *scene = LAB_LOAD("subdivision", "duration=0.25");
+    struct scene *scene = LAB_LOAD("subdivision", "duration=0.9");
     int runs = 0;
     for (int i = 0; stepper_methods[i]; i++)
         for (int treatment = 0; treatment < TREATMENTS; treatment++) {
@@ -273,8 +273,8 @@ static void trajectory_of(const struct film *film, int frames, int turned,
 
 /* Runs are compared up to where their wisps are no longer the same ones. */
 Test(subdivision_runs, runs_that_part_are_compared_up_to_there) {
-    struct scene *scene = LAB_LOAD("subdivision", "duration=0.5"),
-                 *without = LAB_LOAD("subdivision", "duration=0.5", "subdivision.limit=2");
+    struct scene *scene = LAB_LOAD("subdivision", "duration=0.9"),
+                 *without = LAB_LOAD("subdivision", "duration=0.9", "subdivision.limit=2");
     struct film film, plain;
     struct trajectory run, other;
     struct deviation d;
@@ -309,8 +309,8 @@ Test(subdivision_runs, runs_that_part_are_compared_up_to_there) {
 
 /* A second opinion whose wisps split elsewhere gives no bound, and says why. */
 Test(subdivision_runs, a_second_opinion_that_parts_gives_no_bound) {
-    struct scene *scene = LAB_LOAD("subdivision", "duration=0.25"),
-                 *without = LAB_LOAD("subdivision", "duration=0.25", "subdivision.limit=2");
+    struct scene *scene = LAB_LOAD("subdivision", "duration=0.9"),
+                 *without = LAB_LOAD("subdivision", "duration=0.9", "subdivision.limit=2");
     for (int same_scene = 0; same_scene < 2; same_scene++) {
         struct kept_frames kept = {0};
         struct settings settings;
@@ -341,7 +341,7 @@ Test(subdivision_runs, eval_refuses_a_state_after_a_subdivision) {
     static struct finished f;
     folder_make(folder);
     path_format(states, "%s/states.tsv", folder);
-    PROGRAM(&f, NULL, "run", "subdivision", "--duration", "0.25", "--out", folder, "--no-progress");
+    PROGRAM(&f, NULL, "run", "subdivision", "--duration", "0.9", "--out", folder, "--no-progress");
     cr_assert_eq(f.code, 0, "%s", f.err);
     PROGRAM(&f, NULL, "eval", "subdivision", "--state", states);
     cr_assert(f.code == 1 && count_lines(f.err) == 1 && strstr(f.err, "4 wisps") &&
@@ -356,7 +356,7 @@ Test(subdivision_runs, states_name_the_parents) {
     static struct finished f;
     struct trajectory states;
     folder_make(folder);
-    PROGRAM(&f, NULL, "run", "subdivision", "--duration", "0.25", "--out", folder, "--no-progress");
+    PROGRAM(&f, NULL, "run", "subdivision", "--duration", "0.9", "--out", folder, "--no-progress");
     path_format(path, "%s/states.tsv", folder);
     cr_assert_eq(trajectory_read(&states, path, reason), 0, "%s", reason);
     const int last = states.frame_count - 1;

@@ -354,7 +354,7 @@ Test(wisp_clock, wind_follows_its_formulas) {
         "material.bending_stiffness=1e-7"
 
 static int stop_times(const struct model *model, double duration, double *t) {
-    struct clock clock = clock_start(duration);
+    struct clock clock = clock_start(0, duration);
     struct stop stop;
     int count = 0;
     clock_add(&clock, STOP_FRAME, 10, 0);

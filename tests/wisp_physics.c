@@ -578,7 +578,7 @@ Test(wisp_physics, explicit_euler_with_projection_is_the_thesis_procedure) {
             wisp.stretch_time = 1.2e-4;
             struct lab_part part;
             lab_part_make(&part, 1, &wisp, 1, &around, WISP_PROJECTION);
-            kernel_1.rest(part.system.ctx, q, v);
+            kernel_1.rest(part.system.ctx, 0, q, v);
             struct stepper *stepper =
                 stepper_create(stepper_find("euler"), &settings, &part.system);
             cr_assert(stepper, "no memory");

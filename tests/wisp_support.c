@@ -196,7 +196,7 @@ struct scene *lab_scene(const struct wisp *wisps, int count, const struct surrou
     cr_assert(scene, "no memory for a scene");
     scene->problem = &wisp_problem;
     scene->around = *around;
-    scene->run = (struct run_defaults){1e-4, 1e-6, 1e-9};
+    scene->run = (struct run_defaults){1e-4, 1e-6, 1e-9, 0};
     scene->wisp_count = count;
     scene->collision_rate = 300;
     scene->source = json_object();

@@ -117,9 +117,11 @@ static void write_skeleton(FILE *stream, const struct paper *paper, const struct
     fputc('\n', stream);
 }
 
-/* Few wisps are told apart by two colours, children having their parent's. */
+/* Two colours tell few wisps apart, or where wisps divide, what split off from what is left. */
 static int class_of(const struct hair *hair, int wisp) {
-    return hair->scene->wisp_count <= 4 ? hair_ancestor(hair, wisp) % 2 : 0;
+    if (json_object_get(hair->scene->source, "subdivision"))
+        return wisp >= hair->scene->wisp_count;
+    return hair->scene->wisp_count <= 4 ? wisp % 2 : 0;
 }
 
 /* One block of lines. It begins with a point that is nowhere, so that none is empty. */
@@ -165,11 +167,13 @@ static void write_pictures(FILE *lines, FILE *cells, struct hair_study *study) {
 
 int hair_pictures(struct plan *plan, const char *folder, struct hair_study *study) {
     struct atomic_file lines, cells;
-    if (open_table(&lines, folder, "strip",
-                   "lines on paper, m, in blocks: of each cell the outlines of bodies, of the "
-                   "envelopes of even and of odd wisps (few wisps) or of all, and their skeletons; "
-                   "nan: the pen is lifted",
-                   study->subject->scene, "x\ty\tkind", plan->reason))
+    if (open_table(
+            &lines, folder, "strip",
+            "lines on paper, m, in blocks: of each cell the outlines of bodies, of the "
+            "envelopes of even and of odd wisps (few wisps), of wisps and of those that split "
+            "off from them, or of all, and their skeletons; "
+            "nan: the pen is lifted",
+            study->subject->scene, "x\ty\tkind", plan->reason))
         return -1;
     if (open_table(&cells, folder, "strip-cells",
                    "the frames shown, numbered from 1 at 30 a second", study->subject->scene,
@@ -187,6 +191,12 @@ int hair_pictures(struct plan *plan, const char *folder, struct hair_study *stud
 
 /* --- the hair itself --- */
 
+int hair_is_drawn(const struct hair_study *study, int variant) {
+    return memcmp(study->question->variants[variant].pictures,
+                  study->question->variants[0].pictures,
+                  sizeof study->question->variants[0].pictures) == 0;
+}
+
 /* The first variant's pictures, as the timed runs number their frames, that all rows have. */
 static int frames_shown(const struct hair_study *study, int *frames) {
     const int *pictures = study->question->variants[0].pictures;
@@ -195,7 +205,8 @@ static int frames_shown(const struct hair_study *study, int *frames) {
     for (int k = 0; k < HAIR_PICTURES && pictures[k]; k++) {
         int frame = 0;
         for (int i = 0; i < study->count && frame >= 0; i++)
-            frame = hair_frame_at(&study->runs[i].hair, (pictures[k] - 1) / 30.);
+            if (hair_is_drawn(study, i))
+                frame = hair_frame_numbered(&study->runs[i], pictures[k]);
         if (frame >= 0)
             frames[count++] = 1 + (int)lround((pictures[k] - 1) / 30. * rate);
     }
@@ -205,21 +216,30 @@ static int frames_shown(const struct hair_study *study, int *frames) {
 int hair_strip(struct plan *plan, const char *folder, const struct hair_study *study) {
     char paths[HAIR_VARIANTS][PATH_SIZE];
     struct strip_row rows[HAIR_VARIANTS] = {{0}};
-    int frames[HAIR_PICTURES];
+    int frames[HAIR_PICTURES], row_count = 0;
     for (int i = 0; i < study->count; i++) {
         const struct hair_run *run = &study->runs[i];
+        if (!hair_is_drawn(study, i))
+            continue;
         if (path_format(paths[i], "%s/states.tsv", run->timed->run.folder))
             return -1;
-        rows[i] = (struct strip_row){.label = study->count > 1 ? run->variant->label : "",
-                                     .states = paths[i],
-                                     .scene = run->timed->run.scene};
+        rows[row_count++] = (struct strip_row){
+            .label = run->variant->label, .states = paths[i], .scene = run->timed->run.scene};
     }
+    if (row_count == 1)
+        rows[0].label = "";
+    /* with --quick a head of hair is sparse: drawing takes longer than what is drawn */
+    static const char *const sparse[] = {"render={ hairs = 12; }"};
+    const int is_sparse = plan->quick && study->subject->scene->wisp_count > 60;
     const struct strip_request request = {.rows = rows,
-                                          .row_count = study->count,
+                                          .sets = sparse,
+                                          .set_count = is_sparse,
+                                          .row_count = row_count,
                                           .views = VIEW_HAIR,
                                           .trajectories = plan->trajectories,
-                                          .columns =
-                                              study->count > 1 ? 0 : study->question->columns};
+                                          .width = study->question->width,
+                                          .height = study->question->height,
+                                          .columns = study->question->columns};
     const int count = frames_shown(study, frames);
     if (count == 0 || study->subject->scene->wisps[0].samples == 0)
         return 0; /* hair fills the envelope: without one there is none */

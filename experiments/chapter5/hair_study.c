@@ -53,15 +53,20 @@ struct run_request hair_request(const struct scene *scene, const struct stepper_
     return request;
 }
 
-static double quick_duration(const struct hair_question *question) {
-    return question->quick > 0 ? question->quick : 0.4;
+struct run_request hair_timed_request(const struct plan *plan, const struct scene *scene,
+                                      const struct stepper_method *method) {
+    struct run_request request = hair_request(scene, method);
+    const int is_long = is_large(scene) || method->advance;
+    request.timings = plan->quick ? (is_long ? 1 : 3) : is_long ? 3 : 7;
+    return request;
 }
 
+/* A variant at a frame rate, over the whole scene or its first seconds. */
 static const struct scene *variant_scene(struct plan *plan, const struct hair_question *question,
                                          const struct hair_variant *variant, double frame_rate,
                                          double most) {
     const struct subject *subject = &plan->subjects[0];
-    const char *sets[HAIR_SETS + 2];
+    const char *sets[HAIR_SETS + 3];
     char rate[64], duration[64];
     int count = 0;
     while (count < HAIR_SETS && variant->sets[count]) {
@@ -69,29 +74,40 @@ static const struct scene *variant_scene(struct plan *plan, const struct hair_qu
         count++;
     }
     snprintf(rate, sizeof rate, "frame_rate=%.17e", frame_rate);
-    snprintf(
-        duration, sizeof duration, "duration=%.17e",
-        fmin(plan->quick ? fmin(quick_duration(question), most) : most, subject->scene->duration));
+    snprintf(duration, sizeof duration, "duration=%.17e", fmin(most, subject->scene->duration));
     sets[count++] = rate;
     sets[count++] = duration;
+    if (question->start && plan->scene_count == 0)
+        sets[count++] = question->start;
     return plan_scene(plan, subject->source, sets, count);
 }
 
+/* These are whole, also with --quick: statements are about all of a scene, and it is cheap. */
 static int plan_variant(struct plan *plan, const struct hair_question *question,
                         const struct hair_variant *variant, const struct stepper_method *method) {
     const double rate = plan->subjects[0].scene->frame_rate;
     const struct scene *scene = variant_scene(plan, question, variant, rate, INFINITY);
     if (!scene)
         return -1;
-    struct run_request request = hair_request(scene, method);
-    request.timings = plan->quick ? 1 : is_large(scene) || method->advance ? 3 : 7;
+    struct run_request request = hair_timed_request(plan, scene, method);
     if (plan_add(plan, scene, &request, "variants", "%s", variant->label))
         return -1;
+    if (is_large(scene) && variant == &question->variants[question->control])
+        return 0; /* where its energy goes is not asked */
     request.timings = 0;
     request.diagnostics = 1;
     scene = variant_scene(plan, question, variant,
                           question->watch_rate > 0 ? question->watch_rate : rate, INFINITY);
     return scene ? plan_add(plan, scene, &request, "watched", "%s", variant->label) : -1;
+}
+
+/* How far the steppers are tried: reference_duration is for one of error control on a large scene,
+ * and --quick cuts all alike. */
+static double trial_duration(const struct plan *plan, const struct hair_question *question,
+                             const struct scene *scene, const struct stepper_method *method) {
+    if (plan->quick)
+        return question->quick > 0 ? question->quick : 0.4;
+    return method->checked_by && is_large(scene) ? reference_duration : INFINITY;
 }
 
 /* A stepper that refuses the scene has a row in the table and no run. */
@@ -100,8 +116,9 @@ static int plan_stepper(struct plan *plan, const struct hair_question *question,
     const struct hair_variant *variant = &question->variants[question->main];
     const struct scene *scene = find_case(plan, "variants", variant->label)->run.scene;
     const struct run_request request = hair_request(scene, method);
-    if (method->checked_by && is_large(scene))
-        scene = variant_scene(plan, question, variant, scene->frame_rate, reference_duration);
+    const double until = trial_duration(plan, question, scene, method);
+    if (until < scene->duration)
+        scene = variant_scene(plan, question, variant, scene->frame_rate, until);
     if (!scene)
         return -1;
     char reason[REASON_SIZE];
@@ -112,12 +129,15 @@ static int plan_stepper(struct plan *plan, const struct hair_question *question,
 
 static int refuse_scene(struct plan *plan, const struct hair_question *question) {
     const struct scene *scene = plan->subjects[0].scene;
-    if (!question->needs || json_object_get(scene->source, question->needs))
-        return 0;
-    snprintf(plan->reason, REASON_SIZE,
-             "experiment %s needs a scene with %s, and scene %s has none", plan->experiment->name,
-             question->needs, scene->name);
-    return -1;
+    for (int i = 0; i < HAIR_NEEDS && question->needs[i]; i++) {
+        if (json_object_get(scene->source, question->needs[i]))
+            continue;
+        snprintf(plan->reason, REASON_SIZE,
+                 "experiment %s needs a scene with %s, and scene %s has none",
+                 plan->experiment->name, question->needs[i], scene->name);
+        return -1;
+    }
+    return 0;
 }
 
 int hair_plan(struct plan *plan, const struct hair_question *question) {
@@ -135,7 +155,8 @@ int hair_plan(struct plan *plan, const struct hair_question *question) {
         if (plan_variant(plan, question, &question->variants[i], recipe))
             return -1;
     for (int i = 0; stepper_methods[i]; i++)
-        if (stepper_methods[i] != recipe && plan_wants(plan, stepper_methods[i]->name) &&
+        if ((plan->quick || stepper_methods[i] != recipe) &&
+            plan_wants(plan, stepper_methods[i]->name) &&
             plan_stepper(plan, question, stepper_methods[i]))
             return -1;
     return 0;
@@ -150,7 +171,7 @@ static int measure_run(struct hair_study *study, struct hair_run *run) {
         if (!run->series[k])
             return -1;
     }
-    return study->question->measure(&run->hair, run->series);
+    return study->question->measure(study, run);
 }
 
 static int read_run(struct plan *plan, struct hair_study *study, int i) {
@@ -159,6 +180,8 @@ static int read_run(struct plan *plan, struct hair_study *study, int i) {
     run->variant = &study->question->variants[i];
     run->timed = find_case(plan, "variants", run->variant->label);
     run->watched = find_case(plan, "watched", run->variant->label);
+    if (!run->watched)
+        run->watched = run->timed;
     if (run_read(&timed, run->timed->run.folder, plan->reason))
         return -1;
     run->cost = run_cost(&timed);
@@ -184,23 +207,77 @@ static void free_study(struct hair_study *study) {
         hair_close(&run->hair);
         run_free(&run->files);
     }
+    free(study->trials);
 }
 
 /* --- statements --- */
 
-void hair_state(struct hair_study *study, struct statement row, const char *sentence, ...) {
-    char text[400];
-    va_list arguments;
-    va_start(arguments, sentence);
-    vsnprintf(text, sizeof text, sentence, arguments);
-    va_end(arguments);
+static void add_row(struct hair_study *study, struct statement row, const char *text) {
     if (!row.figure)
         row.figure = row.tables = "series";
     statements_add(study->statements, row, "%s", text);
 }
 
-enum claim_verdict hair_seen(const struct hair_study *study, int seen) {
-    return seen ? HOLDS : study->cut ? NOT_REACHED : HOLDS_NOT;
+void hair_state(struct hair_study *study, struct statement row, const char *sentence, ...) {
+    char text[400];
+    va_list arguments;
+    if (!study->statements)
+        return;
+    va_start(arguments, sentence);
+    vsnprintf(text, sizeof text, sentence, arguments);
+    va_end(arguments);
+    add_row(study, row, text);
+}
+
+static void keep_trial(struct hair_study *study, const struct statement *row) {
+    const size_t size = (size_t)(study->trial_count + 1) * sizeof *study->trials;
+    struct hair_trial *trials = realloc(study->trials, size);
+    study->out_of_memory |= !trials;
+    if (!trials)
+        return;
+    study->trials = trials;
+    trials += study->trial_count++;
+    trials->verdict = row->verdict;
+    snprintf(trials->key, sizeof trials->key, "%s", row->key);
+}
+
+static int control_passes(const struct hair_study *study, const char *key) {
+    for (int i = 0; i < study->trial_count; i++)
+        if (strcmp(study->trials[i].key, key) == 0)
+            return study->trials[i].verdict == HOLDS;
+    return 0;
+}
+
+void hair_claim(struct hair_study *study, struct statement row, const char *sentence, ...) {
+    char text[400];
+    va_list arguments;
+    if (!study->statements) {
+        keep_trial(study, &row);
+        return;
+    }
+    va_start(arguments, sentence);
+    vsnprintf(text, sizeof text, sentence, arguments);
+    va_end(arguments);
+    if (row.verdict == HOLDS && control_passes(study, row.key)) {
+        const size_t used = strlen(text);
+        row.verdict = TELLS_NOTHING;
+        snprintf(text + used, sizeof text - used, " So it is %s, too.", study->question->without);
+    }
+    add_row(study, row, text);
+}
+
+/* Every claim on the control alone: its run stands in the place of each. */
+static void try_control(struct hair_study *study) {
+    struct hair_study control = *study;
+    control.statements = NULL;
+    for (int i = 0; i < control.count; i++) {
+        control.runs[i] = study->runs[study->question->control];
+        control.runs[i].variant = study->runs[i].variant;
+    }
+    study->question->state(&control);
+    study->trials = control.trials;
+    study->trial_count = control.trial_count;
+    study->out_of_memory = control.out_of_memory;
 }
 
 /* Of the timed run, or of the watched one where only that did not reach its end. */
@@ -217,13 +294,15 @@ static void state_failure(struct hair_study *study, const struct hair_run *run) 
 
 /* Of the frames that are to be shown, those that were computed. */
 static void state_pictures(struct hair_study *study, const char *figure, const char *tables,
-                           const char *how) {
+                           const char *how, int as_hair) {
     int wanted = 0, shown = 0;
     for (int i = 0; i < study->count; i++) {
         const int *number = study->runs[i].variant->pictures;
+        if (as_hair && !hair_is_drawn(study, i))
+            continue;
         for (int k = 0; k < HAIR_PICTURES && number[k]; k++) {
             wanted++;
-            shown += hair_frame_at(&study->runs[i].hair, (number[k] - 1) / 30.) >= 0;
+            shown += hair_frame_numbered(&study->runs[i], number[k]) >= 0;
         }
     }
     const struct statement row = {.key = figure,
@@ -246,11 +325,13 @@ static void state_all(struct hair_study *study) {
             state_failure(study, &study->runs[i]);
             finished = 0;
         }
-    if (finished)
+    if (finished) {
+        try_control(study);
         study->question->state(study);
-    state_pictures(study, "frames", "strip-cells strip", "in lines");
+    }
+    state_pictures(study, "frames", "strip-cells strip", "in lines", 0);
     if (study->subject->scene->wisps[0].samples > 0) /* hair fills the envelope */
-        state_pictures(study, "hair", "strip-cells", "as hair");
+        state_pictures(study, "hair", "strip-cells", "as hair", 1);
 }
 
 static int write_series(struct plan *plan, const char *folder, const struct hair_study *study) {
@@ -287,8 +368,9 @@ static int read_runs(struct plan *plan, struct hair_study *study) {
 static int keep_diagnoses(struct plan *plan, const char *folder, struct hair_study *study) {
     int code = 0;
     for (int i = 0; i < study->count && !code; i++)
-        code = keep_diagnostics(&study->runs[i].watched->run, folder, study->runs[i].variant->label,
-                                study->statements, plan->reason);
+        if (study->runs[i].watched != study->runs[i].timed)
+            code = keep_diagnostics(&study->runs[i].watched->run, folder,
+                                    study->runs[i].variant->label, study->statements, plan->reason);
     return code;
 }
 
@@ -297,6 +379,10 @@ static int write_tables(struct plan *plan, const char *folder, struct hair_study
     if (write_series(plan, folder, study))
         return -1;
     state_all(study);
+    if (study->out_of_memory) {
+        snprintf(plan->reason, REASON_SIZE, "out of memory");
+        return -1;
+    }
     return hair_costs(plan, folder, study) || hair_steppers(plan, folder, study) ||
                    keep_diagnoses(plan, folder, study)
                ? -1
@@ -304,16 +390,11 @@ static int write_tables(struct plan *plan, const char *folder, struct hair_study
 }
 
 int hair_tabulate(struct plan *plan, const char *folder, const struct hair_question *question) {
-    const double until = quick_duration(question);
     struct statements statements;
-    struct hair_study study = {.question = question,
-                               .subject = &plan->subjects[0],
-                               .cut = plan->quick && until < plan->subjects[0].scene->duration,
-                               .statements = &statements};
-    if (study.cut)
-        snprintf(study.span, sizeof study.span, " in the first %.3g s", until);
+    struct hair_study study = {
+        .question = question, .subject = &plan->subjects[0], .statements = &statements};
     if (statements_open(&statements, folder, study.subject->scene,
-                        study.cut ? "--quick: the runs are cut" : NULL, plan->reason))
+                        plan->quick ? "--quick: the table of steppers is cut" : NULL, plan->reason))
         return -1;
     int code = read_runs(plan, &study);
     if (!code)

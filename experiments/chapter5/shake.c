@@ -24,16 +24,20 @@ static void turning_axis(const struct head_motion *head, double axis[3]) {
     }
 }
 
-static int measure(struct hair *hair, double *const *series) {
+/* The variants. */
+enum { SHAKEN, HELD };
+
+static int measure(const struct hair_study *study, struct hair_run *run) {
+    struct hair *hair = &run->hair;
     double axis[3];
-    turning_axis(&hair->scene->around.head, axis);
+    turning_axis(&study->subject->scene->around.head, axis);
     const double start = hair_head_turn(hair->scene, 0, axis);
     for (int f = 0; f < hair->frame_count; f++) {
         const double head = hair_head_turn(hair->scene, hair->frames[f].t, axis) - start;
         const double turn = hair_turn(hair, f, axis);
-        series[HEAD][f] = head * 180 / M_PI;
-        series[HAIR][f] = turn * 180 / M_PI;
-        series[BEHIND][f] = fabs(turn - head) * 180 / M_PI;
+        run->series[HEAD][f] = head * 180 / M_PI;
+        run->series[HAIR][f] = turn * 180 / M_PI;
+        run->series[BEHIND][f] = fabs(turn - head) * 180 / M_PI;
     }
     return 0;
 }
@@ -68,25 +72,37 @@ static double lag_of(const struct hair_run *run) {
     return best / 300.;
 }
 
+/* Of a head that does not turn nothing is to be said. */
+static int head_turns(const struct hair_run *run) {
+    double most = 0;
+    for (int f = 0; f < run->hair.frame_count; f++)
+        most = fmax(most, fabs(run->series[HEAD][f]));
+    return most > 1;
+}
+
 static void state(struct hair_study *study) {
-    const struct hair_run *run = &study->runs[0];
+    const struct hair_run *run = &study->runs[SHAKEN];
     const int frame = hair_largest(run, BEHIND), last = run->hair.frame_count - 1;
     const double lag = lag_of(run), most = run->series[BEHIND][frame],
                  end = run->series[BEHIND][last];
-    hair_state(study,
-               (struct statement){
-                   .key = "lag", .verdict = hair_seen(study, lag > 0), .value = lag, .unit = "s"},
-               "The hair lags the head%s: its turn fits best the head's of %.3f s before "
-               "(correlation %.2f).",
-               study->span, lag, correlation(run, lag));
+    const int turns = head_turns(run);
+    hair_claim(study,
+               (struct statement){.key = "lag",
+                                  .verdict = turns ? holds_if(lag > 0) : NOT_REACHED,
+                                  .value = lag,
+                                  .unit = "s"},
+               turns
+                   ? "The hair lags the head: its turn fits best the head's of %.3f s before "
+                     "(correlation %.2f)."
+                   : "The head does not turn, so that nothing lags it (%.3f s, correlation %.2f).",
+               lag, correlation(run, lag));
     hair_state(study, (struct statement){.key = "behind", .value = most, .unit = "deg"},
-               "Hair and head are at most %.1f degrees apart%s, at %.2f s.", most, study->span,
+               "Hair and head are at most %.1f degrees apart, at %.2f s.", most,
                run->hair.frames[frame].t);
-    hair_state(study,
+    hair_claim(study,
                (struct statement){.key = "returned",
-                                  .verdict = study->cut
-                                                 ? NOT_REACHED
-                                                 : holds_if(most > 0 && end < left_over * most),
+                                  .verdict = turns ? holds_if(most > 0 && end < left_over * most)
+                                                   : NOT_REACHED,
                                   .value = end,
                                   .unit = "deg"},
                "The hair returns: at %.2f s they are %.1f degrees apart, %.0f %% of the most (less "
@@ -96,10 +112,19 @@ static void state(struct hair_study *study) {
 
 static const struct hair_question question = {
     .scene = "shake",
-    .variants = {{.label = "shake", .pictures = {1, 7, 13, 19, 25, 31, 46, 91}}},
+    .variants = {[SHAKEN] = {.label = "shake", .pictures = {1, 7, 13, 19, 25, 31, 46, 91}},
+                 [HELD] = {.label = "head at rest",
+                           .sets = {"head={ times = [0.0]; positions = ([0.0, 0.0, 0.0]); "
+                                    "rotations = ([0.0, 0.0, 0.0]); }"},
+                           .pictures = {1, 19, 46, 91}}},
+    .main = SHAKEN,
+    .control = HELD,
+    .without = "with the head at rest",
     .columns = 4,
     .elevation = 15,
+    .quick = 0.1,
     .series = {"head", "hair", "behind"},
+    .start = HAIR_START_PROJECTION,
     .measure = measure,
     .state = state,
 };

@@ -2,12 +2,15 @@
  * other and that gravity parts (section 5.3 of the thesis). */
 #include "hair_study.h"
 
+#include <math.h>
+
 enum { OVERLAP };
 
-static int measure(struct hair *hair, double *const *series) {
-    for (int f = 0; f < hair->frame_count; f++) {
-        series[OVERLAP][f] = hair_overlap(hair, f);
-        if (series[OVERLAP][f] < 0)
+static int measure(const struct hair_study *study, struct hair_run *run) {
+    (void)study;
+    for (int f = 0; f < run->hair.frame_count; f++) {
+        run->series[OVERLAP][f] = hair_overlap(&run->hair, f);
+        if (run->series[OVERLAP][f] < 0)
             return -1;
     }
     return 0;
@@ -34,108 +37,144 @@ static double number_of(const struct hair_run *run, int frame) {
     return run->hair.frames[frame].t * 30 + 1;
 }
 
+static double last_number(const struct hair_run *run) {
+    return number_of(run, run->hair.frame_count - 1);
+}
+
 /* The last of the thesis's frames at which the wisps are looked at: parted, and together again. */
 enum { PARTED = 20, TOGETHER = 56 };
 
-static int is_there(const struct hair_run *run, int number) {
-    return hair_frame_at(&run->hair, (number - 1) / 30.) >= 0;
-}
+/* The variants: of little and of much viscosity, and without contact. */
+enum { THIN, THICK, FREE };
 
 static int apart_at(const struct hair_run *run, int number) {
-    const int frame = hair_frame_at(&run->hair, (number - 1) / 30.);
+    const int frame = hair_frame_numbered(run, number);
     return frame >= 0 && run->series[OVERLAP][frame] == 0;
 }
 
-static void state_parting(struct hair_study *study, const struct hair_run *run, int parted) {
+/* Wisps that do not start in each other have nothing to part from. */
+static int starts_together(const struct hair_run *run) {
+    return run->series[OVERLAP][0] > 0;
+}
+
+static void state_parting(struct hair_study *study, const struct hair_run *run) {
     const char *label = run->variant->label;
-    const int there = is_there(run, PARTED), apart = apart_at(run, PARTED);
-    struct statement row = {
-        .key = "parted", .by = THESIS, .verdict = there ? HOLDS_NOT : NOT_REACHED, .unit = "frame"};
-    row.value = number_of(run, parted < 0 ? run->hair.frame_count - 1 : parted);
-    if (parted < 0) {
-        hair_state(study, row, "With %s the wisps have not parted by the last frame, %.0f.", label,
+    const int parted = parting(run), apart = apart_at(run, PARTED);
+    struct statement row = {.key = "parted", .by = THESIS, .unit = "frame"};
+    row.value = parted < 0 ? last_number(run) : number_of(run, parted);
+    row.verdict = hair_frame_numbered(run, PARTED) < 0 || !starts_together(run)
+                      ? NOT_REACHED
+                      : holds_if(parted >= 0 && row.value <= PARTED && apart);
+    if (!starts_together(run))
+        hair_claim(study, row, "The wisps do not start in each other, and so cannot part.");
+    else if (parted < 0)
+        hair_claim(study, row, "With %s the wisps have not parted by the last frame, %.0f.", label,
                    row.value);
-    } else if (!there) {
-        hair_state(study, row,
+    else if (row.verdict == NOT_REACHED)
+        hair_claim(study, row,
                    "With %s the wisps part at frame %.0f; frame %d, where the thesis has them "
                    "parted, was not computed.",
                    label, row.value, PARTED);
-    } else {
-        row.verdict = holds_if(row.value <= PARTED && apart);
-        hair_state(study, row,
-                   "With %s the wisps part at frame %.0f and are %s at frame %d (thesis: apart).",
-                   label, row.value, apart ? "apart" : "not apart", PARTED);
-    }
+    else
+        hair_claim(study, row,
+                   "With %s the wisps, of which %.0f points start in the other, part at frame "
+                   "%.0f and are %s at frame %d (thesis: apart).",
+                   label, run->series[OVERLAP][0], row.value, apart ? "apart" : "not apart",
+                   PARTED);
 }
 
-static void state_staying(struct hair_study *study, const struct hair_run *run, int parted) {
+static void state_staying(struct hair_study *study, const struct hair_run *run) {
     const char *label = run->variant->label;
-    const int stay = staying(run);
+    const int stay = staying(run), parted = parting(run);
     struct statement row = {.key = "stay", .by = THESIS, .unit = "frame"};
-    row.value = number_of(run, stay > parted ? stay : run->hair.frame_count - 1);
-    row.verdict =
-        !is_there(run, TOGETHER) ? NOT_REACHED : holds_if(stay > parted && row.value <= TOGETHER);
-    if (row.verdict == NOT_REACHED)
-        hair_state(study, row,
+    row.value = stay > parted ? number_of(run, stay) : last_number(run);
+    row.verdict = hair_frame_numbered(run, TOGETHER) < 0 || parted < 0
+                      ? NOT_REACHED
+                      : holds_if(stay > parted && row.value <= TOGETHER);
+    if (parted < 0)
+        hair_claim(study, row, "With %s they do not part, and so cannot come back.", label);
+    else if (row.verdict == NOT_REACHED)
+        hair_claim(study, row,
                    "Frame %d, before which the thesis has them together again with %s, was not "
                    "computed.",
                    TOGETHER, label);
     else if (stay > parted)
-        hair_state(study, row,
+        hair_claim(study, row,
                    "With %s they swing back and stay together from frame %.0f on (thesis: shortly "
                    "before %d).",
                    label, row.value, TOGETHER);
     else
-        hair_state(study, row, "With %s they are apart at the last frame, %.0f.", label, row.value);
+        hair_claim(study, row, "With %s they are apart at the last frame, %.0f.", label, row.value);
 }
 
-static void state_thin(struct hair_study *study, const struct hair_run *run) {
-    const double points = run->series[OVERLAP][0];
-    const int parted = parting(run);
-    hair_state(study,
-               (struct statement){.key = "overlap at the start",
-                                  .by = THESIS,
-                                  .verdict = holds_if(points > 0),
-                                  .value = points,
-                                  .unit = "1"},
-               "The wisps start in each other: %.0f points are in sections of the other one.",
-               points);
-    state_parting(study, run, parted);
-    if (parted >= 0)
-        state_staying(study, run, parted);
-}
-
-static void state_thick(struct hair_study *study, const struct hair_run *run) {
+static void state_sticking(struct hair_study *study, const struct hair_run *run) {
     const char *label = run->variant->label;
     const int parted = parting(run);
     struct statement row = {.key = "stuck", .by = THESIS, .unit = "frame"};
-    row.value = number_of(run, parted < 0 ? run->hair.frame_count - 1 : parted);
-    row.verdict = parted >= 0 ? HOLDS_NOT : is_there(run, TOGETHER) ? HOLDS : NOT_REACHED;
-    if (parted < 0)
-        hair_state(study, row, "With %s the wisps are in each other up to the last frame, %.0f.",
+    row.value = parted < 0 ? last_number(run) : number_of(run, parted);
+    row.verdict = hair_contacts(run) == 0                   ? NOT_REACHED
+                  : parted >= 0                             ? HOLDS_NOT
+                  : hair_frame_numbered(run, TOGETHER) >= 0 ? HOLDS
+                                                            : NOT_REACHED;
+    if (hair_contacts(run) == 0)
+        hair_claim(study, row, "With %s no contact acts, which shows nothing of viscosity.", label);
+    else if (parted < 0)
+        hair_claim(study, row, "With %s the wisps are in each other up to the last frame, %.0f.",
                    label, row.value);
     else
-        hair_state(study, row, "With %s the wisps part at frame %.0f.", label, row.value);
+        hair_claim(study, row, "With %s the wisps part at frame %.0f.", label, row.value);
+}
+
+/* What the figure shows: the same two wisps, side by side and in each other. */
+static void state_difference(struct hair_study *study, const struct hair_run *thin,
+                             const struct hair_run *thick) {
+    const int frame = hair_frame_numbered(thin, PARTED), other = hair_frame_numbered(thick, PARTED);
+    struct statement row = {
+        .key = "held together", .by = THESIS, .verdict = NOT_REACHED, .value = NAN, .unit = "1"};
+    if (frame < 0 || other < 0) {
+        hair_claim(study, row, "Frame %d, at which the two are compared, was not computed.",
+                   PARTED);
+        return;
+    }
+    const double few = thin->series[OVERLAP][frame], many = thick->series[OVERLAP][other];
+    row.value = many - few;
+    row.verdict = hair_contacts(thick) == 0 ? NOT_REACHED : holds_if(few == 0 && many > 0);
+    hair_claim(study, row,
+               "Viscosity holds wisps together: at frame %d %.0f points are in the other wisp with "
+               "%s, and %.0f with %s.",
+               PARTED, few, thin->variant->label, many, thick->variant->label);
 }
 
 static void state(struct hair_study *study) {
-    state_thin(study, &study->runs[0]);
-    state_thick(study, &study->runs[1]);
+    state_parting(study, &study->runs[THIN]);
+    state_staying(study, &study->runs[THIN]);
+    state_sticking(study, &study->runs[THICK]);
+    state_difference(study, &study->runs[THIN], &study->runs[THICK]);
 }
+
+#define PICTURES \
+    { 1, 10, 20, 56 }
 
 static const struct hair_question question = {
     .scene = "viscosity",
-    .needs = "contacts",
-    .variants = {{.label = "viscosity 0.5",
-                  .sets = {"contacts.viscosity=0.5"},
-                  .thesis = 0.85,
-                  .pictures = {1, 10, 20, 56}},
-                 {.label = "viscosity 50",
-                  .sets = {"contacts.viscosity=50"},
-                  .thesis = 0.84,
-                  .pictures = {1, 10, 20, 56}}},
-    .main = 0,
+    .needs = {"contacts"},
+    .variants = {[THIN] = {.label = "viscosity 0.5",
+                           .sets = {"contacts.viscosity=0.5"},
+                           .thesis = 0.85,
+                           .pictures = PICTURES},
+                 [THICK] = {.label = "viscosity 50",
+                            .sets = {"contacts.viscosity=50"},
+                            .thesis = 0.84,
+                            .pictures = PICTURES},
+                 [FREE] = {.label = "no contact",
+                           .sets = {"contacts.interpenetration=false", "contacts.collision=false"},
+                           .pictures = PICTURES}},
+    .main = THIN,
+    .control = FREE,
+    .without = "without contact",
     .columns = 4,
+    .width = 260,
+    .height = 330,
     .series = {"overlap"},
     .measure = measure,
     .state = state,

@@ -12,18 +12,18 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Runs this shard's cases from the first one given; leaves in *missing how many of these others
- * have not done yet. Returns 0 or an exit code. */
-static int do_runs(const struct plan *plan, int first, struct manner *manner, int *missing,
-                   char *reason) {
+/* Runs those of this shard's cases from the first one given that `which` chooses. Returns their
+ * number, or the negative of an exit code. */
+static int do_chosen(const struct plan *plan, int first, struct manner *manner, const char *which,
+                     char *reason) {
     struct run_case *cases = calloc((size_t)(plan->case_count - first) + 1, sizeof *cases);
     int count = 0;
     if (!cases)
-        return complain(2, "out of memory");
+        return -complain(2, "out of memory");
     for (int i = first; i < plan->case_count; i++) {
         const struct run_case *run = &plan->cases[i].run;
         char path[PATH_SIZE];
-        if (i % manner->shards != manner->shard - 1)
+        if (i % manner->shards != manner->shard - 1 || !which[i - first])
             continue;
         cases[count++] = *run;
         if (manner->fresh && path_format(path, "%s/run.json", run->folder) == 0)
@@ -33,12 +33,35 @@ static int do_runs(const struct plan *plan, int first, struct manner *manner, in
         runs_do_all(cases, count, &manner->limits, manner->jobs, manner->show_progress, reason);
     free(cases);
     if (ran < 0)
-        return complain(outcome_exit_code((enum outcome) - ran), "%s", reason);
+        return -complain(outcome_exit_code((enum outcome) - ran), "%s", reason);
+    manner->runs += count;
+    manner->new_runs += ran;
+    return count;
+}
+
+/* References first: how far they stretch says how far the others may. Leaves in *missing how many
+ * cases other shards have not done yet. Returns 0 or an exit code. */
+static int do_runs(struct plan *plan, int first, struct manner *manner, int *missing,
+                   char *reason) {
+    const int count = plan->case_count - first;
+    char *which = calloc((size_t)count + 1, 1);
+    if (!which)
+        return complain(2, "out of memory");
+    for (int i = 0; i < count; i++)
+        which[i] = plan->cases[first + i].run.settings.method->checked_by != NULL;
+    int code = do_chosen(plan, first, manner, which, reason);
+    if (code >= 0 && plan_allow_strain(plan, first, which))
+        code = -complain(2, "%s", plan->reason);
+    for (int i = 0; i < count && code >= 0; i++)
+        which[i] = !which[i] && !plan->cases[first + i].run.settings.method->checked_by;
+    if (code >= 0)
+        code = do_chosen(plan, first, manner, which, reason);
+    free(which);
+    if (code < 0)
+        return -code;
     *missing = 0;
     for (int i = first; i < plan->case_count; i++)
         *missing += !run_is_complete(plan->cases[i].run.folder);
-    manner->runs += count;
-    manner->new_runs += ran;
     return 0;
 }
 

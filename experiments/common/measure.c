@@ -349,7 +349,7 @@ static int each_separation(struct trajectories *owner, const char *folder, const
 }
 
 struct horizon {
-    double t;
+    double begin, t; /* s */
     int frames, over;
 };
 
@@ -357,7 +357,8 @@ struct horizon {
  * compare. */
 static void look_out(void *ctx, double t, double apart) {
     struct horizon *horizon = ctx;
-    horizon->frames++;
+    if (!horizon->frames++)
+        horizon->begin = t;
     horizon->over |= horizon->frames > 2 && apart > HORIZON_DISTANCE;
     if (!horizon->over)
         horizon->t = t;
@@ -365,11 +366,11 @@ static void look_out(void *ctx, double t, double apart) {
 
 int measure_horizon(struct trajectories *owner, const char *folder, const char *other_folder,
                     double *horizon, char *reason) {
-    struct horizon found = {0, 0, 0};
+    struct horizon found = {0, 0, 0, 0};
     int finished;
     if (each_separation(owner, folder, other_folder, look_out, &found, &finished, reason))
         return -1;
-    *horizon = finished ? found.t : NAN;
+    *horizon = finished ? found.t - found.begin : NAN;
     return 0;
 }
 

@@ -98,9 +98,9 @@ double reference_cost(const struct scene *scene);
 #define HORIZON_PERTURBATION 1e-10
 #define HORIZON_DISTANCE     1e-3
 
-/* The last frame, s, at which no node of two runs is farther from the other one's than
- * HORIZON_DISTANCE, but at least the second one. NaN where a run did not finish. `owner`: of their
- * states, or NULL. Returns 0, or -1 with a reason. */
+/* How long after the first frame, s, the last one is at which no node of two runs is farther from
+ * the other one's than HORIZON_DISTANCE, but at least the second one. NaN where a run did not
+ * finish. `owner`: of their states, or NULL. Returns 0, or -1 with a reason. */
 int measure_horizon(struct trajectories *owner, const char *folder, const char *other_folder,
                     double *horizon, char *reason);
 

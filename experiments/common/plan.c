@@ -3,6 +3,7 @@
 #include "base/files.h"
 #include "model/model.h"
 #include "model/problems.h"
+#include "run/results.h"
 #include "scene/scene_detail.h"
 #include "scene/scene_load.h"
 #include "scene/scene_wisps.h"
@@ -231,6 +232,50 @@ int plan_add(struct plan *plan, const struct scene *scene, const struct run_requ
     vsnprintf(new->label, sizeof new->label, label, arguments);
     va_end(arguments);
     plan->case_count++;
+    return 0;
+}
+
+/* The largest strain of the reference's runs of a scene; 0 where there are none. */
+static int reference_strain(struct plan *plan, const struct scene *scene, double *most,
+                            char *waiting) {
+    *most = 0;
+    *waiting = 0;
+    for (int i = 0; i < plan->case_count; i++) {
+        const struct run_case *one = &plan->cases[i].run;
+        struct run_files run;
+        if (one->scene != scene || !one->settings.method->checked_by)
+            continue;
+        if (!run_is_complete(one->folder)) {
+            *waiting = 1;
+            continue;
+        }
+        if (run_read(&run, one->folder, plan->reason))
+            return -1;
+        if (run.outcome == FINISHED)
+            *most = fmax(*most, run_number(&run, "largest_strain"));
+        run_free(&run);
+    }
+    return 0;
+}
+
+int plan_allow_strain(struct plan *plan, int first, char *waiting) {
+    const struct scene *scene = NULL;
+    double most = 0;
+    char missing = 0;
+    for (int i = first; i < plan->case_count; i++) {
+        struct run_case *one = &plan->cases[i].run;
+        waiting[i - first] = 0;
+        if (one->settings.method->checked_by)
+            continue;
+        if (one->scene != scene && reference_strain(plan, one->scene, &most, &missing))
+            return -1;
+        scene = one->scene;
+        waiting[i - first] = missing;
+        if (missing || 2 * most <= one->settings.strain_limit)
+            continue;
+        one->settings.strain_limit = 2 * most;
+        run_folder(plan->out, one->scene, &one->settings, one->folder);
+    }
     return 0;
 }
 

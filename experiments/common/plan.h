@@ -134,6 +134,11 @@ int plan_check(struct plan *plan);
 int plan_add(struct plan *plan, const struct scene *scene, const struct run_request *request,
              const char *group, const char *label, ...) __attribute__((format(printf, 5, 6)));
 
+/* Lets cases from `first` on stretch twice as far as the reference of their scene did, where that
+ * is more than the scene allows. waiting[i - first] is whether such a reference's run is not there
+ * yet. Returns 0, or -1 with plan->reason. */
+int plan_allow_strain(struct plan *plan, int first, char *waiting);
+
 void plan_free(struct plan *plan);
 
 #endif

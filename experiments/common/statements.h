@@ -8,11 +8,14 @@
 
 struct scene;
 
-/* What came of a claim. X(symbol, word in the table, meaning) */
-#define VERDICTS(X)                                                                              \
-    X(HOLDS, "holds", "the runs show what the sentence claims")                                  \
-    X(HOLDS_NOT, "does not hold", "they show otherwise, and the sentence says what")             \
-    X(NOT_REACHED, "not reached", "no run got there: it was cut, or failed before, or none can") \
+/* What came of a claim. A control is a run in which what the claim is about is switched off: a
+ * claim that it passes too says nothing of that. X(symbol, word in the table, meaning) */
+#define VERDICTS(X)                                                                     \
+    X(HOLDS, "holds", "the runs show what the sentence claims")                         \
+    X(HOLDS_NOT, "does not hold", "they show otherwise, and the sentence says what")    \
+    X(TELLS_NOTHING, "tells nothing", "they show it, and so does the control")          \
+    X(NOT_REACHED, "not reached",                                                       \
+      "no run got there: it was cut, or failed before, or what it is about never came") \
     X(NOT_ASKED, "not asked", "the runs that would tell were left out by the user's choice")
 
 enum claim_verdict {

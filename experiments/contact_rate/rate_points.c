@@ -38,14 +38,15 @@ const struct rate_point *point_at(const struct series *series, double rate) {
 
 /* --- distances --- */
 
-/* The frames after `from` up to `to`, s: lent. */
+/* The frames after `from` up to `to`, s from the first one on: lent. */
 static struct trajectory frames_between(const struct trajectory *states, double from, double to) {
     struct trajectory part = *states;
-    while (part.frame_count > 0 && part.frames[0].t <= from + 1e-9) {
+    const double begin = part.frame_count > 0 ? part.frames[0].t : 0;
+    while (part.frame_count > 0 && part.frames[0].t - begin <= from + 1e-9) {
         part.frames++;
         part.frame_count--;
     }
-    while (part.frame_count > 0 && part.frames[part.frame_count - 1].t > to + 1e-9) {
+    while (part.frame_count > 0 && part.frames[part.frame_count - 1].t - begin > to + 1e-9) {
         part.frame_count--;
         part.table.row_count = part.frames[part.frame_count].row;
     }
@@ -76,7 +77,7 @@ int read_horizon(struct plan *plan, struct series *series) {
 /* Times at which every wisp's advance ends: ticks that can act, frames, and the end. */
 static double count_stops(const struct scene *scene) {
     const int touch = scene->interaction.interpenetration || scene->interaction.collision;
-    struct clock clock = clock_start(scene->duration);
+    struct clock clock = clock_start(scene->begin, scene->duration);
     struct stop stop;
     double count = 0;
     clock_add(&clock, STOP_FRAME, scene->frame_rate, 0);
@@ -240,7 +241,8 @@ static int compare_points(struct plan *plan, const struct study *study, struct s
                           const struct run_files *yardstick) {
     if (read_points(plan, study, series, yardstick))
         return -1;
-    const double parted = first_parting(series), frame = 1 / study->frame_rate;
+    const double parted = first_parting(series) - study->subject->scene->begin;
+    const double frame = 1 / study->frame_rate;
     if (!(parted <= series->horizon + 1e-9))
         return 0;
     series->horizon = fmax(0, parted - frame);

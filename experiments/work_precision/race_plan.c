@@ -216,7 +216,7 @@ static int read_search(struct plan *plan, const struct field *field, struct entr
     struct run_files run;
     if (run_read(&run, one->run.folder, plan->reason))
         return -1;
-    const double time = run_number(&run, "simulated_time");
+    const double time = run_number(&run, "simulated_time") - field->scene->begin;
     if (contestant_is_adaptive(entry->contestant) && time > 0)
         entry->pace =
             (run_number(&run, "counters.steps") + run_number(&run, "counters.rejected_steps")) /

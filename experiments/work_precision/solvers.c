@@ -24,7 +24,7 @@ static int plan(struct plan *plan) {
 const struct experiment solvers_experiment = {
     .name = "solvers",
     .question = "what do an implicit method's solver, Jacobian, order and iterations cost and buy?",
-    .place = 15,
+    .place = 16,
     .full_seconds = 150,
     .plan = plan,
     .refine = race_refine,

@@ -13,7 +13,7 @@
 
 static const struct cli_option options[] = {
     {"treatment", "NAME", "how constraints are kept (default generalised; circle: free)", 0},
-    {"time", "T", "time, s (default: that of the state; 0 at the start)", 0},
+    {"time", "T", "time, s (default: that of the state; at the start the scene's begin)", 0},
     {"state", "FILE", "a states.tsv, of which the last frame is taken (default: the start)", 0},
     {"set", "PATH=VALUE", "override a setting of the scene", 1},
     {0},
@@ -79,7 +79,7 @@ static int evaluate(const struct arguments *arguments, const struct scene *scene
     struct settings settings;
     const struct run_request request = {.treatment = argument_text(arguments, "treatment")};
     const char *time = argument_text(arguments, "time"), *state = argument_text(arguments, "state");
-    double t = 0, given = 0;
+    double t = scene->begin, given = 0;
 
     if (time && parse_real(time, &given))
         return complain(1, "--time %.60s: must be a finite number", time);

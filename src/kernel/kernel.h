@@ -19,8 +19,8 @@ struct strand;
     X(void, free, (void *part))                                                                    \
     /* Gives a lane another wisp's numbers at time t; the wisp agrees with those of the part. */   \
     X(void, fill, (void *part, int which, const struct wisp *wisp, double t))                      \
-    /* The start of a scene: rest shape, at rest, samples at r = R. */                             \
-    X(void, rest, (void *part, double *q, double *v))                                              \
+    /* The start of a scene at time t: rest shape, at rest, samples at r = R. */                   \
+    X(void, rest, (void *part, double t, double *q, double *v))                                    \
     /* One lane as rows of a frame, for nodes 0 to n - 1, of 6 numbers and 2 or 6 for each sample; \
      * the first row's first number goes to rows[0], the next row's to rows[stride]. */            \
     X(void, sample,                                                                                \
@@ -60,8 +60,12 @@ struct strand;
     /* Lays lanes open: fills in all that strand_load does, but for lanes of NULL. Nodes 0 and 1   \
      * are where they were last prescribed. Behind nodes that coincide axes are NaN, not 0. */     \
     X(void, open, (void *part, const double *q, const double *v, struct strand *const *strands))   \
-    /* Largest | L / rest length - 1 | over the segments of a lane. */                             \
+    /* Largest | L / rest length - 1 | over the segments of a lane, nodes 0 and 1 being where they \
+     * were last. */                                                                               \
     X(double, strain, (void *part, int which, const double *q))                                    \
+    /* Lanes, bit k for lane k, in which that is above `limit` at time t: without a root, and so   \
+     * cheap enough for every step. What is not a number is not above it. */                       \
+    X(unsigned, strained, (void *part, double t, const double *q, double limit))                   \
     /* Where the part's matrix has its entries, as general sparse solvers want it, for a part of   \
      * one wisp; one block, to be freed with free. NULL where memory cannot be had. */             \
     X(struct sparse_matrix *, pattern, (const void *part))

@@ -51,6 +51,7 @@ static struct vec rate_of(const struct kernel_part *part, int derivative, struct
 }
 
 static void place_head(struct kernel_part *part, double t) {
+    part->head_time = t;
     head_placement(&part->surroundings->head, t, &part->head);
     for (int i = 0; i < 3; i++) {
         part->shift.position[0][i] = part->head.position[0][i] - part->start.position[0][i];
@@ -67,7 +68,7 @@ static void place_head(struct kernel_part *part, double t) {
 
 void LANED(kernel_prescribe)(void *ctx, double t) {
     struct kernel_part *part = ctx;
-    if (part->surroundings->head.knots > 0)
+    if (part->surroundings->head.knots > 0 && t != part->head_time)
         place_head(part, t);
 }
 
@@ -193,9 +194,9 @@ void LANED(kernel_free)(void *ctx) {
 
 /* --- states --- */
 
-void LANED(kernel_rest)(void *ctx, double *q, double *v) {
+void LANED(kernel_rest)(void *ctx, double t, double *q, double *v) {
     struct kernel_part *part = ctx;
-    place_head(part, 0);
+    place_head(part, t);
     memset(v, 0, (size_t)part->system->size * sizeof(double));
     for (int i = 2; i < part->nodes; i++) {
         double *qi = q + (i - 2) * part->node_unknowns * LANES;
@@ -317,6 +318,23 @@ double LANED(kernel_strain)(void *ctx, int which, const double *q) {
         before = p;
     }
     return most;
+}
+
+unsigned LANED(kernel_strained)(void *ctx, double t, const double *q, double limit) {
+    struct kernel_part *part = ctx;
+    LANED(kernel_prescribe)(part, t);
+    const lane longest = (1 + limit) * part->spacing;
+    const lane shortest = fmax(0, 1 - limit) * part->spacing;
+    const lane most = longest * longest, least = shortest * shortest;
+    mask strained = lane_all(0) != 0;
+    struct vec before = part->p[1];
+    for (int i = 2; i < part->nodes; i++) {
+        const struct vec p = vec_load(q, (i - 2) * part->node_unknowns), d = sub(p, before);
+        const lane square = dot(d, d);
+        strained |= (square > most) | (square < least);
+        before = p;
+    }
+    return mask_bits(strained);
 }
 
 /* --- the clamp --- */

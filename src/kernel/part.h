@@ -37,7 +37,8 @@ struct kernel_part {
     struct vec rest_root, rest_tangent, rest_normal; /* as the head rests */
     struct placement start;                          /* where the head is at t = 0 */
     struct vec origin;                               /* of the unknowns, in space, m */
-    struct placement head;                           /* where the head was when last asked for */
+    struct placement head;                           /* where the head was when last asked for, */
+    double head_time;                                /* which was then, s */
     struct placement shift;                          /* how far that is from the start */
     struct vec p[2], v[2];                           /* nodes 0 and 1 then, from the origin */
     struct vec tangent, normal;                      /* t_0 and u_0 = u_1 then */

@@ -2,14 +2,13 @@
 
 #include <math.h>
 
-struct clock clock_start(double duration) {
-    return (struct clock){.duration = duration};
+/* Times this near to t are one with it, and are no later. */
+static double same_time(double t) {
+    return t + 1e-12 * fmax(1, fabs(t));
 }
 
-void clock_add(struct clock *clock, enum stop_event event, double rate, double interval) {
-    if (rate > 0 || interval > 0)
-        clock->source[clock->source_count++] =
-            (struct clock_source){.event = event, .rate = rate, .interval = interval, .next = 1};
+struct clock clock_start(double begin, double duration) {
+    return (struct clock){.begin = begin, .end = begin + duration};
 }
 
 static double source_time(const struct clock_source *source) {
@@ -17,19 +16,31 @@ static double source_time(const struct clock_source *source) {
     return source->rate > 0 ? k / source->rate : k * source->interval;
 }
 
+void clock_add(struct clock *clock, enum stop_event event, double rate, double interval) {
+    if (!(rate > 0 || interval > 0))
+        return;
+    const double passed = floor(rate > 0 ? clock->begin * rate : clock->begin / interval);
+    struct clock_source *source = &clock->source[clock->source_count++];
+    *source = (struct clock_source){
+        .event = event, .rate = rate, .interval = interval, .next = (long long)fmax(1, passed)};
+    while (source_time(source) <= same_time(clock->begin))
+        source->next++;
+}
+
 bool clock_next(struct clock *clock, struct stop *stop) {
     if (clock->ended)
         return false;
-    while (clock->next_kink < clock->kink_count && clock->kink[clock->next_kink] <= 1e-12)
-        clock->next_kink++; /* one with the start, or before it */
+    while (clock->next_kink < clock->kink_count &&
+           clock->kink[clock->next_kink] <= same_time(clock->begin))
+        clock->next_kink++;
 
-    double t = clock->duration;
+    double t = clock->end;
     for (int i = 0; i < clock->source_count; i++)
         t = fmin(t, source_time(&clock->source[i]));
     if (clock->next_kink < clock->kink_count)
         t = fmin(t, clock->kink[clock->next_kink]);
 
-    const double same = t + 1e-12 * fmax(1, t);
+    const double same = same_time(t);
     *stop = (struct stop){.t = t};
     for (int i = 0; i < clock->source_count; i++) {
         if (source_time(&clock->source[i]) <= same) {
@@ -41,8 +52,8 @@ bool clock_next(struct clock *clock, struct stop *stop) {
         stop->events |= STOP_KINK;
         clock->next_kink++;
     }
-    if (clock->duration <= same) {
-        stop->t = clock->duration;
+    if (clock->end <= same) {
+        stop->t = clock->end;
         stop->events |= STOP_END | STOP_FRAME;
         clock->ended = true;
     }

@@ -24,7 +24,7 @@ struct clock_source {
 };
 
 struct clock {
-    double duration; /* s */
+    double begin, end; /* s */
     int source_count;
     struct clock_source source[CLOCK_SOURCES_MAX];
     const double *kink; /* ascending, not owned */
@@ -37,8 +37,9 @@ struct stop {
     unsigned events; /* enum stop_event: all that falls on this time */
 };
 
-/* A clock at t = 0. The end is a stop, and always a frame. */
-struct clock clock_start(double duration);
+/* A clock at t = begin, which goes on for `duration`, s. The end is a stop, and always a frame.
+ * What falls on the begin, or before, has happened. */
+struct clock clock_start(double begin, double duration);
 
 /* Adds stops at k / rate, or, where rate is 0, at k * interval (both 0: nothing is added). */
 void clock_add(struct clock *clock, enum stop_event event, double rate, double interval);

@@ -52,7 +52,7 @@ struct problem {
     int (*default_treatment)(const struct stepper_method *method);
     const char *(*default_linear)(const struct stepper_method *method);
 
-    /* The scene at t = 0 in parts of at most `lanes` wisps; NULL where memory cannot be had. */
+    /* The scene at its begin in parts of at most `lanes` wisps; NULL where memory cannot be had. */
     struct model *(*create)(const struct scene *scene, int treatment, int lanes);
     void (*free)(struct model *model);
 
@@ -78,9 +78,12 @@ struct problem {
     enum outcome (*tick)(struct model *model, struct workers *workers, unsigned events,
                          int *changed);
 
-    /* FINISHED while a finite state is within what the model can mean, else DIVERGED and why.
-     * NULL: every finite state is. */
-    enum outcome (*check)(const struct model *model, char *reason, int reason_size);
+    /* By how much a state can be wrong and finite: the largest strain in part i at time t where
+     * that is above `limit`, with the wisp that has it, else 0. NULL: nobody can say. */
+    double (*strain)(const struct model *model, int i, double t, double limit, int *wisp);
+
+    /* Which strain a run may have where nothing is said; NULL likewise. */
+    double (*strain_limit)(const struct scene *scene);
 
     /* Extremes of a frame's rows. Returns 0 or OUT_OF_MEMORY. NULL: there are no diagnoses; else
      * the systems have energies and powers. */

@@ -11,8 +11,9 @@
 
 /* Settings for runs of a scene where the command line gives none. */
 struct run_defaults {
-    double step;       /* s */
-    double rtol, atol; /* atol in m and m/s */
+    double step;         /* s */
+    double rtol, atol;   /* atol in m and m/s */
+    double strain_limit; /* beyond which a run has diverged; 0: the problem's */
 };
 
 /* A state to start from: rows of frames, as a model of that treatment writes them. */
@@ -39,7 +40,8 @@ struct render_settings {
 struct scene {
     char name[64];
     const struct problem *problem;
-    double duration;   /* s */
+    double begin;      /* s: the time of the first frame */
+    double duration;   /* from there to the last one, s */
     double frame_rate; /* Hz; 0: every step is a frame */
     double seed;       /* a whole number */
     struct run_defaults run;

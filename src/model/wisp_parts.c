@@ -62,7 +62,7 @@ int wisp_part_create(struct wisp_model *m, int i) {
         if (!batch->pattern)
             return -1;
     }
-    m->kernel->rest(part->system.ctx, part->q, part->v);
+    m->kernel->rest(part->system.ctx, m->model.t, part->q, part->v);
     return 0;
 }
 

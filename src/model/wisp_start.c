@@ -27,7 +27,7 @@ int wisps_start(struct wisp_model *m) {
         return 0;
     double *rows = calloc((size_t)(m->model.row_count * m->model.column_count), sizeof *rows);
     int code = rows ? 0 : -1;
-    head_placement(&m->scene->around.head, 0, &head);
+    head_placement(&m->scene->around.head, m->model.t, &head);
     for (int i = 0; i < m->scene->wisp_count && !code; i++)
         code = convert(m, &head, i, rows);
     if (!code)

@@ -40,6 +40,7 @@ struct brush {
     const struct render_settings *render;
     int frame;
     double light[3];
+    const double *tint; /* of the hair's colour, red, green and blue */
     struct figure figure;
     struct strand *strand, *reference; /* of the wisp at hand */
     double (*controls)[3], (*points)[3];
@@ -164,7 +165,8 @@ static unsigned hair_colour(const struct brush *brush, const struct spot *a, con
     }
     const struct shine shine = shade_hair(tangent, brush->light, eye, gloss);
     for (int k = 0; k < 3; k++)
-        colour[k] = tone * (brush->render->colour[k] * (around + (1 - around) * shine.diffuse) +
+        colour[k] = tone * (brush->tint[k] * brush->render->colour[k] *
+                                (around + (1 - around) * shine.diffuse) +
                             sheen[k] * shine.specular);
     return pack(colour);
 }
@@ -193,8 +195,11 @@ static void draw_hair(struct brush *brush, const struct hairs *hairs, int hair) 
     }
 }
 
+/* What a wisp split off from another is of a second tone, so that twins are told apart. */
 static void draw_hairs(struct brush *brush, int wisp) {
+    static const double plain[3] = {1, 1, 1}, second[3] = {0.45, 0.95, 2.1};
     const struct frames *frames = brush->drawing->frames;
+    brush->tint = wisp < frames->scene->wisp_count ? plain : second;
     const struct hairs *hairs = brush->drawing->hairs[frames_ancestor(frames, wisp)];
     const struct hair_share share = frames_share(frames, brush->frame, wisp);
     for (int i = 0; i < hairs->count && !brush->failed; i++)

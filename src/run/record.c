@@ -202,6 +202,11 @@ static json_t *seconds_to_json(const struct settings *settings, const struct run
     return json;
 }
 
+/* JSON has no infinity. */
+static json_t *number_to_json(double number) {
+    return isfinite(number) ? json_real(number) : json_null();
+}
+
 static json_t *result_to_json(const struct scene *scene, const struct settings *settings,
                               const struct run_result *result) {
     char scene_text[HASH_SIZE], run_text[HASH_SIZE];
@@ -209,14 +214,14 @@ static json_t *result_to_json(const struct scene *scene, const struct settings *
     run_hash(scene, settings, run_text);
     const int failed = result->outcome != FINISHED;
     return json_pack(
-        "{s:s, s:s, s:o, s:f, s:i, s:o, s:i, s:o, s:o, s:o, s:o, s:o, s:f, s:o, s:b, s:s, s:s, "
-        "s:O, "
-        "s:o, s:o, s:o}",
+        "{s:s, s:s, s:o, s:f, s:i, s:o, s:i, s:o, s:o, s:o, s:o, s:o, s:o, s:f, s:o, s:b, s:s, "
+        "s:s, s:O, s:o, s:o, s:o}",
         "status", outcome_name(result->outcome), "reason", result->reason, "failure_time",
         failed ? json_real(result->time) : json_null(), "simulated_time", result->time, "frames",
         result->frames, "wisps", result->wisps > 0 ? json_integer(result->wisps) : json_null(),
         "unknowns", settings->unknowns, "terms", terms_to_json(scene), "warnings",
-        scene_warnings(scene), "counters", counters_to_json(&result->counters), "step_least",
+        scene_warnings(scene), "counters", counters_to_json(&result->counters), "largest_strain",
+        number_to_json(result->largest_strain), "step_least",
         step_to_json(&result->steps, result->steps.least), "step_largest",
         step_to_json(&result->steps, result->steps.largest), "cpu_seconds", result->cpu_seconds,
         "seconds", seconds_to_json(settings, result), "times_comparable",

@@ -70,9 +70,11 @@ static enum child_state see_through(struct child *child, struct lock *lock,
     enum child_state state;
     while ((state = child_poll(child, outcome, reason)) == CHILD_RUNS) {
         char note[80];
-        const double reached = child_reached(child), duration = child->run->scene->duration;
-        snprintf(note, sizeof note, "t = %.4g of %.4g s", reached, duration);
-        progress_show(progress, reached / duration, note);
+        const struct scene *scene = child->run->scene;
+        const double gone = fmax(0, child_reached(child) - scene->begin);
+        snprintf(note, sizeof note, "t = %.4g of %.4g s", scene->begin + gone,
+                 scene->begin + scene->duration);
+        progress_show(progress, gone / scene->duration, note);
         if (lock_keep(lock)) {
             child_abandon(child);
             snprintf(reason, REASON_SIZE, "%.150s: another host has taken the folder",

@@ -96,7 +96,7 @@ static int resolve_steps(const struct scene *scene, const struct run_request *re
         *values[i] = asked[i] != 0 ? asked[i] : defaults[i];
     }
     /* Such steps are lost in the rounding of the time, and the clock could not count them. */
-    if (!adaptive && scene->duration / settings->step > 1e15)
+    if (!adaptive && (scene->begin + scene->duration) / settings->step > 1e15)
         return refuse_number(reason, "step", settings->step, "more than 1e15 steps to the end");
     settings->frame_interval = !adaptive                      ? settings->step
                                : settings->method->checked_by ? scene->run.step
@@ -130,6 +130,13 @@ static int refuse_combination(const struct scene *scene, struct settings *settin
     return code ? REFUSED : 0;
 }
 
+double scene_strain_limit(const struct scene *scene) {
+    if (!scene->problem->strain_limit)
+        return INFINITY;
+    return scene->run.strain_limit > 0 ? scene->run.strain_limit
+                                       : scene->problem->strain_limit(scene);
+}
+
 static int check_perturbation(const struct settings *settings, char *reason) {
     const double size = settings->perturbation;
     return size == 0 || (size > 0 && isfinite(size))
@@ -145,11 +152,15 @@ int settings_resolve(const struct scene *scene, const struct run_request *reques
                                   .perturbation = request->perturbation,
                                   .draw = request->draw,
                                   .diagnostics = request->diagnostics};
+    settings->strain_limit =
+        request->strain_limit > 0 ? request->strain_limit : scene_strain_limit(scene);
     const char *name = request->stepper ? request->stepper : "rk4";
     settings->method = stepper_find(name);
     if (!settings->method)
         return refuse_name(reason, "stepper", name, "steppers") ? REFUSED : 0;
     settings->stepper.options = (struct options){request->options, request->option_count};
+    if (settings->method->checked_by) /* it has error control, and a second opinion */
+        settings->strain_limit = INFINITY;
     if (settings->diagnostics && !scene->problem->extremes) {
         snprintf(reason, REASON_SIZE, "--diagnostics is of wisps, and scene %s has none",
                  scene->name);
@@ -177,6 +188,7 @@ int settings_second_opinion(const struct scene *scene, const struct settings *se
         .threads = settings->threads,
         .perturbation = settings->perturbation,
         .draw = settings->draw,
+        .strain_limit = INFINITY,
     };
     while (request.options && request.options[request.option_count])
         request.option_count++;
@@ -226,6 +238,8 @@ json_t *settings_to_json(const struct scene *scene, const struct settings *setti
         json_object_set_new(json, "perturbation", json_real(settings->perturbation));
         json_object_set_new(json, "draw", json_integer(settings->draw));
     }
+    if (isfinite(settings->strain_limit) && settings->strain_limit != scene_strain_limit(scene))
+        json_object_set_new(json, "strain_limit", json_real(settings->strain_limit));
     json_object_set_new(json, "timings", json_integer(settings->timings));
     if (settings->diagnostics)
         json_object_set_new(json, "diagnostics", json_true());

@@ -13,6 +13,7 @@ struct run_request {
     double step, rtol, atol;    /* s; relative; m and m/s */
     const char *const *options; /* "key=value"; the settings go on to use list and texts */
     int option_count;
+    double strain_limit; /* beyond which the run has diverged; not said: the scene's */
     int timings;         /* how often the run is repeated for its CPU time */
     int threads;         /* that share out a scene's parts; 0: one */
     double perturbation; /* rms displacement of each node's start, m; 0: none */
@@ -27,6 +28,7 @@ struct settings {
     int treatment;         /* index into the problem's list */
     double step;           /* s, of fixed-step methods */
     double frame_interval; /* s, where the scene has no frame rate; 0: every accepted step */
+    double strain_limit;   /* beyond which a finite state has diverged; infinite: never */
     double perturbation;   /* rms displacement of each node's start, m */
     int draw;              /* which one: seeds the random numbers */
     int timings;
@@ -45,6 +47,9 @@ int settings_resolve(const struct scene *scene, const struct run_request *reques
 /* The settings of the second opinion on a run, or 0 where the method has none. */
 int settings_second_opinion(const struct scene *scene, const struct settings *settings,
                             struct settings *second, char *reason);
+
+/* Beyond which strain runs of a scene have diverged where nothing else is said. */
+double scene_strain_limit(const struct scene *scene);
 
 /* Most wisps that one part may hold under these settings. */
 int settings_lanes(const struct settings *settings);

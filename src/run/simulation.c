@@ -19,6 +19,7 @@ struct progress_of_part {
     int finite;         /* whether the state is */
     double evaluations; /* up to the last stop */
     struct step_range steps;
+    double strain; /* the largest after any step */
     struct profile profile;
     struct account account; /* where diagnoses are asked for */
 };
@@ -43,6 +44,7 @@ struct simulation {
     /* where diagnoses are asked for */
     struct diagnosis diagnosis;          /* of the last frame */
     double first_energy;                 /* J */
+    double most_energy;                  /* the largest that was stored at a frame, J */
     double other_jumps;                  /* at ticks, of no kind that parts have accounts of, J */
     double body_contacts, wisp_contacts; /* up to the last frame */
 };
@@ -72,7 +74,7 @@ static int going(const struct simulation *sim) {
 
 static void start_clock(struct simulation *sim) {
     const double rate = sim->scene->frame_rate;
-    sim->clock = clock_start(sim->scene->duration);
+    sim->clock = clock_start(sim->scene->begin, sim->scene->duration);
     clock_add(&sim->clock, STOP_FRAME, rate, rate > 0 ? 0 : sim->settings->frame_interval);
     clock_add(&sim->clock, STOP_COLLISION, sim->model->collision_rate, 0);
     clock_add(&sim->clock, STOP_INTERACTION, sim->model->interaction_rate, 0);
@@ -167,6 +169,8 @@ static void close_simulation(struct simulation *sim) {
             if (sim->progress) {
                 add_steps(&sim->result->steps, &sim->progress[i].steps);
                 add_profile(&sim->result->profile, &sim->progress[i].profile);
+                sim->result->largest_strain =
+                    fmax(sim->result->largest_strain, sim->progress[i].strain);
             }
             if (sim->steppers && sim->steppers[i])
                 sim->settings->method->free(sim->steppers[i]);
@@ -212,6 +216,23 @@ static void note_step(struct simulation *sim, int i, double h) {
     add_steps(&sim->progress[i].steps, &(struct step_range){h, h});
 }
 
+/* After a step of part i to time t: whether its state is one that the model can mean. Most steps
+ * have no new largest strain, and that is quickly seen. */
+static int check_strain(struct simulation *sim, int i, double t) {
+    const struct problem *problem = sim->scene->problem;
+    struct progress_of_part *part = &sim->progress[i];
+    int wisp = 0;
+    if (!problem->strain)
+        return 0;
+    const double strain = problem->strain(sim->model, i, t, part->strain, &wisp);
+    part->strain = fmax(part->strain, strain);
+    if (strain <= sim->settings->strain_limit)
+        return 0;
+    return system_fail(&sim->model->parts[i].system, -DIVERGED,
+                       "wisp %d: a segment is %.3g of its length away from it, more than %.3g",
+                       wisp, strain, sim->settings->strain_limit);
+}
+
 /* Equal steps over the interval, the last of them ending at `to`. */
 static int advance_fixed(struct simulation *sim, int i, double *t, double to) {
     struct part *part = &sim->model->parts[i];
@@ -219,31 +240,35 @@ static int advance_fixed(struct simulation *sim, int i, double *t, double to) {
     const long long steps = clock_steps(to - from, sim->settings->step);
     const double h = (to - from) / (double)steps;
 
-    for (long long k = 0; k < steps && !interrupted(sim, i, *t); k++) {
-        const int code = sim->settings->method->step(sim->steppers[i], *t, h, part->q, part->v);
+    int code = 0;
+    for (long long k = 0; k < steps && !code && !interrupted(sim, i, *t); k++) {
+        code = sim->settings->method->step(sim->steppers[i], *t, h, part->q, part->v);
         if (code)
             return code;
         note_step(sim, i, h);
         *t = k + 1 == steps ? to : from + (double)(k + 1) * h;
         if (part->account)
             account_step(part, *t);
+        code = check_strain(sim, i, *t);
     }
-    return 0;
+    return code;
 }
 
 /* Steps of the method's own choice, or just one of them. */
 static int advance_adaptive(struct simulation *sim, int i, double *t, double to, int once) {
     struct part *part = &sim->model->parts[i];
+    int code;
     do {
         const double from = *t;
-        const int code = sim->settings->method->advance(sim->steppers[i], t, to, part->q, part->v);
+        code = sim->settings->method->advance(sim->steppers[i], t, to, part->q, part->v);
         if (code)
             return code;
         note_step(sim, i, *t - from);
         if (part->account)
             account_step(part, *t);
-    } while (*t < to && !once && !interrupted(sim, i, *t));
-    return 0;
+        code = check_strain(sim, i, *t);
+    } while (*t < to && !code && !once && !interrupted(sim, i, *t));
+    return code;
 }
 
 static int all_finite(const double *x, int n) {
@@ -317,13 +342,6 @@ static void check_finite(struct simulation *sim) {
             end_with(sim, NOT_FINITE, "the state overflowed or became NaN");
 }
 
-/* A finite state can still be wrong. */
-static void check_meaning(struct simulation *sim) {
-    const struct problem *problem = sim->scene->problem;
-    if (problem->check)
-        sim->result->outcome = problem->check(sim->model, sim->result->reason, REASON_SIZE);
-}
-
 /* What an event of a tick changes where no part has an account of it. */
 static double unbooked_energy(const struct simulation *sim) {
     return model_energy(sim->model) - model_jumps(sim->model);
@@ -369,6 +387,24 @@ static void make_diagnosis(struct simulation *sim) {
     sim->model->diagnosis = d;
 }
 
+/* No step's error is worth ten times what the scene ever held: such a run is wrong whatever its
+ * lengths. The energies are taken absolutely, since gravity's has its zero somewhere. */
+static void check_energy(struct simulation *sim) {
+    const struct diagnosis *d = &sim->diagnosis;
+    double stored = 0;
+#define X(name, meaning) stored += fabs(d->energy.name);
+    ENERGIES(X)
+#undef X
+    sim->most_energy = fmax(sim->most_energy, stored);
+    if (sim->settings->method->checked_by || !(fabs(d->residual) > 10 * sim->most_energy))
+        return;
+    char reason[REASON_SIZE];
+    snprintf(reason, sizeof reason,
+             "%.3g J of energy are accounted for by no work, and it never held more than %.3g J",
+             d->residual, sim->most_energy);
+    end_with(sim, DIVERGED, reason);
+}
+
 static void show_frame(struct simulation *sim) {
     sim->result->frames++;
     if (!sim->observer)
@@ -381,6 +417,8 @@ static void show_frame(struct simulation *sim) {
     const int code = sim->observer->frame(sim->observer->ctx, sim->model, sim->t, sim->rows);
     if (code)
         end_with(sim, (enum outcome)code, "a frame could not be kept");
+    else if (sim->settings->diagnostics)
+        check_energy(sim);
 }
 
 void simulate(const struct scene *scene, const struct settings *settings,
@@ -390,11 +428,12 @@ void simulate(const struct scene *scene, const struct settings *settings,
                              .settings = settings,
                              .observer = observer,
                              .watch = watch,
-                             .result = result};
+                             .result = result,
+                             .t = scene->begin};
     const int every_step = scene->frame_rate == 0; /* every step is a frame, stops being steps */
-    struct stop stop = {0};
+    struct stop stop = {.t = scene->begin};
 
-    *result = (struct run_result){.outcome = FINISHED};
+    *result = (struct run_result){.outcome = FINISHED, .time = scene->begin};
     open_simulation(&sim);
     if (going(&sim))
         count_evaluations(&sim);
@@ -412,8 +451,6 @@ void simulate(const struct scene *scene, const struct settings *settings,
         const double ticked = monotonic_seconds();
         if (going(&sim) && (every_step || stop.events & STOP_FRAME))
             show_frame(&sim);
-        if (going(&sim) && (every_step || stop.events & STOP_FRAME))
-            check_meaning(&sim);
         result->advance_seconds += advanced - begin;
         result->tick_seconds += ticked - advanced;
         result->frame_seconds += monotonic_seconds() - ticked;

@@ -16,7 +16,8 @@ struct run_result {
     int wisps; /* at the end; a particle counts as one */
     struct counters counters;
     struct step_range steps;
-    double cpu_seconds; /* of the process, from the first step to the last, diagnoses included */
+    double largest_strain; /* of a segment after any step; where there are none, 0 */
+    double cpu_seconds;    /* of the process, from the first step to the last, diagnoses included */
     double advance_seconds, tick_seconds, frame_seconds; /* wall time of the stages */
     struct profile profile;                              /* of settings->profile, else zeros */
 };

@@ -32,8 +32,8 @@ static double fastest_between(const struct scene *scene, const struct body *body
 
 static double fastest(const struct scene *scene, const struct body *body) {
     const struct head_motion *head = &scene->around.head;
-    const double end = scene->duration;
-    double from = 0, most = 0;
+    const double end = scene->begin + scene->duration;
+    double from = scene->begin, most = 0;
     for (int k = 0; k <= head->knots; k++) {
         const double to = k < head->knots ? fmin(head->time[k], end) : end;
         if (to <= from)
@@ -67,8 +67,26 @@ static void look_at_body(const struct scene *scene, const struct body *body, jso
              body->name, radius, segment);
 }
 
+/* --- the clock --- */
+
+static int depends_on_time(const struct scene *scene) {
+    const struct surroundings *around = &scene->around;
+    int moving = around->wind.kind == WIND_GUST || around->wind.kind == WIND_IRREGULAR ||
+                 around->style.knots > 1 || around->head.knots > 1;
+    for (int i = 0; i < scene->body_count; i++)
+        moving |= vector_length(scene->bodies[i].velocity) > 0;
+    return moving;
+}
+
+static void look_at_clock(const struct scene *scene, json_t *warnings) {
+    if (scene->start.rows && depends_on_time(scene) && !json_object_get(scene->source, "begin"))
+        warn(warnings, "start without begin: wind, style, head or bodies depend on time, and the "
+                       "clock begins at 0 s; begin = 0.0 says that this is meant");
+}
+
 json_t *scene_warnings(const struct scene *scene) {
     json_t *warnings = json_array();
+    look_at_clock(scene, warnings);
     for (int i = 0; i < scene->body_count && scene->collision_rate > 0; i++)
         look_at_body(scene, &scene->bodies[i], warnings);
     return warnings;

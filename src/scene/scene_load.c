@@ -30,13 +30,15 @@ static void stem(const char *path, char *name, size_t size) {
 }
 
 static void read_run(struct config_reader *reader, config_setting_t *top,
-                     struct run_defaults *run) {
-    static const char *const known[] = {"step", "rtol", "atol", NULL};
+                     const struct problem *problem, struct run_defaults *run) {
+    const char *const known[] = {"step", "rtol", "atol",
+                                 problem->strain_limit ? "strain_limit" : NULL, NULL};
     config_setting_t *group = config_group(reader, top, "run");
     config_known(reader, group, known);
     run->step = config_number(reader, group, "step", POSITIVE, 1e-4);
     run->rtol = config_number(reader, group, "rtol", POSITIVE, 1e-6);
     run->atol = config_number(reader, group, "atol", POSITIVE, 1e-9);
+    run->strain_limit = config_number(reader, group, "strain_limit", POSITIVE, 0);
 }
 
 /* Such ticks are lost in the rounding of the time, and the run would never end. */
@@ -50,12 +52,13 @@ static void check_rates(struct config_reader *reader, config_setting_t *top,
     } rates[] = {{top, "frame_rate", scene->frame_rate},
                  {contacts, "collision_rate", scene->collision_rate},
                  {contacts, "interaction_rate", scene->interaction.rate}};
+    const double end = scene->begin + scene->duration;
     for (size_t i = 0; i < sizeof rates / sizeof *rates; i++) {
         config_setting_t *group = rates[i].group;
-        if (rates[i].rate * scene->duration > 1e15)
+        if (rates[i].rate * end > 1e15)
             config_fail(reader, group ? config_setting_get_member(group, rates[i].name) : NULL,
-                        "%s: %g Hz for a duration of %g s: is more than 1e15 times", rates[i].name,
-                        rates[i].rate, scene->duration);
+                        "%s: %g Hz up to %g s: is more than 1e15 times", rates[i].name,
+                        rates[i].rate, end);
     }
 }
 
@@ -83,10 +86,12 @@ static void read_scene(struct config_reader *reader, struct scene *scene) {
     if (!scene->problem)
         config_fail(reader, config_setting_get_member(top, "problem"),
                     "problem: '%.60s' is not there; known: circle; none for wisps", problem);
+    scene->begin = config_number(reader, top, "begin", NOT_NEGATIVE, 0);
     scene->duration = config_required(reader, top, "duration", POSITIVE);
     scene->frame_rate = config_number(reader, top, "frame_rate", POSITIVE, 0);
     scene->seed = config_number(reader, top, "seed", WHOLE, 1);
-    read_run(reader, top, &scene->run);
+    if (scene->problem)
+        read_run(reader, top, scene->problem, &scene->run);
     if (scene->problem == &circle_problem)
         read_circle(reader, top);
     else

@@ -29,7 +29,7 @@ static double apart(const double *row, const double *expected) {
     return most;
 }
 
-/* Nodes 0 and 1 must be where the head has them at t = 0. */
+/* Nodes 0 and 1 must be where the head has them at the begin. */
 static void check_head(struct config_reader *reader, const config_setting_t *setting,
                        const struct model *model, const double *rows, const double *expected) {
     for (int i = 0; i < model->row_count; i++) {
@@ -37,10 +37,11 @@ static void check_head(struct config_reader *reader, const config_setting_t *set
                      *head = expected + i * model->column_count;
         const double difference = row[1] < 2 ? apart(row, head) : 0;
         if (difference > tolerance)
-            config_fail(reader, setting,
-                        "start: node %g of wisp %g is %.3g m or m/s away from where the head has "
-                        "it at t = 0; this must be a state of these wisps, the head being the same",
-                        row[1], row[0], difference);
+            config_fail(
+                reader, setting,
+                "start: node %g of wisp %g is %.3g m or m/s away from where the head has "
+                "it at t = %g; this must be a state of these wisps, the head being the same",
+                row[1], row[0], difference, model->t);
     }
 }
 

@@ -153,9 +153,9 @@ static void check_size(struct config_reader *reader, config_setting_t *top,
 
 void scene_read_wisps(struct config_reader *reader, config_setting_t *top, struct scene *scene) {
     static const char *const known[] = {
-        "name",     "problem",     "duration", "frame_rate", "seed",  "run",  "gravity",
-        "material", "envelope",    "wisps",    "wind",       "style", "head", "body",
-        "contacts", "subdivision", "start",    "render",     NULL};
+        "name",    "problem",  "begin",       "duration", "frame_rate", "seed",  "run",
+        "gravity", "material", "envelope",    "wisps",    "wind",       "style", "head",
+        "body",    "contacts", "subdivision", "start",    "render",     NULL};
     struct wisp material = {0};
     config_known(reader, top, known);
     config_vector(reader, top, "gravity", scene->around.gravity);

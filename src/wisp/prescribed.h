@@ -6,7 +6,8 @@ enum { KNOTS_MAX = 64 };
 
 /* The head's motion: cubic Hermite between knots, per component of position and of the rotation
  * vector (axis times angle), with slope (x_(k+1) - x_(k-1)) / (t_(k+1) - t_(k-1)), 0 at the first
- * and last knot; held outside them. Without knots the head rests. */
+ * and last knot; held outside them. Its acceleration jumps at knots: at one it is that after it.
+ * Without knots the head rests. */
 struct head_motion {
     int knots;
     double time[KNOTS_MAX];        /* s, ascending */
