@@ -10,8 +10,8 @@
         __VA_ARGS__, NULL   \
     }
 
-/* Colours are Okabe and Ito's (doi 10.1038/nmeth.1618); the marks of what differs in details are
- * those of other methods, which are in no chart with them. */
+/* Colours are Okabe and Ito's (doi 10.1038/nmeth.1618), and where these do not do darker ones;
+ * variants have marks of other methods. */
 static const struct configuration table[] = {
     {.name = "euler",
      .stepper = "euler",
@@ -33,6 +33,20 @@ static const struct configuration table[] = {
      .cost = 20e-9,
      .colour = "#0072B2",
      .mark = 9},
+
+    {.name = "symplectic-euler",
+     .stepper = "symplectic-euler",
+     .kind = CONFIGURATION_PLAIN,
+     .cost = 4e-9,
+     .colour = "#8C8C00",
+     .mark = 6},
+
+    {.name = "drift-kick",
+     .stepper = "drift-kick",
+     .kind = CONFIGURATION_PLAIN,
+     .cost = 4.5e-9,
+     .colour = "#7A5230",
+     .mark = 4},
 
     {.name = "implicit-euler",
      .stepper = "implicit-euler",
@@ -85,6 +99,51 @@ static const struct configuration table[] = {
      .options = OPTIONS("cg.tolerance=1e-4"),
      .kind = CONFIGURATION_SOLVER_DETAILS,
      .mark = 7},
+
+    {.name = "linear-euler",
+     .stepper = "linear-euler",
+     .kind = CONFIGURATION_PLAIN,
+     .cost = 8e-9,
+     .colour = "#56B4E9",
+     .mark = 8},
+    {.name = "linear-euler stretch",
+     .stepper = "linear-euler",
+     .options = OPTIONS("matrix=stretch"),
+     .kind = CONFIGURATION_MATRIX,
+     .cost = 7e-9,
+     .mark = 5},
+
+    {.name = "bdf2",
+     .stepper = "bdf2",
+     .kind = CONFIGURATION_PLAIN,
+     .cost = 10e-9,
+     .colour = "#882255",
+     .mark = 14},
+    {.name = "bdf2 stretch",
+     .stepper = "bdf2",
+     .options = OPTIONS("matrix=stretch"),
+     .kind = CONFIGURATION_MATRIX,
+     .cost = 9e-9,
+     .mark = 7},
+    {.name = "bdf2 full",
+     .stepper = "bdf2",
+     .options = OPTIONS("matrix=full"),
+     .kind = CONFIGURATION_MATRIX,
+     .cost = 18e-9,
+     .mark = 9},
+
+    {.name = "bdf3",
+     .stepper = "bdf3",
+     .kind = CONFIGURATION_PLAIN,
+     .cost = 11e-9,
+     .colour = "#4B0092",
+     .mark = 12},
+    {.name = "bdf3 stretch",
+     .stepper = "bdf3",
+     .options = OPTIONS("matrix=stretch"),
+     .kind = CONFIGURATION_MATRIX,
+     .cost = 10e-9,
+     .mark = 11},
 
     /* On wisps it is of order 2 where nothing is said. */
     {.name = "cvode",
@@ -163,7 +222,7 @@ const struct recipe thesis_recipe = {"euler", "projection", 9000};
 /* The k-th colour that no row has: what is left of Okabe and Ito's, dark ones of Paul Tol's, and
  * then colours that are far from those just before: hues in the golden section. */
 static void spare_colour(int k, char colour[8]) {
-    static const char *const spare[] = {"#56B4E9", "#8C8C00", "#882255", "#7A5230"};
+    static const char *const spare[] = {"#1B4F72", "#AA3377", "#117733", "#B03A2E"};
     enum { SPARE = sizeof spare / sizeof *spare };
     if (k < SPARE) {
         memcpy(colour, spare[k], 8);
@@ -177,14 +236,14 @@ static void spare_colour(int k, char colour[8]) {
     snprintf(colour, 8, "#%02X%02X%02X", rgb[0], rgb[1], rgb[2]);
 }
 
-/* The k-th mark that no row has which may be in a chart with it; where they are used up, again. */
+/* The k-th mark that no method as it is has; where they are used up, again. */
 static int spare_mark(int k) {
     enum { MARKS = 15, CROSS = 2 };
     int free[MARKS], count = 0;
     for (int mark = 1; mark <= MARKS; mark++) {
         int used = mark == CROSS;
         for (int i = 0; i < ROWS; i++)
-            used |= table[i].mark == mark && table[i].kind != CONFIGURATION_SOLVER_DETAILS;
+            used |= table[i].mark == mark && table[i].kind == CONFIGURATION_PLAIN;
         if (!used)
             free[count++] = mark;
     }

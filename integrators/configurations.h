@@ -22,6 +22,7 @@ enum configuration_kind {
     CONFIGURATION_ORDER = 16,          /* another highest order */
     CONFIGURATION_FORMULA = 32,        /* another family of formulas */
     CONFIGURATION_SOLVER_DETAILS = 64, /* solver, its tolerance, Jacobian */
+    CONFIGURATION_MATRIX = 128,        /* which forces are in its matrix */
 };
 
 struct configuration {
@@ -39,7 +40,7 @@ struct configuration {
     /* A colour is a method's, "#rrggbb", and a mark is a configuration's: gnuplot's point type
      * (from 4 on: squares, circles, triangles, inverted ones, diamonds, pentagons, the even ones
      * open; 1 is a plus, 3 a star, and the cross 2 is of failures). No two have both in common, and
-     * what stands in one chart has no mark in common. */
+     * methods as they are have no mark in common: there are more variants than marks. */
     char colour[8];
     int mark;
 
@@ -52,7 +53,7 @@ struct configuration {
 struct configuration *configurations_choose(unsigned kinds, unsigned capabilities);
 
 /* All kinds. */
-enum { CONFIGURATION_ANY = 127 };
+enum { CONFIGURATION_ANY = 255 };
 
 /* What the thesis runs hair with (Plante 1999, sections 4.2.1 and 5). */
 struct recipe {

@@ -284,7 +284,8 @@ static int cvode_refuse(const struct stepper_settings *settings, struct system *
     return linear_choose(settings->linear, system, (int)value(settings, JACOBIAN), &kind);
 }
 
-static int cvode_reset(struct stepper *stepper) {
+static int cvode_reset(struct stepper *stepper, unsigned lanes) {
+    (void)lanes;
     struct multistep *s = (struct multistep *)stepper;
     s->restart = 1;
     return 0;

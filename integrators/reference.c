@@ -148,7 +148,8 @@ static const struct second_opinion check = {
     .options = check_options,
 };
 
-static int reference_reset(struct stepper *stepper) {
+static int reference_reset(struct stepper *stepper, unsigned lanes) {
+    (void)lanes;
     stepper->system->counters.restarts += stepper->system->wisps;
     forget_rate((struct reference *)stepper);
     return 0;

@@ -4,12 +4,17 @@
 #include <string.h>
 
 /* A new stepper is one line here, at its place in lists and legends. */
-#define STEPPERS(X)   \
-    X(euler)          \
-    X(midpoint)       \
-    X(rk4)            \
-    X(implicit_euler) \
-    X(cvode)          \
+#define STEPPERS(X)     \
+    X(euler)            \
+    X(midpoint)         \
+    X(rk4)              \
+    X(symplectic_euler) \
+    X(drift_kick)       \
+    X(implicit_euler)   \
+    X(linear_euler)     \
+    X(bdf2)             \
+    X(bdf3)             \
+    X(cvode)            \
     X(reference)
 
 #define X(method) extern const struct stepper_method method;

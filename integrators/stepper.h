@@ -45,6 +45,7 @@ struct stepper_method {
     const char *summary;                     /* one line */
     const char *reference;                   /* paper, book or manual */
     int order;                               /* of accuracy; the highest where it varies */
+    int undamped_order;                      /* where nothing is damped, if another; else 0 */
     unsigned capabilities;                   /* enum stepper_capability */
     const struct option_spec *options;       /* its own, or NULL */
     const struct butcher_table *table;       /* of Runge-Kutta methods, else NULL */
@@ -82,9 +83,14 @@ struct stepper_method {
      * `stop`, which is met exactly; *t becomes the time reached. */
     int (*advance)(struct stepper *stepper, double *t, double stop, double *q, double *v);
 
-    /* Forgets the history: an event changed the state, the system or both, or the forces have a
-     * kink here. NULL: has none. */
-    int (*reset)(struct stepper *stepper);
+    /* Forgets the history of these lanes, bit k for lane k: an event changed their state, their
+     * system or both, or the forces have a kink here. A method that has one step for all lanes may
+     * forget them all. NULL: has none. */
+    int (*reset)(struct stepper *stepper, unsigned lanes);
+
+    /* What a user should know of the settings when a run has failed, or NULL; itself NULL: nothing.
+     */
+    const char *(*caution)(const struct stepper *stepper);
 
     void (*free)(struct stepper *stepper);
 };

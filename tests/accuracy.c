@@ -25,7 +25,7 @@ static const char header[] =
     "# 200) and 30 %. What is better than that fails too: look why, and update the table by\n"
     "#   cmake --build build --target update-accuracy\n";
 
-enum { KEY_SIZE = 160, ROWS_MAX = 512 };
+enum { KEY_SIZE = 160, ROWS_MAX = 1024 };
 
 struct row {
     char key[KEY_SIZE]; /* scene, treatment, stepper, option, setting, parted by tabs */

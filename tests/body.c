@@ -684,7 +684,7 @@ static void stretch_samples(const struct wisp *wisp, enum wisp_treatment treatme
 /* Samples pulled out by the kernel: the state, and who was left for body_contact. */
 struct pulled {
     double q[LAB_LANES * LAB_SIZE], v[LAB_LANES * LAB_SIZE];
-    unsigned left;
+    unsigned left, pulled;
     int samples;
 };
 
@@ -696,9 +696,9 @@ static void pull(struct pulled *to, const struct lab_part *part, const double *q
         obstacle[i] = body_obstacle(&bodies[i], &motion[i]);
     memcpy(to->q, q, (size_t)(part->lanes * part->size) * sizeof *q);
     memcpy(to->v, v, (size_t)(part->lanes * part->size) * sizeof *v);
-    to->left =
-        kernel_of(part->lanes)
-            ->pull(part->system.ctx, to->q, to->v, obstacle, boxes, count, ~0u, &to->samples);
+    to->left = kernel_of(part->lanes)
+                   ->pull(part->system.ctx, to->q, to->v, obstacle, boxes, count, ~0u, &to->samples,
+                          &to->pulled);
 }
 
 /* Only wisps with a node inside are left, or free particles, as they are; of the others the kernel
@@ -717,6 +717,8 @@ static void check_pulled(struct pulled *pulled, const struct lab_part *part, int
         return;
     }
     pulled->samples -= (int)report->samples;
+    cr_assert_eq(pulled->pulled >> k & 1, report->samples > 0, "lane %d: the bit of pulled lanes",
+                 k);
     strand_store(s, should, stride);
     for (int i = 0; i < s->wisp->nodes * stride; i++)
         cr_assert(fabs(is[i] - should[i]) < 1e-12, "lane %d: %.17g, not %.17g", k, is[i],

@@ -13,6 +13,7 @@ struct yardstick {
     const char *name;
     int size;
     void (*error)(const struct variant *variant, int steps, double rtol, double *error);
+    int undamped; /* nothing is damped */
 };
 
 /* The made-up oscillator, u' = z u, and pure quadrature. */

@@ -311,7 +311,7 @@ static void hires_error(const struct variant *variant, int steps, double rtol, d
     for (int i = 0; i < published[HIRES].size; i++)
         error[i] = error[i] / published[HIRES].solution[i] - 1;
 }
-static const struct yardstick hires = {"HIRES", 8, hires_error};
+static const struct yardstick hires = {"HIRES", 8, hires_error, 0};
 
 Test(published, implicit_euler_is_of_first_order_on_hires) {
     const struct variant variant = variant_of("implicit-euler", "newton.iterations=20");

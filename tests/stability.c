@@ -209,8 +209,8 @@ Test(stability, modes_of_a_wisp_come_from_its_jacobians) {
     scene_free(scene);
 }
 
-static int keep_history(struct stepper *stepper) {
-    (void)stepper;
+static int keep_history(struct stepper *stepper, unsigned lanes) {
+    (void)stepper, (void)lanes;
     return 0;
 }
 

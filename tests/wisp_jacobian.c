@@ -510,6 +510,7 @@ static void use_prepared(struct prepared *made) {
 /* All that can be asked of a part between a linearisation and its use, at another state. */
 static void ask_other_things(unsigned *seed) {
     static double q[LAB_LANES * LAB_SIZE], v[LAB_LANES * LAB_SIZE], a[LAB_LANES * LAB_SIZE];
+    static double x[LAB_LANES * LAB_SIZE];
     struct system *system = &s.part.system;
     struct energies energies;
     struct powers powers;
@@ -519,6 +520,11 @@ static void ask_other_things(unsigned *seed) {
         lab_scatter(&s.part, k, s.v[k], v);
     }
     cr_assert_eq(system_acceleration(system, 0.4, q, v, a), 0, "%s", system->reason);
+    for (int part = 0; part < FORCE_PARTS; part++) {
+        const double h[LAB_LANES] = {1e-3, 2e-3, 3e-3, 4e-3};
+        const struct part_equation e = {(enum force_part)part, h, h, h, q, v, a};
+        cr_assert_eq(system_solve_part(system, &e, x), 0, "%s", system->reason);
+    }
     cr_assert_eq(system->ops->energies(system->ctx, 0.5, q, v, &energies), 0, "%s", system->reason);
     cr_assert_eq(system->ops->powers(system->ctx, 0.6, q, v, &powers), 0, "%s", system->reason);
     kernel_of(s.part.lanes)->clamp(system->ctx, q, v);
@@ -573,4 +579,247 @@ Test(wisp_jacobian, a_matrix_that_is_not_definite_is_refused) {
                               lanes, code, system->reason);
                 lab_part_free(&s.part);
             }
+}
+
+/* --- a part of the forces --- */
+
+/* x = A^-1 b with A destroyed, in more digits than those that are tested. */
+static void solve_finely(int n, long double a[SIZE_MOST][SIZE_MOST], long double *b) {
+    for (int c = 0; c < n; c++) {
+        int pivot = c;
+        for (int i = c + 1; i < n; i++)
+            pivot = fabsl(a[i][c]) > fabsl(a[pivot][c]) ? i : pivot;
+        for (int j = 0; j < n; j++) {
+            const long double kept = a[c][j];
+            a[c][j] = a[pivot][j];
+            a[pivot][j] = kept;
+        }
+        const long double kept = b[c];
+        b[c] = b[pivot];
+        b[pivot] = kept;
+        for (int i = c + 1; i < n; i++) {
+            const long double factor = a[i][c] / a[c][c];
+            for (int j = c; j < n && factor != 0; j++)
+                a[i][j] -= factor * a[c][j];
+            b[i] -= factor * b[c];
+        }
+    }
+    for (int i = n - 1; i >= 0; i--) {
+        for (int j = i + 1; j < n; j++)
+            b[i] -= a[i][j] * b[j];
+        b[i] /= a[i][i];
+    }
+}
+
+/* Position of a node of a wisp at rest in the state q, in long double. */
+static void place_of(const struct wisp *wisp, const double *q, int unknowns, int i,
+                     long double p[3]) {
+    for (int k = 0; k < 3; k++)
+        p[k] = i < 2 ? wisp->root[k] + i * wisp_spacing(wisp) * (long double)wisp->direction[k]
+                     : q[(i - 2) * unknowns + k];
+}
+
+struct step_of_part {
+    enum force_part part;
+    double alpha, beta, gamma;
+};
+
+/* A += along nn' + across (1 - nn') on the nodes a and b of a spring, b += gamma K g likewise. */
+static void add_spring(const struct wisp *wisp, const double *q, const double *g, int unknowns,
+                       int a, int b, double rest, double k, double c, const struct step_of_part *by,
+                       int axial, int transverse, long double A_[SIZE_MOST][SIZE_MOST],
+                       long double *right) {
+    long double pa[3], pb[3], n[3], length = 0, rate = 0;
+    place_of(wisp, q, unknowns, a, pa);
+    place_of(wisp, q, unknowns, b, pb);
+    for (int i = 0; i < 3; i++)
+        length += (pb[i] - pa[i]) * (pb[i] - pa[i]);
+    length = sqrtl(length);
+    const long double side = transverse * k * fmaxl(0, 1 - rest / length);
+    const long double along = by->beta * (axial * k) + by->alpha * (axial * c);
+    const int row[2] = {(a - 2) * unknowns, (b - 2) * unknowns};
+    long double d[3];
+    for (int i = 0; i < 3; i++) {
+        n[i] = (pb[i] - pa[i]) / length;
+        d[i] = g[row[1] + i] - (a < 2 ? 0 : g[row[0] + i]);
+        rate += n[i] * d[i];
+    }
+    for (int x = 0; x < 2; x++)
+        for (int i = 0; i < 3 && (x || a >= 2); i++) {
+            const int sign_x = x ? 1 : -1;
+            right[row[x] + i] -=
+                sign_x * by->gamma * (axial * k * n[i] * rate + side * (d[i] - n[i] * rate));
+            for (int y = 0; y < 2; y++)
+                for (int j = 0; j < 3 && (y || a >= 2); j++)
+                    A_[row[x] + i][row[y] + j] +=
+                        sign_x * (y ? 1 : -1) *
+                        (along * n[i] * n[j] + by->beta * side * ((i == j) - n[i] * n[j]));
+        }
+}
+
+/* M - alpha D - beta K and M r + gamma K g of a lane, for the parts with springs along their lines
+ * from the springs' unit vectors; with all forces from the products of JACOBIAN_SPD, less the
+ * springs' transverse stiffness. */
+static void part_matrix(int lane, const struct step_of_part *by, const double *r, const double *g,
+                        long double a[SIZE_MOST][SIZE_MOST], long double *right) {
+    const struct wisp *w = &s.wisps[lane];
+    const int n = s.part.size, unknowns = s.part.node_unknowns, full = by->part >= FORCES_FULL;
+    const double l = wisp_spacing(w), k = wisp_stretch_constant(w), b = wisp_bending_constant(w);
+    dense(&s.part, 1, 0, 0, lane, M);
+    dense(&s.part, 1, full ? -by->alpha : 0, full ? -by->beta : 0, lane, A);
+    dense(&s.part, 0, 0, full ? by->gamma : 0, lane, B);
+    for (int i = 0; i < n; i++) {
+        right[i] = 0;
+        for (int j = 0; j < n; j++) {
+            a[i][j] = A[i][j];
+            right[i] += (long double)M[i][j] * r[j] + (long double)B[i][j] * g[j];
+        }
+    }
+    const struct step_of_part less = {by->part, 0, -by->beta, -by->gamma};
+    for (int i = 2; i < w->nodes; i++) {
+        const int skips = w->bending == BENDING_SKIP;
+        if (!full) {
+            add_spring(w, s.q[lane], g, unknowns, i - 1, i, l, k, w->stretch_time * k, by, 1, 0, a,
+                       right);
+            if (skips && by->part == FORCES_AXIAL)
+                add_spring(w, s.q[lane], g, unknowns, i - 2, i, 2 * l, b, w->bending_time * b, by,
+                           1, 0, a, right);
+        } else if (by->part == FORCES_FULL) {
+            add_spring(w, s.q[lane], g, unknowns, i - 1, i, l, k, 0, &less, 0, 1, a, right);
+            if (skips)
+                add_spring(w, s.q[lane], g, unknowns, i - 2, i, 2 * l, b, 0, &less, 0, 1, a, right);
+        }
+    }
+}
+
+/* One lane's solution against a dense one. Tensions are as exact as they are well-conditioned, and
+ * what they do to x is exact whatever the stiffness: 1e-12 of the largest number, in more digits.
+ * With all forces elimination is backward stable, see above. */
+static void check_part_solution(int lane, const struct step_of_part *by, const double *r,
+                                const double *g, const double *x, const char *what) {
+    static long double a[SIZE_MOST][SIZE_MOST], fine[SIZE_MOST];
+    static double right[SIZE_MOST], expected[SIZE_MOST], scale[SIZE_MOST];
+    const int n = s.part.size;
+    double most = 0;
+    part_matrix(lane, by, r, g, a, fine);
+    if (by->part >= FORCES_FULL) {
+        for (int i = 0; i < n; i++) {
+            right[i] = (double)fine[i];
+            for (int j = 0; j < n; j++)
+                A[i][j] = (double)a[i][j];
+        }
+        solve_densely(n, A, right, expected, scale);
+    } else {
+        solve_finely(n, a, fine);
+        for (int i = 0; i < n; i++) {
+            expected[i] = (double)fine[i];
+            most = fmax(most, fmax(fabs(r[i]), fabs(expected[i])));
+        }
+        for (int i = 0; i < n; i++)
+            scale[i] = most;
+    }
+    for (int i = 0; i < n; i++)
+        cr_assert(fabs(x[i] - expected[i]) <= solver_tolerance * scale[i],
+                  "%s, part %d, lane %d, step %g: x[%d] is %.17g, not %.17g", what, (int)by->part,
+                  lane, by->alpha, i, x[i], expected[i]);
+}
+
+/* With a step of its own for each lane: from one that springs hardly feel to one for which they are
+ * rods. */
+static void check_part(enum force_part part, int lanes, const char *what, unsigned *seed) {
+    static const double steps[] = {1e-6, 1e-3, 0.03, 1e-4};
+    static double r[LAB_LANES][LAB_SIZE], g[LAB_LANES][LAB_SIZE], x[LAB_SIZE];
+    static double R[LAB_LANES * LAB_SIZE], G[LAB_LANES * LAB_SIZE], X[LAB_LANES * LAB_SIZE];
+    double alpha[LAB_LANES], beta[LAB_LANES], gamma[LAB_LANES];
+    const int first = (int)lab_between(seed, 0, 4);
+    for (int k = 0; k < lanes; k++) {
+        const double h = steps[(first + k) % 4];
+        alpha[k] = h, beta[k] = h * h * 0.7, gamma[k] = (int)part % 2 == k % 2 ? 0 : h * h;
+        for (int i = 0; i < s.part.size; i++) {
+            r[k][i] = lab_between(seed, -1, 1);
+            g[k][i] = lab_between(seed, -1, 1);
+        }
+        lab_scatter(&s.part, k, r[k], R);
+        lab_scatter(&s.part, k, g[k], G);
+    }
+    struct system *system = &s.part.system;
+    const struct part_equation e = {part, alpha, beta, gamma, s.Q, R, G};
+    cr_assert_eq(system_acceleration(system, 0.3, s.Q, s.V, X), 0, "%s", system->reason);
+    cr_assert_eq(system_solve_part(system, &e, X), 0, "%s: %s", what, system->reason);
+    linearise(&s, JACOBIAN_SPD); /* for M, and what is dense here */
+    for (int k = 0; k < lanes; k++) {
+        const struct step_of_part by = {part, alpha[k], beta[k], gamma[k]};
+        lab_gather(&s.part, k, X, x);
+        check_part_solution(k, &by, r[k], g[k], x, what);
+    }
+}
+
+static void check_parts(const struct shape *shape, enum bending law, enum wisp_treatment treatment,
+                        enum lab_state kind, int lanes, unsigned *seed) {
+    char what[160];
+    snprintf(what, sizeof what, "%s, bending %s, %d nodes, %d samples, state %d, %d lanes",
+             treatment_names[treatment], law_names[law], shape->nodes, shape->samples, (int)kind,
+             lanes);
+    make_setting(&s, lanes, shape, law, treatment, kind, seed);
+    for (int part = 0; part < FORCE_PARTS; part++)
+        check_part((enum force_part)part, lanes, what, seed);
+    lab_part_free(&s.part);
+}
+
+Test(wisp_jacobian, parts_of_the_forces_are_solved_as_dense_elimination_does) {
+    unsigned seed = 19;
+    EACH_CASE(treatment, law, shape, kind)
+    for (int lanes = 1; lanes <= 4 && shapes[shape].samples <= 5; lanes += 3) {
+        check_parts(&shapes[shape], (enum bending)law, (enum wisp_treatment)treatment,
+                    (enum lab_state)kind, lanes, &seed);
+        if (kind == STATE_RANDOM) /* straight, where hinges have no angle */
+            check_parts(&shapes[shape], (enum bending)law, (enum wisp_treatment)treatment,
+                        STATE_REST, lanes, &seed);
+    }
+}
+
+/* Where no spring is stretched, air and the samples' springs are off, and bending is what a part
+ * has of it, springs along their lines are all there is: then a part's solution is `direct`'s. */
+Test(wisp_jacobian, parts_are_all_forces_where_there_are_no_others) {
+    static double X[LAB_LANES * LAB_SIZE], direct[LAB_LANES * LAB_SIZE], b[LAB_LANES * LAB_SIZE];
+    const double h = 1e-3, alpha[] = {h, h, h, h}, beta[] = {h * h, h * h, h * h, h * h};
+    const double gamma[LAB_LANES] = {0};
+    unsigned seed = 20;
+    for (int treatment = 0; treatment < TREATMENTS; treatment++)
+        for (int law = 0; law < LAWS; law++)
+            for (int shape = 0; shape < SHAPES; shape++)
+                for (int lanes = 1; lanes <= 4; lanes += 3) {
+                    make_setting(&s, lanes, &shapes[shape], (enum bending)law,
+                                 (enum wisp_treatment)treatment, STATE_REST, &seed);
+                    lab_part_free(&s.part);
+                    for (int k = 0; k < lanes; k++) {
+                        s.wisps[k].drag_rate = s.wisps[k].frequency = 0;
+                        if (law == BENDING_HINGE)
+                            s.wisps[k].bending_stiffness = 0;
+                    }
+                    struct system *system = &s.part.system;
+                    lab_part_make(&s.part, lanes, s.wisps, lanes, &s.around,
+                                  (enum wisp_treatment)treatment);
+                    linearise(&s, JACOBIAN_SPD);
+                    system_product(system, 1, 0, 0, s.V, b);
+                    cr_assert_eq(system_factor(system, h, h * h), 0, "%s", system->reason);
+                    system_solve(system, b, direct);
+                    const struct part_equation e = {
+                        law == BENDING_SKIP ? FORCES_AXIAL : FORCES_STRETCH,
+                        alpha,
+                        beta,
+                        gamma,
+                        s.Q,
+                        s.V,
+                        s.V};
+                    cr_assert_eq(system_acceleration(system, 0.3, s.Q, s.V, X), 0, "%s",
+                                 system->reason);
+                    cr_assert_eq(system_solve_part(system, &e, X), 0, "%s", system->reason);
+                    for (int i = 0; i < system->size; i++) /* velocities are of 1 m/s */
+                        cr_assert(fabs(X[i] - direct[i]) <= 1e-12,
+                                  "%s, bending %s, shape %d: x[%d] is %.17g, directly %.17g",
+                                  treatment_names[treatment], law_names[law], shape, i, X[i],
+                                  direct[i]);
+                    lab_part_free(&s.part);
+                }
 }

@@ -133,7 +133,7 @@ static void run_ours(void *ctx) {
     struct part *part = &o->start->model->parts[0];
     double t = 0;
     begin(o->start, 0);
-    o->stepper->method->reset(o->stepper);
+    o->stepper->method->reset(o->stepper, ~0u);
     for (o->steps = 0; t < cvode_end; o->steps++)
         if (o->stepper->method->advance(o->stepper, &t, cvode_end, part->q, part->v))
             give_up("%s", part->system.reason);

@@ -218,27 +218,34 @@ static int lanes_set(mask m, unsigned counted) {
     return count;
 }
 
-/* Samples of one node against a body; returns how many were inside, of the lanes that count. */
+/* Samples of one node against a body; returns how many were inside, of the lanes that count,
+ * and adds those lanes to `lanes`. */
 static int pull_samples(const struct kernel_part *part, int i, const struct obstacle *body,
-                        lane reach, mask among, double *qi, double *vi, unsigned counted) {
+                        lane reach, mask among, double *qi, double *vi, unsigned counted,
+                        unsigned *lanes) {
     const struct vec p = in_space(part, vec_load(qi, 0)), from = seen_from(body, p);
     const lane scaled = 1 + 1e-9 + reach * body->inverse_least;
     int pulled = 0;
     if (mask_none(among & (depth(body, from) < scaled * scaled)))
         return 0;
     const struct vec surface = surface_velocity(body, p, vec_load(vi, 0));
-    for (int j = 0; j < part->samples; j++)
-        pulled += lanes_set(pull_sample(part, i, j, from, surface, body, among, qi, vi), counted);
+    for (int j = 0; j < part->samples; j++) {
+        const mask inside = pull_sample(part, i, j, from, surface, body, among, qi, vi);
+        pulled += lanes_set(inside, counted);
+        *lanes |= mask_bits(inside) & counted;
+    }
     return pulled;
 }
 
 unsigned LANED(kernel_pull)(void *ctx, double *q, double *v, const struct obstacle *bodies,
-                            const double *boxes, int count, unsigned counted, int *pulled) {
+                            const double *boxes, int count, unsigned counted, int *pulled,
+                            unsigned *pulled_lanes) {
     struct kernel_part *part = ctx;
     const struct obstacle *near[BODIES_MAX];
     int near_count = 0;
     lane reach = lane_all(0);
     *pulled = 0;
+    *pulled_lanes = 0;
     if (part->treatment == WISP_PENALTY) /* frames turn under its particles: not this way */
         return ~0u;
     for (int i = 2; i < part->nodes && part->samples > 0; i++) {
@@ -258,7 +265,7 @@ unsigned LANED(kernel_pull)(void *ctx, double *q, double *v, const struct obstac
         double *vi = v + (i - 2) * part->node_unknowns * LANES;
         reach = largest_distance(part, qi);
         for (int b = 0; b < near_count; b++)
-            *pulled += pull_samples(part, i, near[b], reach, among, qi, vi, counted);
+            *pulled += pull_samples(part, i, near[b], reach, among, qi, vi, counted, pulled_lanes);
     }
     return mask_bits(inside);
 }

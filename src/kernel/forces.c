@@ -28,6 +28,7 @@ SPECIALISED mask walk_springs(struct kernel_part *part, const double *q, const d
 
         if (bending == BENDING_SKIP) {
             const struct reach skip = reach(pa, p, va, pv, &sound);
+            part->chord[i] = skip.n;
             const struct vec bend = spring(&skip, part->skip_length, part->bend_k, part->bend_c);
             fa = add(fa, bend);
             f = sub(f, bend);
@@ -37,6 +38,7 @@ SPECIALISED mask walk_springs(struct kernel_part *part, const double *q, const d
             fa = sub(fa, bend.on_a);
             fb = add(fb, sub(bend.on_a, bend.on_b));
             f = add(f, bend.on_b);
+            part->inverse_length[i] = segment.inverse;
             before = segment;
         }
         part->t[i - 1] = segment.n;

@@ -36,9 +36,9 @@ struct strand;
      * Accelerations and linearisations do so by themselves. */                                    \
     X(void, prescribe, (void *part, double t))                                                     \
     /* Keeps samples on their side of the node (Plante 1999, section 4.1.2): those at 1e-3 R, to   \
-     * rounding, or nearer are put there and no longer move inwards. Returns whether any lane      \
+     * rounding, or nearer are put there and no longer move inwards. Returns the lanes that        \
      * changed. */                                                                                 \
-    X(int, clamp, (void *part, double *q, double *v))                                              \
+    X(unsigned, clamp, (void *part, double *q, double *v))                                         \
     /* Lanes, bit k for lane k, whose free nodes and samples may be in one of `count` boxes (least \
      * x y z, most x y z; `hull` is around them all); none that is in one is missed. Says besides, \
      * looking at samples only once, whether the clamp may find anything. */                       \
@@ -48,10 +48,11 @@ struct strand;
     /* Pulls samples out of at most BODIES_MAX bodies with these boxes (Plante 1999, section       \
      * 4.2.2) in lanes that have no free node inside one. Returns the lanes that have, or that     \
      * cannot be treated so, and leaves those alone; bits of other lanes are never set. `pulled`   \
-     * becomes the number of samples found inside in the lanes of `counted`. */                    \
+     * becomes the number of samples found inside in the lanes of `counted`, `pulled_lanes` says   \
+     * in which. */                                                                                \
     X(unsigned, pull,                                                                              \
       (void *part, double *q, double *v, const struct obstacle *bodies, const double *boxes,       \
-       int count, unsigned counted, int *pulled))                                                  \
+       int count, unsigned counted, int *pulled, unsigned *pulled_lanes))                          \
     /* A box around each lane, padding included: of the volume from node 1 on and of the samples   \
      * of free nodes (least x y z, most x y z). Returns the lanes, others' bits aside, in which    \
      * the wisp may touch itself; none that does is missed. */                                     \

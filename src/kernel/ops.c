@@ -7,6 +7,7 @@ static const struct system_ops ops = {
     .product = LANED(kernel_product),
     .factor = LANED(kernel_factor),
     .solve = LANED(kernel_solve),
+    .solve_part = LANED(kernel_solve_part),
     .assemble = LANED(kernel_assemble),
     .energies = LANED(kernel_energies),
     .powers = LANED(kernel_powers),

@@ -84,7 +84,7 @@ static void *take(lane **block, size_t count) {
 static struct kernel_part *allocate(int nodes) {
     const size_t n = (size_t)nodes;
     const size_t head = (sizeof(struct kernel_part) + sizeof(lane) - 1) / sizeof(lane);
-    const size_t lanes = head + n * (3 + 3 + 3 + 3 + 9);
+    const size_t lanes = head + n * (5 + 3 + 3 + 3 + 9 + 3 + 1);
     struct kernel_part *part = aligned_alloc(64, (lanes * sizeof(lane) + 63) / 64 * 64);
     if (!part)
         return NULL;
@@ -93,7 +93,11 @@ static struct kernel_part *allocate(int nodes) {
     part->mass = take(&block, n);
     part->inverse_mass = take(&block, n);
     part->sample_mass = take(&block, n);
+    part->inverse_across = take(&block, n);
+    part->inverse_along = take(&block, n);
     part->t = take(&block, 3 * n);
+    part->chord = take(&block, 3 * n);
+    part->inverse_length = take(&block, n);
     part->force = take(&block, 3 * n);
     part->swing = take(&block, 3 * n);
     part->frames = take(&block, 9 * n);
@@ -130,9 +134,12 @@ static void fill_lane(struct kernel_part *part, int k, const struct wisp *wisp) 
     lane_set(&part->penalty_k, k, wisp->penalty_ratio * omega * omega);
     lane_set(&part->penalty_c, k, 2 * sqrt(wisp->penalty_ratio) * omega);
     for (int i = 2; i < wisp->nodes; i++) {
-        lane_set(&part->mass[i], k, wisp_node_mass(wisp, i));
-        lane_set(&part->inverse_mass[i], k, 1 / wisp_node_mass(wisp, i));
-        lane_set(&part->sample_mass[i], k, wisp_sample_mass(wisp, i));
+        const double own = wisp_node_mass(wisp, i), sample = wisp_sample_mass(wisp, i);
+        lane_set(&part->mass[i], k, own);
+        lane_set(&part->inverse_mass[i], k, 1 / own);
+        lane_set(&part->sample_mass[i], k, sample);
+        lane_set(&part->inverse_across[i], k, 1 / (own + 0.5 * wisp->samples * sample));
+        lane_set(&part->inverse_along[i], k, 1 / (own + wisp->samples * sample));
     }
 }
 
@@ -179,6 +186,8 @@ void LANED(kernel_free)(void *ctx) {
     if (part) {
         LANED(kernel_matrix_free)(part->matrix);
         free(part->spare);
+        free(part->rows);
+        free(part->panels);
     }
     free(part);
 }
@@ -331,26 +340,27 @@ unsigned LANED(kernel_strained)(void *ctx, double t, const double *q, double lim
 /* --- the clamp --- */
 
 /* Distance and rate of a sample on its half-line: unknowns themselves, or of a free particle. */
-static int clamp_distances(const struct kernel_part *part, double *q, double *v) {
-    int changed = 0;
+static unsigned clamp_distances(const struct kernel_part *part, double *q, double *v) {
+    unsigned changed = 0;
     for (int i = 2; i < part->nodes; i++) {
         const int at = (i - 2) * part->node_unknowns;
         for (int j = at + 3; j < at + part->node_unknowns; j++) {
             const lane least = LEAST_DISTANCE * part->radius, r = load(q, j), rate = load(v, j);
             const mask inside = r <= AT_LEAST_DISTANCE * part->radius;
             const mask inwards = inside & (rate < 0);
-            if (mask_none(inside & ((r != least) | inwards)))
+            const mask moves = inside & ((r != least) | inwards);
+            if (mask_none(moves))
                 continue;
             store(q, j, lane_select(inside, least, r));
             store(v, j, lane_select(inwards, lane_all(0), rate));
-            changed = 1;
+            changed |= mask_bits(moves);
         }
     }
     return changed;
 }
 
-static int clamp_particles(struct kernel_part *part, double *q, double *v) {
-    int changed = 0;
+static unsigned clamp_particles(struct kernel_part *part, double *q, double *v) {
+    unsigned changed = 0;
     LANED(kernel_frames)(part, q, part->frames);
     for (int i = 2; i < part->nodes; i++) {
         double *qi = q + (i - 2) * part->node_unknowns * LANES;
@@ -363,17 +373,18 @@ static int clamp_particles(struct kernel_part *part, double *q, double *v) {
             const lane rate = dot(sub(ev, vec_load(vi, 0)), line);
             const mask inside = r <= AT_LEAST_DISTANCE * part->radius;
             const mask inwards = inside & (rate < 0);
-            if (mask_none(inside & ((r < (1 - 1e-9) * least) | inwards)))
+            const mask moves = inside & ((r < (1 - 1e-9) * least) | inwards);
+            if (mask_none(moves))
                 continue;
             vec_store(qi, 3 + 3 * j, vec_select(inside, add_scaled(e, least - r, line), e));
             vec_store(vi, 3 + 3 * j, vec_select(inwards, add_scaled(ev, -rate, line), ev));
-            changed = 1;
+            changed |= mask_bits(moves);
         }
     }
     return changed;
 }
 
-int LANED(kernel_clamp)(void *ctx, double *q, double *v) {
+unsigned LANED(kernel_clamp)(void *ctx, double *q, double *v) {
     struct kernel_part *part = ctx;
     return part->treatment == WISP_PENALTY ? clamp_particles(part, q, v)
                                            : clamp_distances(part, q, v);

@@ -52,17 +52,23 @@ struct kernel_part {
     double cosine[SAMPLES_MAX], sine[SAMPLES_MAX]; /* directions of the samples */
 
     /* by node, 0 and 1 unused */
-    lane *mass, *inverse_mass; /* a node's own, kg and 1/kg */
-    lane *sample_mass;         /* of each of its samples, kg */
+    lane *mass, *inverse_mass;            /* a node's own, kg and 1/kg */
+    lane *sample_mass;                    /* of each of its samples, kg */
+    lane *inverse_across, *inverse_along; /* 1/kg, of node and samples together in `generalised`:
+                                             across and along the normal w of its plane */
 
     /* work space, by node */
     struct vec *t;        /* unit tangents of the segments (i, i + 1) */
+    struct vec *chord;    /* by node i >= 2: unit vectors of the skip springs (i - 2, i) */
+    lane *inverse_length; /* of segments (i - 1, i) between hinges, 1/m */
     struct vec *force;    /* springs on a node, N */
     struct vec *swing;    /* what carries u from one node to the next, see frames.h */
     struct frame *frames; /* of the last acceleration or tick; those of Jacobians are theirs */
     void *spare;          /* the same for who measures; made by the first energies or powers */
 
     struct kernel_matrix *matrix; /* Jacobians and factors; made by the first linearisation */
+    void *rows;                   /* of solves with a part of the forces; made by the first */
+    struct kernel_panels *panels; /* of such solves with all forces, likewise */
 };
 
 /* The operations of a struct system, by the rest of the folder; `ctx` is a struct kernel_part. */
@@ -78,6 +84,9 @@ int LANED(kernel_refuse_state)(const struct kernel_part *part, const double *q, 
 void LANED(kernel_product)(void *ctx, double m, double d, double k, const double *x, double *y);
 int LANED(kernel_factor)(void *ctx, double alpha, double beta);
 void LANED(kernel_solve)(void *ctx, const double *b, double *x);
+int LANED(kernel_solve_part)(void *ctx, const struct part_equation *equation, double *x);
+int LANED(kernel_solve_full)(struct kernel_part *part, const struct part_equation *equation,
+                             double *x);
 void LANED(kernel_assemble)(void *ctx, double alpha, double beta, double *values);
 
 /* Those of struct kernel, likewise. */

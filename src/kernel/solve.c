@@ -1,61 +1,8 @@
 /* Products with the matrices of a part, and the direct solver of M + alpha C + beta S: samples
  * eliminated node by node, then L D L' of the block-pentadiagonal matrix of the nodes. */
-#include "frames.h"
-#include "matrix.h"
-
-/* --- samples --- */
-
-/* See the table in matrix.h for M, C and S, from which A = M + alpha C + beta S. For evenly spread
- * half-lines sum aa' = M/2 (1 - ww'), which gives the node's gain. */
-static inline struct elimination eliminate(const struct kernel_part *part, lane alpha, lane beta) {
-    const lane half = lane_all(0.5 * part->samples), zero = lane_all(0);
-    const lane h = alpha * part->spring_c + beta * part->spring_k;
-    const lane air = alpha * part->drag, g = 1 + air;
-    const lane inverse = 1 / (g + h);
-    struct elimination e = {.inverse_along = inverse, .inverse_across = zero};
-    lane gain; /* along each half-line, times aa' */
-    switch (part->treatment) {
-    case WISP_PROJECTION:
-        gain = h * air * inverse;
-        e.to_node_along = h * inverse;
-        e.from_node_along = -air * inverse;
-        e.to_node_across = e.from_node_across = zero;
-        e.diagonal = half * gain;
-        e.diagonal_ww = -half * gain;
-        break;
-    case WISP_GENERALISED:
-        gain = -g * g * inverse;
-        e.to_node_along = e.from_node_along = -g * inverse;
-        e.to_node_across = e.from_node_across = zero;
-        e.diagonal = 2 * half * g + half * gain;
-        e.diagonal_ww = -half * gain;
-        break;
-    default: {
-        const lane h_across = alpha * part->penalty_c + beta * part->penalty_k;
-        const lane gain_across = h_across * g / (g + h_across);
-        gain = h * g * inverse;
-        e.inverse_across = 1 / (g + h_across);
-        e.to_node_along = e.from_node_along = h * inverse;
-        e.to_node_across = e.from_node_across = h_across / (g + h_across);
-        e.diagonal = 2 * half * gain_across + half * (gain - gain_across);
-        e.diagonal_ww = -half * (gain - gain_across);
-    }
-    }
-    return e;
-}
-
-/* s_along times the part of x along a, s_across times the rest. */
-static inline struct vec split(lane s_along, lane s_across, struct vec a, struct vec x) {
-    return add_scaled(scale(s_across, x), (s_along - s_across) * dot(a, x), a);
-}
+#include "panel.h"
 
 /* --- products --- */
-
-static inline void add_node(lane *y, int node, struct vec a) {
-    y[3 * node] += a.x;
-    y[3 * node + 1] += a.y;
-    y[3 * node + 2] += a.z;
-}
 
 /* y += (d C + k S) x of the skeleton; x and y have one vector for each free node. */
 static void skeleton_times(const struct kernel_part *part, lane d, lane k, const struct vec *x,
@@ -74,35 +21,6 @@ static void skeleton_times(const struct kernel_part *part, lane d, lane k, const
             add_node(y, i - b, add(scale(d, transposed_times(C, x[i])), scale(k, above)));
         }
     }
-}
-
-/* The rows of a node's samples, and what they add to the node's: y = (m M + d C + k S) x. */
-static struct vec samples_times(const struct kernel_part *part, int i, lane m, lane d, lane k,
-                                const double *x, double *y) {
-    const struct frame *frame = &part->matrix->frames[i];
-    const lane mu = part->sample_mass[i], h = d * part->spring_c + k * part->spring_k;
-    const lane g = m + d * part->drag;
-    const struct vec node = vec_load(x, 0);
-    struct vec sum = {lane_all(0), lane_all(0), lane_all(0)};
-    for (int j = 0; j < part->samples; j++) {
-        const struct vec a = half_line(part, frame, j, part->samples);
-        if (part->treatment == WISP_PENALTY) {
-            const struct vec e = vec_load(x, 3 + 3 * j);
-            const lane across = d * part->penalty_c + k * part->penalty_k;
-            const struct vec pull = split(h, across, a, sub(e, node));
-            vec_store(y, 3 + 3 * j, scale(mu, add_scaled(pull, g, e)));
-            sum = sub(sum, scale(mu, pull));
-            continue;
-        }
-        const lane r = load(x, 3 + j);
-        const int coupled = part->treatment == WISP_GENERALISED;
-        const lane to_sample = coupled ? g : d * part->drag, to_node = coupled ? g : -h;
-        store(y, 3 + j, mu * (to_sample * dot(a, node) + (g + h) * r));
-        sum = add_scaled(sum, mu * to_node * r, a);
-        if (coupled)
-            sum = add_scaled(sum, mu * g, node);
-    }
-    return sum;
 }
 
 void LANED(kernel_product)(void *ctx, double m, double d, double k, const double *x, double *y) {
@@ -125,7 +43,9 @@ void LANED(kernel_product)(void *ctx, double m, double d, double k, const double
     for (int i = 0; i < f; i++) {
         const int at = i * part->node_unknowns * LANES;
         if (part->samples > 0)
-            add_node(sum, i, samples_times(part, i + 2, mass, damping, stiffness, x + at, y + at));
+            add_node(sum, i,
+                     samples_times(part, &part->matrix->frames[i + 2], i + 2, mass, damping,
+                                   stiffness, x + at, y + at));
         for (int c = 0; c < 3; c++)
             store(y + at, c, sum[3 * i + c]);
     }
@@ -148,30 +68,13 @@ SPECIALISED void clear_rows(struct panel *panel, int first_row) {
             panel->m[c][first_row + r] = lane_all(0);
 }
 
-/* Mass, drag and the samples of node i + 2: mu (diagonal + ww w w') + m (1 + alpha gamma). */
-SPECIALISED void add_own(const struct kernel_part *part, const struct elimination *e, int i,
-                         lane air, struct panel *panel) {
-    lane diagonal = part->mass[i + 2] * (1 + air);
-    if (part->samples > 0) {
-        const struct vec w = part->matrix->frames[i + 2].w;
-        const lane mu = part->sample_mass[i + 2], ww[3] = {w.x, w.y, w.z};
-        const lane factor = mu * e->diagonal_ww;
-        diagonal += mu * e->diagonal;
-        EACH (c, 0, 3)
-            EACH (r, c, 3)
-                panel->m[c][r] += factor * ww[r] * ww[c];
-    }
-    EACH (c, 0, 3)
-        panel->m[c][c] += diagonal;
-}
-
 /* The columns of a node, as assembled; rows beyond the tip are zero. */
 SPECIALISED void assemble_panel(const struct kernel_part *part, const struct elimination *e, int i,
                                 lane alpha, lane beta, struct panel *panel) {
     const struct kernel_matrix *m = part->matrix;
     const int left = free_nodes(part) - i;
     combine_blocks(panel, 0, alpha, beta, &m->damping[i][0], &m->stiffness[i][0]);
-    add_own(part, e, i, alpha * part->drag, panel);
+    add_own(part, &m->frames[i + 2], e, i, alpha * part->drag, panel);
     if (left > 1)
         combine_blocks(panel, 3, alpha, beta, &m->damping[i + 1][1], &m->stiffness[i + 1][1]);
     else
@@ -182,68 +85,13 @@ SPECIALISED void assemble_panel(const struct kernel_part *part, const struct eli
         clear_rows(panel, 6);
 }
 
-/* What factorised columns take off those of the two nodes after them. It stays in registers from
- * node to node: columns in memory would wait for their own last change. */
-struct debt {
-    lane next[3][6];  /* column c, row r >= c of the next node's panel */
-    lane after[3][3]; /* the same of the one after it */
-};
-
-SPECIALISED void pay(struct panel *panel, struct debt *debt) {
-    EACH (c, 0, 3)
-        EACH (r, c, 6)
-            panel->m[c][r] -= debt->next[c][r];
-    EACH (c, 0, 3) {
-        EACH (r, c, 3) {
-            debt->next[c][r] = debt->after[c][r];
-            debt->after[c][r] = lane_all(0);
-        }
-        EACH (r, 3, 6)
-            debt->next[c][r] = lane_all(0);
-    }
-}
-
-/* (L D)_rc L_sc, summed over the columns c of a panel, for a later node's rows r >= s from `from`.
- */
-SPECIALISED void owe(const struct panel *l, const struct panel *ld, struct debt *debt) {
-    EACH (c, 0, 3)
-        EACH (d, 0, 3) {
-            EACH (r, d, 6)
-                debt->next[d][r] += l->m[c][3 + d] * ld->m[c][3 + r];
-            EACH (r, d, 3)
-                debt->after[d][r] += l->m[c][6 + d] * ld->m[c][6 + r];
-        }
-}
-
-/* Factorises a node's columns: from `ld` into `l`, with 1 / D on its diagonal. */
-SPECIALISED mask factor_panel(struct panel *ld, struct panel *l) {
-    mask positive = lane_all(0) == 0;
-    EACH (c, 0, 3) {
-        positive &= ld->m[c][c] > 0;
-        const lane inverse = 1 / ld->m[c][c];
-        EACH (r, c + 1, PANEL_ROWS)
-            l->m[c][r] = ld->m[c][r] * inverse;
-        EACH (d, c + 1, 3)
-            EACH (r, d, PANEL_ROWS)
-                ld->m[d][r] -= l->m[c][d] * ld->m[c][r];
-        l->m[c][c] = inverse;
-    }
-    return positive;
-}
-
 int LANED(kernel_factor)(void *ctx, double alpha, double beta) {
     struct kernel_part *part = ctx;
     struct kernel_matrix *m = part->matrix;
     const lane a = lane_all(alpha), b = lane_all(beta);
     const struct elimination e = eliminate(part, a, b);
     mask positive = lane_all(0) == 0;
-    struct debt debt;
-    EACH (c, 0, 3) {
-        EACH (r, 0, 6)
-            debt.next[c][r] = lane_all(0);
-        EACH (r, 0, 3)
-            debt.after[c][r] = lane_all(0);
-    }
+    struct debt debt = no_debt();
     m->alpha = alpha;
     m->beta = beta;
     for (int i = 0; i < free_nodes(part); i++) {
@@ -262,73 +110,6 @@ int LANED(kernel_factor)(void *ctx, double alpha, double beta) {
                        "the matrix of the implicit step is not positive definite");
 }
 
-/* --- solution --- */
-
-/* L D L' x = b in place, a window of three nodes at a time. */
-static void solve_nodes(const struct kernel_matrix *m, int nodes) {
-    lane *x = m->x, window[PANEL_ROWS];
-    EACH (r, 0, 6)
-        window[r] = x[r];
-    for (int i = 0; i < nodes; i++) {
-        const struct panel *p = &m->panel[i];
-        EACH (r, 6, PANEL_ROWS)
-            window[r] = x[3 * i + r];
-        EACH (c, 0, 3)
-            EACH (r, c + 1, PANEL_ROWS)
-                window[r] -= p->m[c][r] * window[c];
-        EACH (c, 0, 3)
-            x[3 * i + c] = window[c] * p->m[c][c];
-        EACH (r, 0, 6)
-            window[r] = window[r + 3];
-    }
-    EACH (r, 3, PANEL_ROWS)
-        window[r] = lane_all(0);
-    for (int i = nodes - 1; i >= 0; i--) {
-        const struct panel *p = &m->panel[i];
-        EACH_DOWN (c, 2, 0) {
-            lane sum = x[3 * i + c];
-            EACH_DOWN (r, PANEL_ROWS - 1, c + 1)
-                sum -= p->m[c][r] * window[r];
-            x[3 * i + c] = window[c] = sum;
-        }
-        EACH_DOWN (r, PANEL_ROWS - 1, 3)
-            window[r] = window[r - 3];
-    }
-}
-
-/* What the samples' right sides add to their node's. */
-static struct vec gather_samples(const struct kernel_part *part, const struct elimination *e,
-                                 const struct frame *frame, const double *b) {
-    struct vec sum = {lane_all(0), lane_all(0), lane_all(0)};
-    for (int j = 0; j < part->samples; j++) {
-        const struct vec a = half_line(part, frame, j, part->samples);
-        sum = part->treatment == WISP_PENALTY
-                  ? add(sum, split(e->to_node_along, e->to_node_across, a, vec_load(b, 3 + 3 * j)))
-                  : add_scaled(sum, e->to_node_along * load(b, 3 + j), a);
-    }
-    return sum;
-}
-
-/* The samples' solutions from their right sides and their node's solution. */
-static void scatter_samples(const struct kernel_part *part, const struct elimination *e, int i,
-                            const double *b, struct vec node, double *x) {
-    const lane inverse_mass = 1 / part->sample_mass[i];
-    for (int j = 0; j < part->samples; j++) {
-        const struct vec a = half_line(part, &part->matrix->frames[i], j, part->samples);
-        if (part->treatment == WISP_PENALTY) {
-            const struct vec own =
-                split(e->inverse_along * inverse_mass, e->inverse_across * inverse_mass, a,
-                      vec_load(b, 3 + 3 * j));
-            vec_store(x, 3 + 3 * j,
-                      add(own, split(e->from_node_along, e->from_node_across, a, node)));
-        } else {
-            store(x, 3 + j,
-                  e->inverse_along * inverse_mass * load(b, 3 + j) +
-                      e->from_node_along * dot(a, node));
-        }
-    }
-}
-
 void LANED(kernel_solve)(void *ctx, const double *b, double *x) {
     struct kernel_part *part = ctx;
     const struct kernel_matrix *m = part->matrix;
@@ -343,11 +124,12 @@ void LANED(kernel_solve)(void *ctx, const double *b, double *x) {
     }
     for (int j = 0; j < 6; j++) /* the window reaches two nodes beyond the tip */
         m->x[3 * f + j] = lane_all(0);
-    solve_nodes(m, f);
+    solve_nodes(m->panel, f, m->x);
     for (int i = 0; i < f; i++) {
         const struct vec node = {m->x[3 * i], m->x[3 * i + 1], m->x[3 * i + 2]};
         vec_store(x + i * stride, 0, node);
         if (part->samples > 0)
-            scatter_samples(part, &e, i + 2, b + i * stride, node, x + i * stride);
+            scatter_samples(part, &e, &m->frames[i + 2], i + 2, b + i * stride, node,
+                            x + i * stride);
     }
 }

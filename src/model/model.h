@@ -70,10 +70,11 @@ struct problem {
      * NULL: no names. */
     int (*terms)(const struct scene *scene, const char **names, int most);
 
-    /* What happens at a stop besides the smooth motion; sets changed[i] where part i's state is no
-     * longer what its stepper left. New parts come after the others, which stay where they are;
-     * `changed` has room for all to come. The workers, or NULL, share the work; what happens does
-     * not depend on them. Returns FINISHED, or why the run cannot go on. NULL: nothing. */
+    /* What happens at a stop besides the smooth motion; sets in changed[i] the bits of those lanes
+     * of part i whose state is no longer what its stepper left. New parts come after the others,
+     * which stay where they are; `changed` has room for all to come. The workers, or NULL, share
+     * the work; what happens does not depend on them. Returns FINISHED, or why the run cannot go
+     * on. NULL: nothing. */
     enum outcome (*tick)(struct model *model, struct workers *workers, unsigned events,
                          int *changed);
 

@@ -25,6 +25,10 @@ static void declare_matrix(struct system *system, const struct wisp *wisp,
     system->matrix[JACOBIAN_EXACT] = MATRIX_AVAILABLE;
     system->matrix[JACOBIAN_SPD] =
         MATRIX_AVAILABLE | MATRIX_FACTORABLE | (one_sided ? 0 : MATRIX_SYMMETRIC | MATRIX_DEFINITE);
+    system->force_parts = (1u << FORCE_PARTS) - 1;
+    system->stiff_part = wisp->bending == BENDING_NONE   ? FORCES_STRETCH
+                         : wisp->bending == BENDING_SKIP ? FORCES_AXIAL
+                                                         : FORCES_FULL;
     if (one_sided)
         system->matrix_note = "the air on a sample does not act back on its node; with the samples "
                               "eliminated (--linear direct) it is, as it is in penalty";

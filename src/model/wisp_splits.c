@@ -24,7 +24,7 @@ static void settle(const struct wisp_model *m, int wisp, int *changed) {
         if (batch->wisp[k] == wisp)
             m->kernel->fill(m->model.parts[seat.part].system.ctx, k, &m->wisps[wisp], m->model.t);
     wisp_close(m, seat.part, seat.lane, m->strand_rows);
-    changed[seat.part] = 1;
+    changed[seat.part] |= 1 << seat.lane;
 }
 
 /* A wisp at the end of the list with the parent's state, in a lane of its own; the parent's strand

@@ -94,7 +94,7 @@ static int create_touch(struct wisp_model *m) {
 /* A tick, as its tasks see it. */
 struct tick {
     struct wisp_model *m;
-    int *changed; /* by part */
+    int *changed; /* by part: its lanes, bit k for lane k */
     int tasks;
     void (*do_part)(const struct tick *tick, int part, double *rows);
     struct placement head;
@@ -135,7 +135,7 @@ static void open_strands(const struct tick *tick, int i, unsigned lanes) {
 
 static void close_strand(const struct tick *tick, int i, int lane, double *rows) {
     wisp_close(tick->m, i, lane, rows);
-    tick->changed[i] = 1;
+    tick->changed[i] |= 1 << lane;
 }
 
 /* Puts a part's first nodes where the head has them, and boxes around wisps that may touch. */
@@ -279,11 +279,12 @@ static int push_out(const struct tick *tick, int i, unsigned near, double *rows)
     const struct bodies *bodies = m->bodies;
     struct part *part = &m->model.parts[i];
     int pulled, touched;
+    unsigned pulled_lanes;
     near &= m->kernel->pull(part->system.ctx, part->q, part->v, bodies->obstacle, bodies->boxes,
-                            bodies->count, (1u << m->batches[i].count) - 1, &pulled);
+                            bodies->count, (1u << m->batches[i].count) - 1, &pulled, &pulled_lanes);
     touched = pulled > 0;
     if (touched) /* no more is written than must be: threads share these lines of memory */
-        tick->changed[i] = 1;
+        tick->changed[i] |= (int)pulled_lanes;
     struct counters *counters = &part->system.counters;
     struct body_report report = {0, pulled, 0};
     near &= (1u << m->batches[i].count) - 1;
@@ -321,8 +322,9 @@ static void collide_part(const struct tick *tick, int i, double *rows) {
     if (near && push_out(tick, i, near, rows))
         clamp = envelope;
     account_after(part, m->model.t, JUMP_BODY_CONTACT);
-    if (clamp && m->kernel->clamp(ctx, part->q, part->v))
-        tick->changed[i] = 1;
+    const unsigned clamped = clamp ? m->kernel->clamp(ctx, part->q, part->v) : 0;
+    if (clamped)
+        tick->changed[i] |= (int)clamped;
     account_after(part, m->model.t, JUMP_CLAMP);
 }
 

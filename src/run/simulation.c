@@ -34,7 +34,7 @@ struct simulation {
     struct stepper **steppers; /* one for each part */
     int stepper_count;
     double *rows; /* a frame */
-    int *changed; /* by part: a tick changed its state */
+    int *changed; /* by part: lanes whose state a tick changed, bit k for lane k */
     struct progress_of_part *progress;
     struct workers *workers;
     struct clock clock;
@@ -52,6 +52,20 @@ struct simulation {
 static void end_with(struct simulation *sim, enum outcome outcome, const char *reason) {
     sim->result->outcome = outcome;
     snprintf(sim->result->reason, REASON_SIZE, "%s", reason);
+}
+
+/* Adds to the reason of a run that the method has failed what its settings may have to do with it.
+ */
+static void add_caution(struct simulation *sim) {
+    const struct stepper_method *method = sim->settings->method;
+    const enum outcome outcome = sim->result->outcome;
+    if (!method->caution || sim->stepper_count == 0 || !sim->steppers[0] ||
+        (outcome != NOT_FINITE && outcome != DIVERGED && outcome != MODEL_FAILED))
+        return;
+    const char *caution = method->caution(sim->steppers[0]);
+    const size_t used = strlen(sim->result->reason);
+    if (caution)
+        snprintf(sim->result->reason + used, REASON_SIZE - used, "; %s", caution);
 }
 
 static int going(const struct simulation *sim) {
@@ -348,7 +362,8 @@ static void tick(struct simulation *sim, unsigned events) {
         end_with(sim, outcome, "no memory for what happens at a tick");
     for (int i = 0; i < sim->stepper_count; i++)
         if ((sim->changed[i] || events & STOP_KINK) && sim->settings->method->reset)
-            sim->settings->method->reset(sim->steppers[i]);
+            sim->settings->method->reset(sim->steppers[i],
+                                         events & STOP_KINK ? ~0u : (unsigned)sim->changed[i]);
     create_steppers(sim);
 }
 
@@ -443,5 +458,6 @@ void simulate(const struct scene *scene, const struct settings *settings,
     result->cpu_seconds = cpu_seconds() - start;
     if (going(&sim) && watch && watch->cpu_seconds > 0 && cpu_seconds() > watch->cpu_seconds)
         end_with(&sim, OUT_OF_TIME, "its limit of CPU time was reached");
+    add_caution(&sim);
     close_simulation(&sim);
 }

@@ -14,6 +14,7 @@
     X(assemblies, "combinations of M, D and K written out as a sparse matrix")              \
     X(factorisations, "combinations of M, D and K factorised")                              \
     X(linear_solves, "linear systems solved")                                               \
+    X(part_solves, "linear systems with a part of the forces made and solved")              \
     X(linear_iterations, "iterations of an iterative linear solver")                        \
     X(newton_iterations, "iterations of a nonlinear solver, of a wisp until it converges")  \
     X(projections, "states put back onto their constraint")                                 \

@@ -56,6 +56,13 @@ void system_solve(struct system *s, const double *b, double *x) {
     TIMED(s, solve, s->ops->solve(s->ctx, b, x));
 }
 
+int system_solve_part(struct system *s, const struct part_equation *equation, double *x) {
+    int code;
+    s->counters.part_solves += s->wisps;
+    TIMED(s, solve_part, code = s->ops->solve_part(s->ctx, equation, x));
+    return code;
+}
+
 void system_assemble(struct system *s, double alpha, double beta, double *values) {
     s->counters.assemblies += s->wisps;
     TIMED(s, assemble, s->ops->assemble(s->ctx, alpha, beta, values));

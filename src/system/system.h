@@ -29,6 +29,26 @@ enum matrix_property {
     MATRIX_FACTORABLE = 8, /* the model's own factor and solve take it */
 };
 
+/* Which of the forces a solve with a part of them has in its D and K, in order of size; the others
+ * are for the method to treat explicitly. */
+enum force_part {
+    FORCES_STRETCH, /* what keeps neighbours at their distance, along the line between them */
+    FORCES_AXIAL,   /* and all other springs, along theirs */
+    FORCES_FULL,    /* all that JACOBIAN_SPD has, but for the transverse stiffness of springs */
+    FORCES_SPD,     /* and that */
+    FORCE_PARTS,
+};
+
+/* (M - alpha D - beta K) x = M r + gamma K g, with D and K of a part of the forces; `r` and `g` are
+ * rates or velocities, not forces. Coefficients have a number for each lane, and are not negative.
+ */
+struct part_equation {
+    enum force_part part;
+    const double *alpha, *beta, *gamma;
+    const double *q; /* where the last acceleration was */
+    const double *r, *g;
+};
+
 /* Where a square sparse matrix has its entries, by columns; row indices ascending in each, the
  * diagonal always present. */
 struct sparse_matrix {
@@ -59,6 +79,12 @@ struct system_ops {
     /* Solves (M - alpha D - beta K) x = b with the last factor. */
     void (*solve)(void *ctx, const double *b, double *x);
 
+    /* Solves an equation with a part of the forces, of the parts in system->force_parts, at the
+     * state and time of the last acceleration. It must have succeeded, and nothing else but such
+     * solves may have been asked for since: what it has found on its way is used. What linearise
+     * and factor have prepared is left alone. The first call may be refused memory. */
+    int (*solve_part)(void *ctx, const struct part_equation *equation, double *x);
+
     /* Writes M - alpha D - beta K into `values`, in the order of system->pattern. */
     void (*assemble)(void *ctx, double alpha, double beta, double *values);
 
@@ -72,7 +98,7 @@ struct system_ops {
 
 /* The calls to a model, for profiles. */
 #define SYSTEM_CALLS(X) \
-    X(acceleration) X(project) X(linearise) X(product) X(factor) X(solve) X(assemble)
+    X(acceleration) X(project) X(linearise) X(product) X(factor) X(solve) X(solve_part) X(assemble)
 
 /* Seconds of wall time spent in each; only where a profile was asked for, since reading a clock
  * costs a tenth of an evaluation. */
@@ -92,6 +118,8 @@ struct system {
     const int *numbers;              /* of the wisps in the lanes, for messages; or NULL */
     unsigned matrix[JACOBIAN_COUNT]; /* enum matrix_property, by kind of Jacobian */
     const char *matrix_note;         /* why the matrix is not symmetric, or NULL */
+    unsigned force_parts;            /* that solve_part takes, bit k for part k; 0: none */
+    enum force_part stiff_part;      /* the least of them that has all that may be stiff */
     int bdf_order;                   /* highest order of BDF where nothing is said; 0: no opinion */
     const struct sparse_matrix *pattern; /* of assemble; NULL without it */
     struct counters counters;
@@ -107,6 +135,7 @@ int system_linearise(struct system *s, enum jacobian kind, double t, const doubl
 void system_product(struct system *s, double m, double d, double k, const double *x, double *y);
 int system_factor(struct system *s, double alpha, double beta);
 void system_solve(struct system *s, const double *b, double *x);
+int system_solve_part(struct system *s, const struct part_equation *equation, double *x);
 void system_assemble(struct system *s, double alpha, double beta, double *values);
 
 /* Whether a projection onto a constraint belongs to every step. */

@@ -1,0 +1,24 @@
+#include "bdf.h"
+
+static const struct option_spec options[] = {MATRIX_OPTION_SPEC, {0}};
+
+static struct stepper *create(const struct stepper_settings *settings, struct system *system) {
+    return bdf_create(3, settings, system);
+}
+
+const struct stepper_method bdf3 = {
+    .name = "bdf3",
+    .summary = "semi-implicit BDF of order 3: one evaluation and one solve a step",
+    .reference = "Hairer, Norsett & Wanner, Solving ODEs I, section III.5; Choi & Ko 2002, "
+                 "doi:10.1145/566654.566624",
+    .order = 3,
+    .capabilities = STEPPER_IMPLICIT,
+    .options = options,
+    .usual_rate = 300, /* 1 mm on `swing` */
+    .refuse = semi_implicit_refuse,
+    .create = create,
+    .step = bdf_step,
+    .reset = bdf_reset,
+    .caution = bdf_caution,
+    .free = bdf_free,
+};

@@ -1,0 +1,260 @@
+/* Solves with all forces, made of what the last acceleration has found: the matrix of JACOBIAN_SPD,
+ * written into panels, factorised and solved in one go. It may leave out the springs' transverse
+ * stiffness k (1 - L0/L) P, with which BDF2 is stable to shorter steps than without. */
+#include "panel.h"
+#include "springs.h"
+
+#include <stdlib.h>
+
+struct kernel_panels {
+    struct panel *panel; /* by free node; two of zeros behind the last */
+    struct vec *force;   /* gamma K g of springs, by node */
+    lane *x;             /* right side and solution of the nodes, and two nodes of zeros */
+    double *right;       /* right side of all unknowns */
+};
+
+static struct kernel_panels *create(const struct kernel_part *part) {
+    const size_t f = (size_t)free_nodes(part) + 2;
+    const size_t head = (sizeof(struct kernel_panels) + sizeof(lane) - 1) / sizeof(lane);
+    const size_t panels = f * sizeof(struct panel) / sizeof(lane);
+    const size_t lanes = head + panels + 3 * f + 3 * f + (size_t)part->node_unknowns * f;
+    struct kernel_panels *made = aligned_alloc(64, (lanes * sizeof(lane) + 63) / 64 * 64);
+    if (!made)
+        return NULL;
+    memset(made, 0, lanes * sizeof(lane));
+    lane *at = (lane *)made + head;
+    made->panel = (struct panel *)at;
+    made->force = (struct vec *)(at + panels);
+    made->x = at + panels + 3 * f;
+    made->right = (double *)(at + panels + 6 * f);
+    return made;
+}
+
+/* alpha, beta and gamma, in lanes. */
+struct coefficients {
+    lane alpha, beta, gamma;
+    int pulls; /* gamma is not 0 in all lanes: where it is, nothing is added to forces of 0 */
+};
+
+/* --- the matrix, and gamma K g --- */
+
+SPECIALISED struct vec of_node(const struct kernel_part *part, const double *x, int i) {
+    if (i < 2)
+        return (struct vec){lane_all(0), lane_all(0), lane_all(0)};
+    return vec_load(x, (i - 2) * part->node_unknowns);
+}
+
+/* From the origin. */
+SPECIALISED struct vec place(const struct kernel_part *part, const double *q, int i) {
+    return i < 2 ? part->p[i] : vec_load(q, (i - 2) * part->node_unknowns);
+}
+
+/* Adds s B to the block of nodes row and column, row >= column. */
+SPECIALISED void add_to(struct panel *panels, int row, int column, lane s, const struct block *b) {
+    if (column < 2)
+        return;
+    struct panel *panel = &panels[column - 2];
+    EACH (c, 0, 3)
+        EACH (r, 0, 3)
+            panel->m[c][3 * (row - column) + r] += s * b->m[r][c];
+}
+
+/* A spring from node a to node b > a: (c alpha + k beta) nn' + s P, and its part of gamma K g. */
+SPECIALISED void add_spring(struct kernel_part *part, const struct part_equation *e,
+                            const struct coefficients *by, int a, int b, struct vec n, lane rest,
+                            lane k, lane c) {
+    struct kernel_panels *to = part->panels;
+    lane sideways = lane_all(0);
+    if (e->part == FORCES_SPD) {
+        const struct vec between = sub(place(part, e->q, b), place(part, e->q, a));
+        const lane longer = k * (1 - rest / lane_sqrt(dot(between, between)));
+        sideways = lane_select(longer > 0, longer, sideways);
+    }
+    const lane across = by->beta * sideways, along = by->alpha * c + by->beta * k - across;
+    const lane x[3] = {along * n.x, along * n.y, along * n.z}, y[3] = {n.x, n.y, n.z};
+    struct block B;
+    EACH (r, 0, 3)
+        EACH (j, 0, 3)
+            B.m[r][j] = x[r] * y[j] + (r == j ? across : lane_all(0));
+    add_to(to->panel, b, b, lane_all(1), &B);
+    add_to(to->panel, a, a, lane_all(1), &B);
+    add_to(to->panel, b, a, lane_all(-1), &B);
+    if (!by->pulls)
+        return;
+    const struct vec d = sub(of_node(part, e->g, b), of_node(part, e->g, a));
+    const struct vec pull =
+        scale(by->gamma, add_scaled(scale(sideways, d), (k - sideways) * dot(n, d), n));
+    to->force[a] = add(to->force[a], pull);
+    to->force[b] = sub(to->force[b], pull);
+}
+
+/* A direction's part across n, over a length: P x / L. */
+SPECIALISED struct vec turned_by(const struct reach *r, struct vec x) {
+    return scale(r->inverse, add_scaled(x, -dot(r->n, x), r->n));
+}
+
+/* A hinge at the middle one of three nodes. With edges a and b its stiffness is k G'G, where
+ * G = (-P_a / L_a, P_b / L_b) takes the edges' velocities to the rate of the tangents' difference;
+ * its damping is c gg' with g the angle's gradient, or where there is no angle c G'G. */
+SPECIALISED void add_hinge(struct kernel_part *part, const struct part_equation *e,
+                           const struct coefficients *by, int first, const struct reach *a,
+                           const struct reach *b) {
+    struct kernel_panels *to = part->panels;
+    const struct turn turn = turn_between(a, b);
+    const mask turned = turn.sine > 1e-12;
+    const lane stiff = by->beta * part->bend_k, damp = by->alpha * part->bend_c;
+    const lane turning = lane_select(turned, damp, lane_all(0)); /* of gg' */
+    const lane bending = stiff + lane_select(turned, lane_all(0), damp);
+    const struct vec none = {lane_all(0), lane_all(0), lane_all(0)};
+    const struct vec g[2] = {vec_select(turned, turn.along_a, none),
+                             vec_select(turned, turn.along_b, none)};
+    const struct reach *const edge[2] = {a, b};
+    const lane gg[2][3] = {{g[0].x, g[0].y, g[0].z}, {g[1].x, g[1].y, g[1].z}};
+    struct block E[2][2]; /* by edges */
+    EACH (j, 0, 3) {
+        const struct vec unit = {lane_all(j == 0), lane_all(j == 1), lane_all(j == 2)};
+        EACH (y, 0, 2) {
+            const struct vec rate = turned_by(edge[y], unit);
+            EACH (x, 0, 2) {
+                const struct vec column =
+                    scale(x == y ? bending : -bending, turned_by(edge[x], rate));
+                const lane c[3] = {column.x, column.y, column.z};
+                EACH (i, 0, 3)
+                    E[x][y].m[i][j] = c[i] + turning * gg[x][i] * gg[y][j];
+            }
+        }
+    }
+    /* edge a is node 1 - node 0, edge b node 2 - node 1 */
+    const int p = first, q = first + 1, r = first + 2;
+    struct block transposed;
+    EACH (i, 0, 3)
+        EACH (j, 0, 3)
+            transposed.m[i][j] = E[0][1].m[j][i];
+    add_to(to->panel, p, p, lane_all(1), &E[0][0]);
+    add_to(to->panel, q, p, lane_all(-1), &E[0][0]);
+    add_to(to->panel, q, p, lane_all(1), &transposed);
+    add_to(to->panel, r, p, lane_all(-1), &transposed);
+    add_to(to->panel, q, q, lane_all(1), &E[0][0]);
+    add_to(to->panel, q, q, lane_all(1), &E[1][1]);
+    add_to(to->panel, q, q, lane_all(-1), &E[0][1]);
+    add_to(to->panel, q, q, lane_all(-1), &transposed);
+    add_to(to->panel, r, q, lane_all(1), &transposed);
+    add_to(to->panel, r, q, lane_all(-1), &E[1][1]);
+    add_to(to->panel, r, r, lane_all(1), &E[1][1]);
+
+    if (!by->pulls)
+        return;
+    const struct vec dp = of_node(part, e->g, p), dq = of_node(part, e->g, q),
+                     dr = of_node(part, e->g, r);
+    const struct vec difference =
+        scale(by->gamma * part->bend_k, sub(turned_by(b, sub(dr, dq)), turned_by(a, sub(dq, dp))));
+    const struct vec on_a = turned_by(a, difference), on_b = turned_by(b, difference);
+    to->force[p] = sub(to->force[p], on_a);
+    to->force[q] = add(to->force[q], add(on_a, on_b));
+    to->force[r] = sub(to->force[r], on_b);
+}
+
+static void add_springs(struct kernel_part *part, const struct part_equation *e,
+                        const struct coefficients *by) {
+    struct kernel_panels *to = part->panels;
+    const size_t f = (size_t)free_nodes(part);
+    memset(to->panel, 0, f * sizeof *to->panel);
+    memset(to->force, 0, (f + 2) * sizeof *to->force);
+    struct reach before = {part->tangent, part->spacing, 1 / part->spacing, part->v[0]};
+    for (int i = 2; i < part->nodes; i++) {
+        const struct reach segment = {part->t[i - 1], part->spacing, part->inverse_length[i],
+                                      part->v[0]};
+        add_spring(part, e, by, i - 1, i, segment.n, part->spacing, part->stretch_k,
+                   part->stretch_c);
+        if (part->bending == BENDING_SKIP)
+            add_spring(part, e, by, i - 2, i, part->chord[i], part->skip_length, part->bend_k,
+                       part->bend_c);
+        if (part->bending == BENDING_HINGE)
+            add_hinge(part, e, by, i - 2, &before, &segment);
+        before = segment;
+    }
+}
+
+/* M r + gamma K g, into `right` for the samples and `x` for the nodes. */
+static void right_side(struct kernel_part *part, const struct part_equation *e,
+                       const struct coefficients *by) {
+    struct kernel_panels *to = part->panels;
+    const int stride = part->node_unknowns * LANES, samples = part->node_unknowns - 3;
+    const lane zero = lane_all(0), one = lane_all(1);
+    double pull[(3 + 3 * SAMPLES_MAX) * LANES];
+    for (int i = 0; i < free_nodes(part); i++) {
+        const double *r = e->r + i * stride, *g = e->g + i * stride;
+        double *b = to->right + i * stride;
+        struct vec on = add_scaled(to->force[i + 2], part->mass[i + 2], vec_load(r, 0));
+        if (part->samples > 0) {
+            const struct frame *frame = &part->frames[i + 2];
+            on = add(on, samples_times(part, frame, i + 2, one, zero, zero, r, b));
+            if (by->pulls) { /* and in lanes without, to the bit as if there were none */
+                const mask pulled = by->gamma != 0;
+                const struct vec more =
+                    samples_times(part, frame, i + 2, zero, zero, -by->gamma, g, pull);
+                on = vec_select(pulled, add(on, more), on);
+                for (int s = 3; s < 3 + samples; s++)
+                    store(b, s, lane_select(pulled, load(b, s) + load(pull, s), load(b, s)));
+            }
+        }
+        to->x[3 * i] = on.x, to->x[3 * i + 1] = on.y, to->x[3 * i + 2] = on.z;
+    }
+}
+
+/* --- elimination --- */
+
+static mask factor(struct kernel_part *part, const struct elimination *samples, lane air) {
+    struct panel *panels = part->panels->panel;
+    mask positive = lane_all(0) == 0;
+    struct debt debt = no_debt();
+    for (int i = 0; i < free_nodes(part); i++) {
+        struct panel ld = panels[i], l;
+        add_own(part, &part->frames[i + 2], samples, i, air, &ld);
+        pay(&ld, &debt);
+        positive &= factor_panel(&ld, &l);
+        owe(&l, &ld, &debt);
+        EACH (c, 0, 3)
+            EACH (r, c, PANEL_ROWS)
+                panels[i].m[c][r] = l.m[c][r];
+    }
+    return positive;
+}
+
+int LANED(kernel_solve_full)(struct kernel_part *part, const struct part_equation *e, double *x) {
+    const lane gamma = load(e->gamma, 0);
+    const struct coefficients by = {load(e->alpha, 0), load(e->beta, 0), gamma,
+                                    !mask_none(gamma != 0)};
+    const struct elimination samples = eliminate(part, by.alpha, by.beta);
+    const int f = free_nodes(part), stride = part->node_unknowns * LANES;
+    if (!part->panels)
+        part->panels = create(part);
+    if (!part->panels)
+        return system_fail(part->system, -OUT_OF_MEMORY, "no memory for the matrix");
+    lane *nodes = part->panels->x;
+    const double *b = part->panels->right;
+
+    add_springs(part, e, &by);
+    if (!mask_all(factor(part, &samples, by.alpha * part->drag)))
+        return system_fail(part->system, SOLVER_STALLED,
+                           "the matrix of the implicit step is not positive definite");
+    right_side(part, e, &by);
+    for (int i = 0; i < f && part->samples > 0; i++) {
+        const struct vec of_samples =
+            gather_samples(part, &samples, &part->frames[i + 2], b + i * stride);
+        nodes[3 * i] += of_samples.x;
+        nodes[3 * i + 1] += of_samples.y;
+        nodes[3 * i + 2] += of_samples.z;
+    }
+    for (int j = 0; j < 6; j++) /* the window reaches two nodes beyond the tip */
+        nodes[3 * f + j] = lane_all(0);
+    solve_nodes(part->panels->panel, f, nodes);
+    for (int i = 0; i < f; i++) {
+        const struct vec node = {nodes[3 * i], nodes[3 * i + 1], nodes[3 * i + 2]};
+        vec_store(x + i * stride, 0, node);
+        if (part->samples > 0)
+            scatter_samples(part, &samples, &part->frames[i + 2], i + 2, b + i * stride, node,
+                            x + i * stride);
+    }
+    return 0;
+}
