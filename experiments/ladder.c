@@ -459,7 +459,7 @@ static int write_crossings(const struct plan *plan, const char *folder, char *re
             "pairs of methods of which one is cheaper (CPU time for the target of ladder) at "
             "a stiffness, N, and the other at the next; crossing: where lines through both, "
             "in logarithms, meet; clear: at neither end are the two tied (repeated times overlap, "
-            "or medians are within 30 %)",
+            "or medians are within 1.4 times)",
             plan->subjects[0].scene,
             "zeta\tcheaper_below\tcheaper_above\tbelow\tabove\tcrossing\tclear", reason))
         return -1;

@@ -403,7 +403,7 @@ Test(race, a_winner_is_beyond_both_spreads) {
     prepare(&p);
     folder_make(folder);
     p.points[0][3].cost.cpu.greatest = 3.1e-3; /* rk4's times reach cvode's */
-    p.points[1][0].cost.cpu.least = 3.8e-3;    /* and apart they are, but not by 30 % */
+    p.points[1][0].cost.cpu.least = 3.8e-3;    /* and apart they are, but not clearly */
     p.points[1][0].cost.cpu.median = 3.85e-3;
     state(&p, folder, &rows);
     row_is(

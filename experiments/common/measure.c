@@ -66,8 +66,8 @@ double estimated_cost(const struct scene *scene, enum wisp_treatment treatment,
 }
 
 int cost_is_less(const struct spread *one, const struct spread *other) {
-    const double drift = 1.3;
-    return one->greatest < other->least && drift * one->median < other->median;
+    const double clearly = 1.4;
+    return one->greatest < other->least && clearly * one->median < other->median;
 }
 
 const struct cost no_cost = {REFUSED, NAN, NAN, NAN, {NAN, NAN, NAN}};

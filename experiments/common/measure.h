@@ -38,8 +38,10 @@ struct cost {
 struct cost run_cost(const struct run_files *run);
 
 /* Whether a cost is known to be less than another: no time of the one reaches a time of the other,
- * and the medians are farther apart than those of the same work at two moments, which on a machine
- * with other users differ by up to 30 %. Else they are tied. */
+ * and the medians are farther apart than 1.4 times. That is more than the same work takes at two
+ * moments on a machine with other users, which differ by up to 30 %, and more than a rung of a
+ * ladder of steps (4/3; the other rungs are 3/2), so that what is a rung cheaper by chance wins
+ * nothing. Else they are tied. */
 int cost_is_less(const struct spread *one, const struct spread *other);
 
 /* Of a run that there was not. */
