@@ -58,7 +58,7 @@ static void state_rest(struct hair_study *study) {
         most = fmax(most, 1e3 * moved(hair, f));
     hair_state(study,
                (struct statement){
-                   .key = "at rest", .verdict = holds_if(most < none), .value = most, .unit = "mm"},
+                   .key = "at rest", .verdict = holds_if(most <= none), .value = most, .unit = "mm"},
                "It starts at rest: in still air nodes move by at most %.2g mm (rms; less than a "
                "tenth of a wisp's radius is not seen).",
                most);
