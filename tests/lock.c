@@ -325,11 +325,11 @@ Test(lock, who_leaves_is_not_waited_for) {
     const struct other two = start_other(run_with_others);
     cr_assert_eq(two.code, 0);
     cr_assert(run_with_others() == 0 && run_with_others() == 0);
+    end_other(&one);
+    end_other(&two);
     host_leave(); /* one of two is left */
     const struct other three = start_other(run_alone);
     cr_assert_eq(three.code, 1);
-    end_other(&one);
-    end_other(&two);
     end_other(&three);
 }
 

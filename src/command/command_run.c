@@ -2,6 +2,7 @@
 #include "base/complain.h"
 #include "base/files.h"
 #include "cli.h"
+#include "integrators/configurations.h"
 #include "model/problems.h"
 #include "model/state.h"
 #include "run/results.h"
@@ -139,6 +140,35 @@ static void say_failure(const struct run_case *run, enum outcome outcome) {
     run_free(&files);
 }
 
+/* The configuration of the run's method as it is, but with that solver, or NULL. */
+static const struct configuration *with_solver(const struct configuration *all,
+                                               const struct run_case *run, const char *linear) {
+    for (; all->name; all++)
+        if (all->method == run->settings.method && !all->options && all->linear &&
+            strcmp(all->linear, linear) == 0)
+            return all;
+    return NULL;
+}
+
+/* Where the model's own solver would do the same for much less, by the table of costs. */
+static void suggest_solver(const struct run_case *run, const struct run_request *request) {
+    static const char own[] = "direct";
+    const struct linear_method *used = run->settings.stepper.linear;
+    struct run_request other = *request;
+    struct settings settings;
+    char reason[REASON_SIZE];
+    other.linear = own;
+    if (!used || settings_resolve(run->scene, &other, &settings, reason))
+        return;
+    struct configuration *all = configurations_choose(CONFIGURATION_ANY, STEPPER_SOLVES);
+    const struct configuration *dear = all ? with_solver(all, run, used->name) : NULL,
+                               *cheap = all ? with_solver(all, run, own) : NULL;
+    if (dear && cheap && dear->cost > 2 * cheap->cost)
+        printf("%s: a step with --linear %s takes about 1/%.0f of the time of one with %s\n",
+               run->scene->name, own, dear->cost / cheap->cost, used->name);
+    free(all);
+}
+
 static int report(const struct run_case *run, enum outcome outcome, const char *reason) {
     if (outcome == OUTPUT_FAILED)
         return complain(2, "%s", reason);
@@ -180,6 +210,7 @@ static int run_scene(const struct arguments *arguments) {
         code = complain(1, "--save: the path of a file is too long");
     } else {
         announce(&run);
+        suggest_solver(&run, &request);
         const enum outcome outcome =
             runs_do_one(&run, &limits, !argument_given(arguments, "no-progress"), reason);
         code = report(&run, outcome, reason);
