@@ -159,13 +159,14 @@ Test(resume, slow_figures_are_drawn_again_without_runs) {
     gnuplot_stub_quiet();
     PROGRAM(&f, NULL, "experiment", "circle", "--quick", "--out", folder);
     cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
-    cr_assert_eq(count_files(folder, ".svg"), 0, "figures without gnuplot");
+    cr_assert_eq(count_files(folder, "orbits-30s.svg"), 0, "figures without gnuplot");
     const struct inventory before = look(folder);
     gnuplot_stub_remove();
     setenv("PATH", path, 1);
     PROGRAM(&f, NULL, "plot", "circle", "--out", folder);
     cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
     const int svg = count_files(folder, ".svg"), png = count_files(folder, ".png");
+    cr_assert_eq(count_files(folder, "orbits-30s.svg"), 1);
     cr_assert(svg > 0 && svg == png, "%d svg and %d png files", svg, png);
     const struct inventory after = look(folder);
     cr_assert(kept(&before, &after) == before.count && before.count == after.count,
@@ -183,7 +184,7 @@ Test(resume, a_gnuplot_that_fails_exits_2) {
         {"exit 1", "gnuplot failed"},
         {"kill -9 $$", "gnuplot failed"},
         /* the folder to draw into is in the variables, which are of gnuplot's language */
-        {"d=${3#*out=\\'}; : >\"${d%%\\'*}/half.svg\"", "empty"},
+        {"d=${3#*out=\\'}; : >\"${d%%\\'*}/half.svg\"", "drawn no png"},
     };
     char folder[PATH_SIZE], *path = strdup(getenv("PATH"));
     struct finished f;

@@ -322,8 +322,10 @@ Test(subdivision, velocities_with_no_way_to_turn) {
                 for (int k = 0; k < 3; k++)
                     s->v[3][k] = v[k] = speeds[i] * (d[k] + asides[i] * w[k]);
                 subdivision_turn(s, &at, &rest, side);
-                for (int k = 0; k < 3; k++)
+                for (int k = 0; k < 3; k++) {
                     dv[k] = s->v[3][k] - v[k];
+                    cr_assert(isfinite(dv[k]), "speed %g", speeds[i]);
+                }
                 double by[3];
                 for (int k = 0; k < 3; k++)
                     by[k] = side * 1e-3 * d[k];

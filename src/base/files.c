@@ -32,6 +32,24 @@ void plain_name(const char *text, char *name, size_t size) {
         name[0] = '_';
 }
 
+FILE *open_regular(const char *path) {
+    const off_t most = 1 << 30;
+    struct stat status;
+    const int descriptor = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC); /* a pipe may be empty */
+    if (descriptor < 0)
+        return NULL;
+    int error = fstat(descriptor, &status) ? errno : 0;
+    if (!error && !(S_ISREG(status.st_mode) && status.st_size <= most))
+        error = EINVAL;
+    FILE *file = error ? NULL : fdopen(descriptor, "r");
+    if (!file) {
+        error = error ? error : errno;
+        close(descriptor);
+        errno = error;
+    }
+    return file;
+}
+
 int file_exists(const char *path) {
     return access(path, R_OK) == 0;
 }

@@ -52,6 +52,10 @@ int file_put(const char *from, const char *to);
 /* Whether a path can be read. */
 int file_exists(const char *path);
 
+/* Opens a file that is to be read whole: a regular one of at most a gibibyte, for of others nobody
+ * knows where they end. NULL with errno, which is EINVAL where it is not such a file. */
+FILE *open_regular(const char *path);
+
 /* The files of a folder, whatever letters its path has, whose names are like a pattern for glob, in
  * the order of their names. globfree it. Returns 0, also where there are none, or -1 where there is
  * no memory. */

@@ -2,6 +2,7 @@
 
 #include "files.h"
 
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -63,9 +64,12 @@ static int read_row(struct table *table, char *line, size_t *capacity, const cha
 
 int table_read(struct table *table, const char *path, char *reason) {
     *table = (struct table){0};
-    FILE *file = fopen(path, "r");
+    FILE *file = open_regular(path);
     if (!file)
-        return table_fail(path, 0, "cannot be read", reason);
+        return table_fail(path, 0,
+                          errno == EINVAL ? "is no regular file of at most a gibibyte"
+                                          : "cannot be read",
+                          reason);
     char *line = NULL;
     size_t size = 0, capacity = 0;
     int code = 0, number = 0;

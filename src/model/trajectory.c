@@ -164,6 +164,21 @@ int trajectory_of_table(struct trajectory *t, struct table *table, const char *f
     return code;
 }
 
+int trajectory_is_begun(const char *path) {
+    static const char names[] = "t\twisp\tnode\t";
+    FILE *file = open_regular(path);
+    char *line = NULL;
+    size_t size = 0;
+    ssize_t length = 0;
+    while (file && (length = getline(&line, &size, file)) > 0 && line[0] == '#')
+        ;
+    const int begins = !file || (length > 0 && strncmp(line, names, sizeof names - 1) == 0);
+    free(line);
+    if (file)
+        fclose(file);
+    return begins;
+}
+
 int trajectory_read(struct trajectory *t, const char *path, char *reason) {
     struct table table;
     return table_read(&table, path, reason) ? -1 : trajectory_of_table(t, &table, path, reason);

@@ -34,6 +34,10 @@ struct trajectory {
 int trajectory_of_table(struct trajectory *trajectory, struct table *table, const char *file,
                         char *reason);
 
+/* Whether a file begins as a table of states, if it can be read. Of one that does not nothing need
+ * be shown: whoever named it may not own it. */
+int trajectory_is_begun(const char *path);
+
 /* Reads a file; the same. */
 int trajectory_read(struct trajectory *trajectory, const char *path, char *reason);
 void trajectory_free(struct trajectory *trajectory);

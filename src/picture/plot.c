@@ -69,6 +69,15 @@ static void write_styles(FILE *stream, const struct configuration *all) {
     fputs("'", stream);
 }
 
+/* A folder that gnuplot takes for one: names that begin with < or | are commands to it. */
+static void assign_folder(FILE *stream, const char *name, const char *folder) {
+    char path[PATH_SIZE];
+    if (folder[0] == '/' || path_format(path, "./%s", folder))
+        assign(stream, name, folder);
+    else
+        assign(stream, name, path);
+}
+
 /* To be freed; NULL where memory cannot be had. */
 static char *variables_of(const char *plots, const char *folder, const char *to,
                           const char *format) {
@@ -77,9 +86,9 @@ static char *variables_of(const char *plots, const char *folder, const char *to,
     size_t size;
     FILE *stream = all ? open_memstream(&text, &size) : NULL;
     if (stream) {
-        assign(stream, "plots", plots);
-        assign(stream, "data", folder);
-        assign(stream, "out", to);
+        assign_folder(stream, "plots", plots);
+        assign_folder(stream, "data", folder);
+        assign_folder(stream, "out", to);
         assign(stream, "format", format);
         write_styles(stream, all);
         fclose(stream);
@@ -180,6 +189,17 @@ int plot_empty_folder(const char *from, const char *to, char *reason) {
     return code;
 }
 
+/* Whether a folder has a figure of the format. */
+static int has_drawn(const char *folder, const char *format) {
+    char pattern[16];
+    glob_t found;
+    snprintf(pattern, sizeof pattern, "*.%s", format);
+    files_like(folder, pattern, &found);
+    const int any = found.gl_pathc > 0;
+    globfree(&found);
+    return any;
+}
+
 /* Every figure of plots/NAME.gp, all or none. */
 static int plot_script(const char *name, const char *folder, char *reason) {
     static const char *const formats[] = {"svg", "png"};
@@ -188,8 +208,15 @@ static int plot_script(const char *name, const char *folder, char *reason) {
         make_folder(drawing, reason))
         return -1;
     for (int i = 0; i < 2; i++) {
-        if (plot_draw(name, folder, drawing, formats[i], reason)) {
-            plot_empty_folder(drawing, NULL, reason);
+        int code = plot_draw(name, folder, drawing, formats[i], reason);
+        if (!code && !has_drawn(drawing, formats[i])) {
+            snprintf(reason, REASON_SIZE, "the figures of %s: gnuplot has drawn no %s", name,
+                     formats[i]);
+            code = -1;
+        }
+        if (code) {
+            char other[REASON_SIZE];
+            plot_empty_folder(drawing, NULL, other);
             return -1;
         }
     }

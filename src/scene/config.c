@@ -341,7 +341,14 @@ const char *config_text(struct config_reader *reader, config_setting_t *group, c
         config_fail(reader, setting, "%s: must be a text in quotes", name);
         return absent;
     }
-    return config_setting_get_string(setting);
+    const char *text = config_setting_get_string(setting);
+    json_t *is_utf8 = json_string(text); /* which escapes like \xff need not give */
+    if (!is_utf8) {
+        config_fail(reader, setting, "%s: must be a text in UTF-8", name);
+        return absent;
+    }
+    json_decref(is_utf8);
+    return text;
 }
 
 bool config_switch(struct config_reader *reader, config_setting_t *group, const char *name,

@@ -188,8 +188,13 @@ static int check_file(const char *path, const char *folder, int depth, char *rea
         snprintf(reason, REASON_SIZE, "%.120s: is a folder, and a scene is a file", path);
         return 1;
     }
-    if (!S_ISREG(status.st_mode))
-        return 0;
+    if (!S_ISREG(status.st_mode) && depth == 0)
+        return 0; /* a scene may come through a pipe, which can be read but once */
+    if (!S_ISREG(status.st_mode)) {
+        snprintf(reason, REASON_SIZE, "%.120s: is no regular file, and what is included is one",
+                 path);
+        return 1;
+    }
     char *text = file_text(path);
     if (!text) {
         snprintf(reason, REASON_SIZE, "%.120s: cannot be read: %s", path, strerror(errno));

@@ -94,6 +94,8 @@ void scene_read_start(struct config_reader *reader, config_setting_t *top, struc
     }
     errno = 0;
     if (trajectory_read(&states, path, reason)) {
+        if (file_exists(path) && errno != ENOMEM && !trajectory_is_begun(path))
+            snprintf(reason, sizeof reason, "%.150s: is no table of states", path);
         fail(reader, setting, reason);
         return;
     }
