@@ -13,7 +13,7 @@ static const struct race race = {
              CONFIGURATION_ORDER | CONFIGURATION_SOLVER_DETAILS,
     .capabilities = STEPPER_SOLVES,
     .treatments = treatments,
-    .seconds = 1500,
+    .seconds = 100,
     .quick_seconds = 60,
 };
 

@@ -12,7 +12,7 @@ static const struct race race = {
     .quick_scenes = quick_scenes,
     .kinds =
         CONFIGURATION_PLAIN | CONFIGURATION_ITERATED | CONFIGURATION_SOLVER | CONFIGURATION_ORDER,
-    .seconds = 1500,
+    .seconds = 450,
     .quick_seconds = 60,
 };
 
@@ -25,7 +25,7 @@ const struct experiment work_precision_experiment = {
     .question = "what does accuracy cost, by stepper, treatment and scene?",
     .place = 1,
     .quick_seconds = 20,
-    .full_seconds = 300,
+    .full_seconds = 600,
     .answers = 1u << ANSWERS_CHOICE | 1u << ANSWERS_TARGETS | 1u << ANSWERS_FAILURES,
     .plan = plan,
     .refine = race_refine,
