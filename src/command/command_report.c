@@ -142,7 +142,7 @@ const struct command report_command = {
     .details =
         "The page is DIR/report.html: figures, tables, methods, machine, in one file that needs "
         "no\n"
-        "other; its links to data are relative to it. It takes less than 30 minutes on two cores,\n"
+        "other; its links to data are relative to it. It takes about half an hour on two cores,\n"
         "with --quick less than 2; what was left out is said there. Runs that are there already\n"
         "are not run again.\n"
         "\n"
