@@ -130,8 +130,8 @@ Test(subdivision_runs, a_rule_that_never_holds_changes_nothing) {
 }
 
 /* Five that meet; with a ratio this high all split, some more than once. */
-#define BUNDLE(order)                                             \
-    "duration=0.25", "run.step=2e-4", "contacts.reciprocal=true", \
+#define BUNDLE(order)                                                   \
+    "duration=0.25", "run.step=2e-4", "contacts={ viscosity = 50.0; }", \
         "subdivision={ ratio = 0.9; separation = 4e-3; limit = 100; }", "wisps=(" order ")"
 
 /* Number of wisps of b whose rows, but for their number, are one of a's, each used once. */

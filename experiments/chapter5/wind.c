@@ -56,12 +56,13 @@ static void state_rest(struct hair_study *study) {
     double most = 0;
     for (int f = 0; f < hair->frame_count; f++)
         most = fmax(most, 1e3 * moved(hair, f));
-    hair_state(study,
-               (struct statement){
-                   .key = "at rest", .verdict = holds_if(most <= none), .value = most, .unit = "mm"},
-               "It starts at rest: in still air nodes move by at most %.2g mm (rms; less than a "
-               "tenth of a wisp's radius is not seen).",
-               most);
+    hair_state(
+        study,
+        (struct statement){
+            .key = "at rest", .verdict = holds_if(most <= none), .value = most, .unit = "mm"},
+        "It starts at rest: in still air nodes move by at most %.2g mm (rms; less than a "
+        "tenth of a wisp's radius is not seen).",
+        most);
 }
 
 static void state(struct hair_study *study) {
