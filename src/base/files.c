@@ -7,6 +7,7 @@
 #include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <pthread.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -97,13 +98,18 @@ int path_beside_program(const char *name, char *path) {
     return path_format(path, "%s/%s", program, name);
 }
 
+static char data_path[PATH_SIZE];
+
+static void find_data(void) {
+    if (path_beside_program("../share/wisplab", data_path) || !file_exists(data_path))
+        path_format(data_path, "%s", WISPLAB_SOURCE_DIR);
+}
+
+/* Once, for pictures are drawn side by side. */
 const char *data_folder(void) {
-    static char folder[PATH_SIZE];
-    if (folder[0])
-        return folder;
-    if (path_beside_program("../share/wisplab", folder) || !file_exists(folder))
-        path_format(folder, "%s", WISPLAB_SOURCE_DIR);
-    return folder;
+    static pthread_once_t once = PTHREAD_ONCE_INIT;
+    pthread_once(&once, find_data);
+    return data_path;
 }
 
 int make_folder(const char *path, char *reason) {
