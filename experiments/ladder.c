@@ -285,7 +285,10 @@ static int step_search(struct plan *plan, struct search *s, const struct run_fil
     struct verdict verdict;
     if (s->phase == TIMING) {
         s->phase = DONE;
-        return read_cost(plan, s->first, &s->cost);
+        if (read_cost(plan, s->first, &s->cost))
+            return -1;
+        cost_count(&s->cost, plan->subjects[s->cell].scene, WISP_GENERALISED, s->contestant);
+        return 0;
     }
     if (judge_runs(plan, s->first, s->count, plan->subjects[s->cell].scene, tight, &verdict))
         return -1;
@@ -367,12 +370,12 @@ static void write_search(FILE *stream, const struct plan *plan, const struct sea
     fprintf(stream, "%g\t%g\t%s", stiffness_of(s->cell), damping_of(s->cell), s->contestant->name);
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         fprintf(stream, "\t%.17g", numbers[i]);
-    fprintf(stream, "\t%s\t%s\t%s\t%.17g\t%s\n",
+    fprintf(stream, "\t%s\t%s\t%s\t%.17g\t%.17g\t%s\n",
             s->refused              ? outcome_name(REFUSED)
             : s->place.reached >= 0 ? "reached"
                                     : "never",
             limit_of(s), s->place.missed >= 0 ? outcome_name(s->missed_outcome) : "none",
-            s->missed_time, s->note);
+            s->missed_time, s->cost.counted, s->note);
 }
 
 /* Rows of a method along the stiffness, of one damping; blocks are parted by two blank lines. */
@@ -380,19 +383,21 @@ static int write_ladder(const struct plan *plan, const char *folder, char *reaso
     const struct ladder *ladder = plan->memo;
     struct atomic_file file;
     char what[768];
-    snprintf(what, sizeof what,
-             "the largest step, s, or rtol that reaches %g m rms over free nodes and all frames "
-             "(setting), the next one tried that does not (missed: its error, outcome and time of "
-             "failure), and what the first costs: CPU time, s, of repeated runs, force "
-             "evaluations, steps; errors of adaptive methods: the worst of %d tolerances "
-             "rtol(1 + j 1e-12), of which j = 0 is timed; limit: failure where the missed one "
-             "fails or is 100 times as wrong; nan: there is no number, see status and note%s",
-             target, plan->quick ? JITTERED_QUICK : JITTERED,
-             plan->quick ? "; --quick: one damping, no real hair, coarser brackets" : "");
+    snprintf(
+        what, sizeof what,
+        "the largest step, s, or rtol that reaches %g m rms over free nodes and all frames "
+        "(setting), the next one tried that does not (missed: its error, outcome and time of "
+        "failure), and what the first costs: CPU time, s, of repeated runs, force "
+        "evaluations, steps; errors of adaptive methods: the worst of %d tolerances "
+        "rtol(1 + j 1e-12), of which j = 0 is timed; counted: what the table of costs makes of "
+        "the steps, s, by which methods are put in order; limit: failure where the missed one "
+        "fails or is 100 times as wrong; nan: there is no number, see status and note%s",
+        target, plan->quick ? JITTERED_QUICK : JITTERED,
+        plan->quick ? "; --quick: one damping, no real hair, coarser brackets" : "");
     if (open_table(&file, folder, "ladder", what, plan->subjects[0].scene,
                    "stretch_stiffness\tzeta\tmethod\tsetting\tmissed_setting\terror\tmissed_error"
                    "\tcpu_median\tcpu_least\tcpu_greatest\tforce_evaluations\tsteps\tstatus\tlimit"
-                   "\tmissed_outcome\tmissed_time\tnote",
+                   "\tmissed_outcome\tmissed_time\tcounted\tnote",
                    reason))
         return -1;
     for (int d = 0; d < DAMPINGS; d++)
@@ -429,7 +434,7 @@ static double crossing(int low, const double a[2], const double b[2]) {
 }
 
 static int is_apart(const struct search *a, const struct search *b) {
-    return cost_is_less(&a->cost.cpu, &b->cost.cpu) || cost_is_less(&b->cost.cpu, &a->cost.cpu);
+    return cost_is_less(&a->cost, &b->cost) || cost_is_less(&b->cost, &a->cost);
 }
 
 static void write_crossing(FILE *stream, const struct ladder *ladder, int cell,
@@ -441,8 +446,8 @@ static void write_crossing(FILE *stream, const struct ladder *ladder, int cell,
         b[k] = search_of(ladder, cell + k, other);
         if (!has_cost(a[k]) || !has_cost(b[k]))
             return;
-        cost_a[k] = a[k]->cost.cpu.median;
-        cost_b[k] = b[k]->cost.cpu.median;
+        cost_a[k] = a[k]->cost.counted;
+        cost_b[k] = b[k]->cost.counted;
     }
     const int low = cell % STIFFNESSES, first = cost_a[0] < cost_b[0];
     const double at = crossing(low, cost_a, cost_b);
@@ -456,10 +461,11 @@ static int write_crossings(const struct plan *plan, const char *folder, char *re
     struct atomic_file file;
     if (open_table(
             &file, folder, "crossings",
-            "pairs of methods of which one is cheaper (CPU time for the target of ladder) at "
-            "a stiffness, N, and the other at the next; crossing: where lines through both, "
-            "in logarithms, meet; clear: at neither end are the two tied (repeated times overlap, "
-            "or medians are within 1.4 times)",
+            "pairs of methods of which one is cheaper for the target of ladder at a stiffness, N, "
+            "and the other at the next, by steps counted and the table of costs; crossing: where "
+            "lines through both, in logarithms, meet; clear: at neither end are the two tied "
+            "(within "
+            "1.4 times, or repeated times overlap)",
             plan->subjects[0].scene,
             "zeta\tcheaper_below\tcheaper_above\tbelow\tabove\tcrossing\tclear", reason))
         return -1;
@@ -494,7 +500,7 @@ static const struct search *cheapest(const struct ladder *ladder, int cell, int 
     for (int i = 0; i < ladder->count; i++) {
         const struct search *s = &ladder->search[i];
         if (s->cell == cell && is_of(s, kind) && s != besides && has_cost(s) &&
-            (!best || s->cost.cpu.median < best->cost.cpu.median))
+            (!best || s->cost.counted < best->cost.counted))
             best = s;
     }
     return best;
@@ -502,7 +508,7 @@ static const struct search *cheapest(const struct ladder *ladder, int cell, int 
 
 static double least_cost(const struct ladder *ladder, int cell, int kind) {
     const struct search *s = cheapest(ladder, cell, kind, NULL);
-    return s ? s->cost.cpu.median : NAN;
+    return s ? s->cost.counted : NAN;
 }
 
 /* Where the cheapest explicit and the cheapest implicit method of a damping change places: one
@@ -521,8 +527,8 @@ static void state_order(struct statements *statements, const struct ladder *ladd
         const struct search *one = cheapest(ladder, cell, EXPLICIT, NULL),
                             *other = cheapest(ladder, cell, IMPLICIT, NULL);
         if (one && other) {
-            explicit_first += cost_is_less(&one->cost.cpu, &other->cost.cpu);
-            implicit_first += cost_is_less(&other->cost.cpu, &one->cost.cpu);
+            explicit_first += cost_is_less(&one->cost, &other->cost);
+            implicit_first += cost_is_less(&other->cost, &one->cost);
             tied += !is_apart(one, other);
         }
         row.value = next > cell ? crossing(k, explicits, implicits) : NAN;
@@ -587,7 +593,7 @@ static void state_cell(struct statements *statements, const struct plan *plan, i
     if (tied[0])
         statements_add(statements, row,
                        "At EA = %g N and damping %g a millimetre is cheapest with %s (%.3g ms)%s, "
-                       "whose times are too close to part them.",
+                       "whose costs are too close to part them.",
                        stiffness_of(cell), damping_of(cell), best->contestant->name, row.value,
                        tied);
     else if (best)

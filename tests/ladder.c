@@ -25,7 +25,8 @@ static const double spacing = 0.075, node_mass = 1000 * 5.7e-6 * 0.075;
 /* --- the tables --- */
 
 struct ladder_row {
-    double stiffness, zeta, setting, missed_setting, error, missed_error, cpu[3], evaluations;
+    double stiffness, zeta, setting, missed_setting, error, missed_error, cpu[3], counted,
+        evaluations;
     char method[64], status[32], limit[32], missed_outcome[32];
 };
 
@@ -49,10 +50,11 @@ static void read_ladder(const char *folder, struct ladder_table *table) {
         cr_assert(table->count < ROWS_MAX &&
                       sscanf(line,
                              "%lf\t%lf\t%63[^\t]\t%lf\t%lf\t%lf\t%lf\t%lf\t%lf\t%lf\t%lf\t%lf"
-                             "\t%31[^\t]\t%31[^\t]\t%31[^\t]",
+                             "\t%31[^\t]\t%31[^\t]\t%31[^\t]\t%*f\t%lf",
                              &r->stiffness, &r->zeta, r->method, &r->setting, &r->missed_setting,
                              &r->error, &r->missed_error, &r->cpu[0], &r->cpu[1], &r->cpu[2],
-                             &r->evaluations, &steps, r->status, r->limit, r->missed_outcome) == 15,
+                             &r->evaluations, &steps, r->status, r->limit, r->missed_outcome,
+                             &r->counted) == 16,
                   "cannot read '%s'", line);
         table->count++;
     }
@@ -169,13 +171,14 @@ static int count_crossings(const struct ladder_table *t, const char *text) {
         for (int k = i + 1; k + 1 < t->count; k++) {
             const struct ladder_row *a = &t->row[i], *b = &t->row[k];
             if (a->stiffness != b->stiffness || a[1].stiffness <= a->stiffness ||
-                (a->cpu[0] < b->cpu[0]) == (a[1].cpu[0] < b[1].cpu[0]))
+                (a->counted < b->counted) == (a[1].counted < b[1].counted))
                 continue;
-            const double first = log(a->cpu[0] / b->cpu[0]), last = log(a[1].cpu[0] / b[1].cpu[0]);
+            const double first = log(a->counted / b->counted),
+                         last = log(a[1].counted / b[1].counted);
             const double slope = (last - first) / log(a[1].stiffness / a->stiffness);
             const double at = a->stiffness * exp(-first / slope);
             char line[256];
-            const int below = a->cpu[0] < b->cpu[0];
+            const int below = a->counted < b->counted;
             snprintf(line, sizeof line, "\n%g\t%s\t%s\t%g\t%g\t", a->zeta, (below ? a : b)->method,
                      (below ? b : a)->method, a->stiffness, a[1].stiffness);
             const char *found = strstr(text, line);

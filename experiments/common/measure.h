@@ -25,7 +25,8 @@ int open_table(struct atomic_file *file, const char *folder, const char *name, c
                const struct scene *scene, const char *columns, char *reason);
 
 /* CPU time of one run in steps of that length, s, as the table of configurations predicts it on all
- * machines; wisps that are computed side by side cost one. */
+ * machines: wisps that are computed side by side cost one, and points at ticks of contact theirs.
+ */
 double estimated_cost(const struct scene *scene, enum wisp_treatment treatment,
                       const struct configuration *contestant, double step);
 
@@ -34,15 +35,19 @@ struct cost {
     enum outcome outcome;
     double evaluations, steps, failure_time;
     struct spread cpu; /* of one that failed: the one time that it took to get there */
+    double counted;    /* what the table of costs makes of its steps, s; see cost_count */
 };
 struct cost run_cost(const struct run_files *run);
 
-/* Whether a cost is known to be less than another: no time of the one reaches a time of the other,
- * and the medians are farther apart than 1.4 times. That is more than the same work takes at two
- * moments on a machine with other users, which differ by up to 30 %, and more than a rung of a
- * ladder of steps (4/3; the other rungs are 3/2), so that what is a rung cheaper by chance wins
- * nothing. Else they are tied. */
-int cost_is_less(const struct spread *one, const struct spread *other);
+/* Fills in `counted` of a run of the scene by that contestant. */
+void cost_count(struct cost *cost, const struct scene *scene, enum wisp_treatment treatment,
+                const struct configuration *contestant);
+
+/* Whether a cost is known to be less than another: by what was counted 1.4 times, and no time that
+ * was measured of the one reaches a time of the other. So a busy machine can take a verdict back
+ * but makes none. 1.4 is more than a rung of a ladder of steps (4/3; the others are 3/2): what is a
+ * rung cheaper by chance wins nothing. Else the two are tied. */
+int cost_is_less(const struct cost *one, const struct cost *other);
 
 /* Of a run that there was not. */
 extern const struct cost no_cost;

@@ -58,7 +58,7 @@ struct point {
     struct extent extent;               /* likewise */
     double error_least, error_greatest; /* rms over the jittered runs, m */
     int limited;                        /* closer to the reference than ten times its bound */
-    int front[2]; /* not limited, and none is cheaper and better: by CPU time, by evaluations */
+    int front[2]; /* not limited, and none is cheaper and better: by either race_cost */
     char note[REASON_SIZE];
 };
 
@@ -199,6 +199,9 @@ int race_finished(const struct point *p);
 
 /* Marks the points on the Pareto fronts. */
 void race_mark_fronts(struct field *field);
+
+/* By which runs are put in order: 0: what the table of costs makes of its steps, s; 1: evaluations.
+ */
 double race_cost(const struct point *p, int measure);
 
 #endif

@@ -13,7 +13,7 @@ int race_finished(const struct point *p) {
 }
 
 double race_cost(const struct point *p, int measure) {
-    return measure == 0 ? p->cost.cpu.median : p->cost.evaluations;
+    return measure == 0 ? p->cost.counted : p->cost.evaluations;
 }
 
 double race_error_at_most(const struct field *field, const struct point *p) {
@@ -72,7 +72,7 @@ static int read_extent(const char *folder, struct extent *extent, char *reason) 
 }
 
 static int read_run(struct plan *plan, const struct field *field, const struct labelled_case *one,
-                    struct outcome_of_run *result) {
+                    const struct configuration *contestant, struct outcome_of_run *result) {
     const struct scene *scene = field->scene;
     struct run_files run;
     int code = 0;
@@ -81,6 +81,7 @@ static int read_run(struct plan *plan, const struct field *field, const struct l
     const char *reason = json_string_value(json_object_get(run.json, "reason"));
     result->outcome = run.outcome;
     result->cost = run_cost(&run);
+    cost_count(&result->cost, scene, (enum wisp_treatment)field->treatment, contestant);
     result->deviation.rms = result->deviation.parted = NAN;
     snprintf(result->reason, REASON_SIZE, "%s", reason ? reason : "");
     if (run.outcome == FINISHED && field->has_reference)
@@ -154,7 +155,7 @@ static int read_point(struct plan *plan, struct field *field, const struct entry
     p->runs = count;
     p->failed = 0;
     for (int j = 0; j < count; j++) {
-        if (read_run(plan, field, race_case(plan, field, entry, k, j), &runs[j]))
+        if (read_run(plan, field, race_case(plan, field, entry, k, j), entry->contestant, &runs[j]))
             return -1;
         p->failed += runs[j].outcome != FINISHED;
     }

@@ -12,8 +12,7 @@
 
 /* --- predicted costs --- */
 
-/* To start a process; and for a point of a wisp at a tick, in the experiments' usual scenes, s. */
-static const double process_cost = 0.012, point_cost = 100e-9;
+static const double process_cost = 0.012; /* to start one, s */
 
 /* No run that is predicted to take longer is tried, s. */
 static double dearest(const struct plan *plan) {
@@ -25,21 +24,10 @@ static double trifle(const struct plan *plan) {
     return plan->quick ? 0.03 : 0.1;
 }
 
-static double tick_cost(const struct scene *scene) {
-    const double rate = (scene->body_count > 0 ? scene->collision_rate : 0) +
-                        (scene->interaction.interpenetration || scene->interaction.collision
-                             ? scene->interaction.rate
-                             : 0);
-    double points = 0;
-    for (int i = 0; i < scene->wisp_count; i++)
-        points += (scene->wisps[i].nodes - 2) * (1 + scene->wisps[i].samples);
-    return point_cost * points * rate * scene->duration;
-}
-
 /* Of steps that long, one after the other in all wisps. */
 static double steps_cost(const struct field *field, const struct configuration *contestant,
                          double step) {
-    return process_cost + tick_cost(field->scene) +
+    return process_cost +
            estimated_cost(field->scene, (enum wisp_treatment)field->treatment, contestant, step);
 }
 

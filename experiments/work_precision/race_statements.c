@@ -54,7 +54,7 @@ static const struct point *cheapest_of(const struct field *fields, int count, do
     for (int f = 0; f < count; f++) {
         const struct point *p = race_cheapest(&fields[f], left_of(&fields[f], target),
                                               besides ? besides->entry->contestant : NULL);
-        if (!p || (best && p->cost.cpu.median >= best->cost.cpu.median))
+        if (!p || (best && p->cost.counted >= best->cost.counted))
             continue;
         best = p;
         *in = &fields[f];
@@ -62,7 +62,7 @@ static const struct point *cheapest_of(const struct field *fields, int count, do
     return best;
 }
 
-/* Other contestants within the target whose times are not known to be longer: " and rk4 (5 ms)". */
+/* Other contestants within the target whose costs are not known to be higher: " and rk4 (5 ms)". */
 static void list_tied(const struct field *fields, int count, double target,
                       const struct point *best, char text[512]) {
     text[0] = '\0';
@@ -73,10 +73,10 @@ static void list_tied(const struct field *fields, int count, double target,
         for (int f = 0; f < count && contestant != best->entry->contestant; f++) {
             const struct point *p =
                 race_cheapest_of(&fields[f], left_of(&fields[f], target), contestant);
-            if (p && (!own || p->cost.cpu.median < own->cost.cpu.median))
+            if (p && (!own || p->cost.counted < own->cost.counted))
                 own = p;
         }
-        if (own && !cost_is_less(&best->cost.cpu, &own->cost.cpu))
+        if (own && !cost_is_less(&best->cost, &own->cost))
             snprintf(text + used, 512 - used, " and %s (%.3g ms)", name_of(own),
                      1e3 * own->cost.cpu.median);
     }
@@ -113,7 +113,7 @@ static void state_target(struct statements *statements, const struct field *fiel
     if (tied[0])
         statements_add(statements, row,
                        "On %s the cheapest within %g mm%s are %s with %s at %s %.3g (%.3g ms of "
-                       "CPU time)%s, whose times are too close to part them.",
+                       "CPU time)%s, whose costs are too close to part them.",
                        scene, mm, with, name_of(best), race_treatment(in->treatment),
                        setting_name(best), best->setting, row.value, tied);
     else
@@ -175,7 +175,7 @@ static void state_method(struct statements *statements, const struct field *fiel
     }
     const double ms = 1e3 * own->cost.cpu.median, mm = 1e3 * own->deviation.rms;
     const struct point *best = race_cheapest(field, race_error_at_most(field, own), NULL);
-    const int right = !cost_is_less(&best->cost.cpu, &own->cost.cpu);
+    const int right = !cost_is_less(&best->cost, &own->cost);
     row.verdict = holds_if(right);
     row.value = ms / (1e3 * best->cost.cpu.median);
     row.unit = "1";

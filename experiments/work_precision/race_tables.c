@@ -29,7 +29,8 @@ static const struct {
          "step, s, or rtol; limited: within ten times the reference's bound, and so on no front "
          "and "
          "in nobody's way; "
-         "front: Pareto, by CPU time and by force evaluations; strain, penetration (m): largest at "
+         "front: Pareto, by steps counted and the table of costs, and by force evaluations; "
+         "strain, penetration (m): largest at "
          "any frame; drift: largest energy that no work accounts for, over the largest kinetic "
          "energy, with the works' own error of second order; nan: there is no number, see status "
          "and note; parted: wisps split at other ticks than the reference's, from where on nothing "
@@ -53,15 +54,15 @@ static const struct {
                 "method\ttreatment\tkind\tslope\tspread\tpoints"},
     [FRONT] =
         {"-front",
-         "Pareto fronts: what no other run beats in cost and in error, as far as the reference can "
-         "tell (limited ones left out)",
+         "Pareto fronts: what no other run beats in cost (steps counted and the table of costs, "
+         "shown with its CPU time; or evaluations) and in error, as far as the reference can tell "
+         "(limited ones left out)",
          "treatment\tmeasure\tcost\terror\tmethod\tsetting"},
     [CHEAPEST] =
         {"-cheapest",
-         "the least CPU time, s, for an error of at most target, m, and the next method; to the "
-         "error of a limited run the reference's bound is added; tied: the next one is not known "
-         "to "
-         "be dearer",
+         "the cheapest run with an error of at most target, m, by steps counted and the table of "
+         "costs, with its CPU time, s, and the next method; to the error of a limited run the "
+         "reference's bound is added; tied: the next one is not known to be dearer",
          "treatment\ttarget\tmethod\tsetting\terror\tcpu_median\tcpu_least\tcpu_greatest"
          "\tnext_method\tnext_setting\tnext_cpu_median\ttied\tnote"},
 };
@@ -133,7 +134,8 @@ static void write_front(FILE *stream, const struct field *field) {
         const struct point *p = next_on_front(field, measure, -1);
         for (; p; p = next_on_front(field, measure, race_cost(p, measure)))
             fprintf(stream, "%s\t%s\t%.17g\t%.17g\t%s\t%.17g\n", race_treatment(field->treatment),
-                    measure ? "evaluations" : "cpu", race_cost(p, measure), p->deviation.rms,
+                    measure ? "evaluations" : "cpu",
+                    measure ? p->cost.evaluations : p->cost.cpu.median, p->deviation.rms,
                     p->entry->contestant->name, p->setting);
         fprintf(stream, "\n\n");
     }
@@ -142,7 +144,7 @@ static void write_front(FILE *stream, const struct field *field) {
 static int is_cheaper(const struct field *field, double target, const struct point *p,
                       const struct point *than) {
     return race_finished(p) && race_error_at_most(field, p) <= target &&
-           (!than || p->cost.cpu.median < than->cost.cpu.median);
+           (!than || p->cost.counted < than->cost.counted);
 }
 
 const struct point *race_cheapest(const struct field *field, double target,
@@ -175,8 +177,7 @@ static void write_cheapest(FILE *stream, const struct field *field, double targe
             p ? p->setting : NAN, p ? p->deviation.rms : NAN, p ? p->cost.cpu.median : NAN,
             p ? p->cost.cpu.least : NAN, p ? p->cost.cpu.greatest : NAN,
             next ? next->entry->contestant->name : "none", next ? next->setting : NAN,
-            next ? next->cost.cpu.median : NAN,
-            next && !cost_is_less(&p->cost.cpu, &next->cost.cpu),
+            next ? next->cost.cpu.median : NAN, next && !cost_is_less(&p->cost, &next->cost),
             next ? ""
             : p  ? "no other method is within the target"
                  : "no run is within the target");
