@@ -293,6 +293,13 @@ static int rows_of(const struct stepper_method *method, struct configuration *to
     return count;
 }
 
+struct configuration configuration_of(const struct stepper_method *method) {
+    struct configuration rows[ROWS + 1];
+    int spare = 0;
+    rows_of(method, rows, &spare);
+    return rows[0];
+}
+
 struct configuration *configurations_choose(unsigned kinds, unsigned capabilities) {
     size_t methods = 0;
     int count = 0, spare = 0;

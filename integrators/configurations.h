@@ -52,6 +52,9 @@ struct configuration {
  * NULL where memory cannot be had. */
 struct configuration *configurations_choose(unsigned kinds, unsigned capabilities);
 
+/* The first configuration of a method: itself, as experiments run it. */
+struct configuration configuration_of(const struct stepper_method *method);
+
 /* All kinds. */
 enum { CONFIGURATION_ANY = 255 };
 

@@ -220,7 +220,10 @@ static int compare_to(struct plan *plan, const struct study *study, int at,
     *change = (struct curve_deviation){NAN, NAN, NAN};
     if (run_read_states(&run, plan->cases[at].run.folder, plan->trajectories, plan->reason))
         return -1;
+    const struct run_case *one = &plan->cases[at].run;
+    const struct configuration recipe = configuration_of(one->settings.method);
     *cost = run_cost(&run);
+    cost_count(cost, one->scene, (enum wisp_treatment)one->settings.treatment, &recipe);
     int code = 0;
     if (run.outcome == FINISHED)
         code = measure_curves(study->subject->scene, run.states, reference->states, change,
@@ -277,8 +280,9 @@ static const struct variant *single_of(const struct study *study, enum thing thi
     return &study->full;
 }
 
-static double time_of(const struct variant *variant) {
-    return variant->cost.cpu.median;
+/* By steps counted and the table of costs, so that a busy machine finds the same model. */
+static double cost_of(const struct variant *variant) {
+    return variant->cost.counted;
 }
 
 static double change_of(const struct study *study, enum thing thing, int option) {
@@ -292,7 +296,7 @@ static int cheapest_option(const struct study *study, enum thing thing, double l
     for (int k = 0; k < study->menu.count[thing]; k++) {
         const struct variant *single = single_of(study, thing, k);
         if (needs_is_near(study, single) && single->change.rms < limit &&
-            time_of(single) < time_of(single_of(study, thing, best)))
+            cost_of(single) < cost_of(single_of(study, thing, best)))
             best = k;
     }
     return best;
