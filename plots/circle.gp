@@ -126,8 +126,13 @@ if (order eq '') {
 
 # --- error against cost ---
 
-eval figure('work-precision', 900, 640)
 eval names_of('work-precision')
+chosen = '' # the thesis's, those that have a slope, then in their order
+stats table('orbits-30s') using (place(names, strcol(3)) ? (chosen = named(chosen, strcol(3)), 0) : 0) nooutput
+stats table('work-precision-slopes') using (place(names, strcol(1)) ? (chosen = named(chosen, strcol(1)), 0) : 0) nooutput
+do for [m = 1:words(names)] { chosen = named(chosen, word(names, m)) }
+eval part_names
+eval figure('work-precision', 900, 640)
 set multiplot
 eval heading('What accuracy costs', \
     'largest position error at 9 times in 160 s; lower and further left is better; legend: slopes over evaluations')
@@ -182,7 +187,10 @@ do for [p = 1:2] {
     }
     told = ''
     set bars 0
-    plot for [m = 1:words(names)] table('work-precision') \
+    plot for [m = 1:words(rest)] table('work-precision') \
+            using (strcol(1) eq word(rest, m) && $4 <= TOP ? column(c) : NaN):(larger($4, BOTTOM)) \
+            with lines lt REST, \
+         for [m = 1:words(names)] table('work-precision') \
             using (is(m) && $4 <= TOP ? column(c) : NaN):(larger($4, BOTTOM)) \
             :(p == 1 ? $5 : $8):(p == 1 ? $5 : $9) \
             with xerrorbars lt style_of(word(names, m)) dt solid lw 1 pt 0, \
@@ -206,7 +214,8 @@ do for [p = 1:2] {
 }
 eval legend(0, 555, 900, 85, 3)
 plot @BLANK, for [m = 1:words(names)] keyentry with linespoints lt style_of(word(names, m)) \
-        title word(titles, m)
+        title word(titles, m), \
+     keyentry with lines lt REST title rest_title(rest)
 unset multiplot
 
 # --- the radius that the stability function foretells ---

@@ -17,9 +17,7 @@ stats table('ladder') using (is_row(0) ? take(0) : 0, 0) nooutput
 if (last == 0) { exit error 'ladder: no method has a row' }
 if (highest == 0) { lowest = 1e-3; highest = 1 }
 
-# At most eight curves have a name: what the thesis took, and the cheapest where the hair is stiffest.
-# The rest are thin and grey, and in the table.
-NAMED = 8
+# What the thesis took has a name, and the cheapest where the hair is stiffest.
 array cost[words(names)]
 do for [m = 1:words(names)] {
     cost[m] = word(names, m) eq 'euler' ? 0 : 1e300
@@ -27,11 +25,9 @@ do for [m = 1:words(names)] {
         && column(EA) == last && column(CPU) < cost[m] ? (cost[m] = column(CPU), 0) : 0) nooutput
 }
 before(m) = sum [k = 1:words(names)] (cost[k] < cost[m] || (cost[k] == cost[m] && k < m))
-rest = ''; own = ''
-do for [m = 1:words(names)] {
-    if (before(m) < NAMED) { own = own.quoted(word(names, m)) } else { rest = rest.quoted(word(names, m)) }
-}
-names = own
+chosen = ''
+do for [m = 1:words(names)] { if (before(m) < NAMED) { chosen = named(chosen, word(names, m)) } }
+eval part_names
 
 # Above the scale each method that never gets there has a row of its own.
 in_band = ''
@@ -67,7 +63,7 @@ do for [p = 1:panels] {
     is_good(m) = is_here(m) && strcol(STATUS) eq 'reached'
     is_other(m) = strcol(ZETA) eq zeta && strcol(NAME) eq word(rest, m) && strcol(STATUS) eq 'reached'
     plot for [m = 1:words(rest)] table('ladder') \
-            using (is_other(m) ? column(EA) : NaN):(column(CPU)) with lines lc rgb '#AAAAAA' dt solid lw 0.8, \
+            using (is_other(m) ? column(EA) : NaN):(column(CPU)) with lines lt REST, \
          for [m = 1:words(names)] table('ladder') \
             using (is_good(m) ? column(EA) : NaN):(column(CPU)):(column(LEAST)):(column(GREATEST)) \
             with yerrorbars lt style_of(word(names, m)) dt solid lw 1 pt 0, \
@@ -88,8 +84,7 @@ plot @BLANK, for [m = 1:words(names)] keyentry with linespoints lt style_of(word
         title word(names, m), \
      keyentry with points pt FAILED ps 0.5 lw 1.2 lc rgb '#000000' \
         title 'fails at the next longer step', \
-     keyentry with lines lc rgb '#AAAAAA' dt solid lw 0.8 \
-        title words(rest) ? sprintf('%d more, see the table', words(rest)) : '', \
+     keyentry with lines lt REST title rest_title(rest), \
      for [text in unreached] keyentry with points pt FAILED ps 0.8 lw 1.6 lc rgb GREY title text
 unset multiplot
 set output

@@ -15,10 +15,6 @@ is_failed(status) = status ne 'finished' && status ne 'refused' && status ne 'le
     && status ne 'status'
 is_point(m) = strcol(1) eq word(names, m) && strcol(2) eq treatment
 is_good(m) = is_point(m) && strcol(STATUS) eq 'finished'
-# At most so many curves have a name: those on the front of CPU time, then methods as they are, then variants. The
-# rest are thin and grey, and in the table.
-NAMED = 8
-named(list, more) = words(list) < NAMED ? with_name(list, more) : list
 # What is said of a method's failures: how many, and of the first one of what kind and when.
 kinds = ''
 say(status, t) = status.(t == t ? sprintf(', %.2g s', t) : '')
@@ -48,6 +44,7 @@ do for [s = 1:words(scene_files)] {
     page_width = columns == 3 ? 1300 : 1000
     pitch = (page_width - 85) / columns # from panel to panel
     eval names_of(scene)
+    # those on the front of CPU time, then methods as they are, then variants
     chosen = ''
     stats table(scene.'-front') using (strcol(2) eq 'cpu' \
         ? (chosen = named(chosen, strcol(5)), 0) : 0) nooutput
@@ -55,14 +52,13 @@ do for [s = 1:words(scene_files)] {
     stats table(scene.'-front') using (strcol(2) eq 'evaluations' \
         ? (chosen = named(chosen, strcol(5)), 0) : 0) nooutput
     do for [m = 1:words(names)] { chosen = named(chosen, word(names, m)) }
-    rest = ''; own = ''; finished = ''
+    finished = ''
     stats table(scene) using (strcol(STATUS) eq 'finished' \
         ? (finished = with_name(finished, strcol(1)), 0) : 0) nooutput
-    do for [m = 1:words(names)] {
-        if (place(chosen, word(names, m))) { own = own.quoted(word(names, m)) } \
-        else { if (place(finished, word(names, m))) { rest = rest.quoted(word(names, m)) } }
-    }
-    names = own
+    eval part_names
+    drawn = ''
+    do for [m = 1:words(rest)] { if (place(finished, word(rest, m))) { drawn = drawn.quoted(word(rest, m)) } }
+    rest = drawn
     # The legend's columns are as wide as a name with its slopes; six entries are not of methods.
     legend_columns = page_width == 1300 || !many ? 3 : 2
     legend_height = 40 + 18 * ((words(names) + 6 + legend_columns - 1) / legend_columns)
@@ -158,7 +154,7 @@ do for [s = 1:words(scene_files)] {
              for [m = 1:words(rest)] table(scene) \
                 using (strcol(1) eq word(rest, m) && strcol(2) eq treatment \
                     && strcol(STATUS) eq 'finished' ? column(c) : NaN) \
-                :(larger(column(ERROR), bottom)) with lines lc rgb '#AAAAAA' dt solid lw 0.8, \
+                :(larger(column(ERROR), bottom)) with lines lt REST, \
              for [m = 1:words(names)] table(scene) \
                 using (is_good(m) && column(RUNS) > 1 ? column(c) : NaN) \
                 :(larger(column(ERROR_LEAST), bottom)):(larger(column(ERROR_GREATEST), bottom)) \
@@ -189,8 +185,7 @@ do for [s = 1:words(scene_files)] {
             title 'jittered tolerances', \
          keyentry with lines lw 7 lc rgb '#D9D9D9' dt solid title 'Pareto front', \
          keyentry with points pt 7 ps 0.85 lc rgb '#BBBBBB' title 'within ten times the bound', \
-         keyentry with lines lc rgb '#AAAAAA' dt solid lw 0.8 \
-            title words(rest) ? sprintf('%d more, see the table', words(rest)) : '', \
+         keyentry with lines lt REST title rest_title(rest), \
          keyentry with lines lt 2 lw 1.2 title has_bound ? 'bound of the reference' : '', \
          keyentry with lines lt 1 dt (8,4) lw 1.2 \
             title has_inexact ? 'error of the treatment' : ''

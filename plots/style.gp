@@ -32,6 +32,16 @@ heads = '"method" "stepper" "name"' # the column's own name is no row
 names_of(name) = 'names = ""; stats table("'.name.'") using ' \
     .'(names = place(heads, strcol(1)) ? names : with_name(names, strcol(1)), 0) nooutput'
 
+# At most so many curves of a chart have a name: `chosen`, filled by named(chosen, name) with those
+# that matter most first. Then eval part_names leaves them in `names`, in their own order, and the
+# others in `rest`, whose curves are thin and grey (REST): they are in the table.
+NAMED = 8
+named(list, more) = words(list) < NAMED ? with_name(list, more) : list
+part_names = 'rest = ""; own = ""; do for [m = 1:words(names)] { ' \
+    .'if (place(chosen, word(names, m))) { own = own.quoted(word(names, m)) } ' \
+    .'else { rest = rest.quoted(word(names, m)) } }; names = own'
+rest_title(list) = words(list) ? sprintf('%d more, see the table', words(list)) : ''
+
 # An adaptive method's slope only says how steep it is on the whole.
 slope_text(kind, slope, spread) = kind eq 'adaptive' ? gprintf('≈ %.0f', slope) \
     : spread > 0.05 ? gprintf('≈ %.1f', slope) : gprintf('%.2f', slope)
@@ -69,6 +79,8 @@ FAILED = 2          # mark of a run that failed: a cross, no stepper's mark
 GREY = '#666666'    # words and lines that belong to no stepper
 set linetype 1 lc rgb GREY dt solid pt 7 ps 0.85 lw 1.2
 set linetype 2 lc rgb '#000000' dt (1.5,2.5) pt 6 ps 0.85 lw 1.5 # what is exact
+REST = 3            # curves without a name
+set linetype 3 lc rgb '#AAAAAA' dt solid pt 0 lw 0.8
 
 # --- the page ---
 
