@@ -40,6 +40,7 @@ of(scene, kind, one_sided) = strcol(1) eq scene && strcol(TICKS) eq 'wisps' \
 do for [s = 1:words(scenes)] {
     scene = word(scenes, s)
     eval figure(scene, 1100, 620)
+    drawn = '' # which kinds with which response
     compared = ''; nearest = 1e300; farthest = 0; pairs = 0
     unset logscale; set autoscale
     stats table('series') using (strcol(1) eq scene && strcol(CONTACT) ne 'no contact' \
@@ -47,6 +48,9 @@ do for [s = 1:words(scenes)] {
         nearest = column(HORIZON) < nearest ? column(HORIZON) : nearest, \
         farthest = column(HORIZON) > farthest ? column(HORIZON) : farthest, 0) : 0, 0) nooutput
     stats table('rates') using (strcol(1) eq scene && column(PAIRS) > 0 ? (pairs = pairs + 1, 0) : 0, 0) nooutput
+    stats table('rates') using (strcol(1) eq scene && strcol(TICKS) eq 'wisps' \
+        ? (drawn = with_name(drawn, strcol(CONTACT).' '.strcol(RESPONSE)), 0) : 0, 0) nooutput
+    is_drawn(k, o) = place(drawn, word(kinds, k).' '.response(o))
     spans = nearest > farthest ? '' : nearest == farthest ? sprintf('up to %.2g s', farthest) \
         : sprintf('up to the horizon of each, %.2g to %.2g s', nearest, farthest)
     set multiplot
@@ -69,7 +73,7 @@ do for [s = 1:words(scenes)] {
         set arrow 1 from graph 0, first 1 to graph 1, first 1 nohead lt 2 lw 1.2
         unset label 4
         if (p == 2 && pairs == 0) {
-            set label 4 'no runs: horizons are at the end,\nor they are left out' at graph 0.5, graph 0.5 \
+            set label 4 "no runs: horizons are at the\nend, or they are left out" at graph 0.5, graph 0.5 \
                 center textcolor rgb GREY
         }
         if (p == 1) {
@@ -94,9 +98,9 @@ do for [s = 1:words(scenes)] {
     }
     eval legend(0, 500, 1100, 110, 5)
     plot @BLANK, for [k = 1:3] keyentry with linespoints lt line_of(k, 0) \
-            title word(kinds, k).', reciprocal', \
+            title is_drawn(k, 0) ? word(kinds, k).', reciprocal' : '', \
          keyentry with linespoints lt 50 title 'bodies', keyentry with lines lt 2 title 'a millimetre', \
-         for [k = 1:3] keyentry with linespoints lt line_of(k, 1) title word(kinds, k).', one-sided', \
+         for [k = 1:3] keyentry with linespoints lt line_of(k, 1) title is_drawn(k, 1) ? word(kinds, k).', one-sided' : '', \
          keyentry with yerrorbars lt 1 lc rgb GREY title 'median and quartiles of pairs of runs'
     unset multiplot
 }
