@@ -40,9 +40,11 @@ static int count_sets(const struct row *row) {
 static int chapter5_plan(struct plan *plan) {
     const struct stepper_method *recipe = stepper_find(thesis_recipe.stepper);
     plan->run_seconds = 300;
+    if (plan_has_no_steppers(plan, "figures"))
+        return -1;
     if (plan->scene_count > 0) {
-        snprintf(plan->reason, REASON_SIZE, "experiment %s takes no --scene",
-                 plan->experiment->name);
+        snprintf(plan->reason, REASON_SIZE,
+                 "experiment %s is of chapter 5's own; leave out --scene", plan->experiment->name);
         return -1;
     }
     for (int i = 0; i < ROWS; i++) {

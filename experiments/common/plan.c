@@ -175,6 +175,15 @@ int plan_configurations(struct plan *plan, unsigned kinds, unsigned capabilities
     return 0;
 }
 
+int plan_has_no_steppers(struct plan *plan, const char *compared) {
+    if (plan->stepper_count == 0)
+        return 0;
+    snprintf(plan->reason, REASON_SIZE,
+             "experiment %s compares %s, not steppers; leave out --stepper", plan->experiment->name,
+             compared);
+    return -1;
+}
+
 void plan_refuse(struct plan *plan, const struct stepper_method *method, const char *why) {
     if (plan->refused)
         return;

@@ -299,11 +299,8 @@ static int contact_rate_plan(struct plan *plan) {
     const char *scenes[OWN_SUBJECTS];
     int count = 0;
     plan->run_seconds = 200;
-    if (plan->stepper_count > 0) {
-        snprintf(plan->reason, REASON_SIZE,
-                 "experiment contact-rate compares rates, not steppers; leave out --stepper");
+    if (plan_has_no_steppers(plan, "rates"))
         return -1;
-    }
     for (int i = 0; i < OWN_SUBJECTS; i++) /* those of --quick come first */
         if (!plan->quick || own_subjects[i].quick)
             scenes[count++] = own_subjects[i].scene;

@@ -17,7 +17,7 @@ static int resolve_linear(const struct scene *scene, const struct run_request *r
     if (!(settings->method->capabilities & STEPPER_SOLVES)) {
         if (!request->linear)
             return 0;
-        snprintf(reason, REASON_SIZE, "%s solves no linear systems; leave out --linear",
+        snprintf(reason, REASON_SIZE, "%s takes no linear solver; leave out --linear",
                  settings->method->name);
         return -1;
     }
