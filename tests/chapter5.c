@@ -407,7 +407,7 @@ Test(chapter5, slow_figures_are_compared_by_the_wisp, QUIET) {
     free(figures);
     free(models);
     PROGRAM(&f, NULL, "experiment", "chapter5", "--scene", "swing", "--out", answer.folder);
-    cr_assert(f.code == 1 && strstr(f.err, "takes no --scene"), "%d: %s", f.code, f.err);
+    cr_assert(f.code == 1 && strstr(f.err, "leave out --scene"), "%d: %s", f.code, f.err);
     folder_remove(answer.folder);
 }
 

@@ -123,8 +123,8 @@ int plan_configurations(struct plan *plan, unsigned kinds, unsigned capabilities
 int plan_takes(struct plan *plan, const struct scene *scene, const struct run_request *request,
                char *reason);
 
-/* For an experiment that compares something else: 0, or -1 with plan->reason where the user asks for
- * steppers. */
+/* For an experiment that compares something else: 0, or -1 with plan->reason where the user asks
+ * for steppers. */
 int plan_has_no_steppers(struct plan *plan, const char *compared);
 
 /* Notes why a method is not taken. */

@@ -96,7 +96,6 @@ struct race_notes {
 
 /* The errors of the report's question, m. */
 enum { RACE_TARGETS = 3 };
-extern const double race_targets[RACE_TARGETS];
 
 /* On how many scenes a claim holds. */
 struct race_tally {
@@ -116,33 +115,17 @@ int race_plan(struct plan *plan, const struct race *race);
 int race_refine(struct plan *plan);
 int race_tabulate(struct plan *plan, const char *folder);
 
-/* --- between the files of a race --- */
+/* Between the files of a race, each of which stands on those before it. */
 
-/* The setting of rung k: a step, s, or a relative tolerance. */
+/* --- race_settings.c --- */
+
+const char *race_treatment(int treatment);
+
+/* The setting of rung k: a step, s, of a ladder_step; or a relative tolerance. */
 double race_setting(const struct field *field, const struct entry *entry, int k);
 
 /* Whether the ladder of an entry has rung k: --quick takes every other tolerance. */
 int race_takes(const struct plan *plan, const struct entry *entry, int k);
-
-/* The run of entry at rung k with the j-th jittered tolerance; NULL: there is none. */
-const struct labelled_case *race_case(const struct plan *plan, const struct field *field,
-                                      const struct entry *entry, int k, int j);
-
-void race_group(char group[128], const struct field *field);
-const char *race_treatment(int treatment);
-
-/* Reads a field's runs into its points. 0, or -1 with plan->reason. */
-int race_read(struct plan *plan, struct field *field);
-
-/* The cheapest run within the target, m, of another contestant than `besides`; or NULL. */
-const struct point *race_cheapest(const struct field *field, double target,
-                                  const struct configuration *besides);
-
-/* The cheapest run of one contestant within the target, m; or NULL. */
-const struct point *race_cheapest_of(const struct field *field, double target,
-                                     const struct configuration *contestant);
-
-/* --- race_settings.c --- */
 
 /* The tolerance by which an adaptive method tells its pace. */
 enum { RUNG_PROBED = 4 };
@@ -178,19 +161,18 @@ void race_fit(const struct plan *plan, struct field *fields, int field_count);
 double race_afford(struct plan *plan, const struct race *race, const struct scene *scene,
                    int *treatments, int *count, char left_out[64]);
 
-/* --- race_statements.c --- */
+/* --- race_plan.c --- */
 
-/* States that a field, just read, has no reference, or is not compared to the end. */
-void race_state_reference(struct statements *statements, const struct field *field);
+void race_group(char group[128], const struct field *field);
 
-/* States what the fields of one scene show, with their points, and adds it to the answers. */
-void race_state_subject(struct statements *statements, const struct field *fields, int field_count,
-                        struct race_answers *answers);
-
-/* States what is true over all scenes. */
-void race_state_all(struct statements *statements, const struct race_answers *answers);
+/* The run of entry at rung k with the j-th jittered tolerance; NULL: there is none. */
+const struct labelled_case *race_case(const struct plan *plan, const struct field *field,
+                                      const struct entry *entry, int k, int j);
 
 /* --- race_points.c --- */
+
+/* Reads a field's runs into its points. 0, or -1 with plan->reason. */
+int race_read(struct plan *plan, struct field *field);
 
 /* The error of a point at most: an adaptive one counts with the worst of its runs, and a limited
  * one is known to within the reference's bound, m. */
@@ -203,5 +185,25 @@ void race_mark_fronts(struct field *field);
 /* By which runs are put in order: 0: what the table of costs makes of its steps, s; 1: evaluations.
  */
 double race_cost(const struct point *p, int measure);
+
+/* The cheapest run within the target, m, of another contestant than `besides`; or NULL. */
+const struct point *race_cheapest(const struct field *field, double target,
+                                  const struct configuration *besides);
+
+/* The cheapest run of one contestant within the target, m; or NULL. */
+const struct point *race_cheapest_of(const struct field *field, double target,
+                                     const struct configuration *contestant);
+
+/* --- race_statements.c --- */
+
+/* States that a field, just read, has no reference, or is not compared to the end. */
+void race_state_reference(struct statements *statements, const struct field *field);
+
+/* States what the fields of one scene show, with their points, and adds it to the answers. */
+void race_state_subject(struct statements *statements, const struct field *fields, int field_count,
+                        struct race_answers *answers);
+
+/* States what is true over all scenes. */
+void race_state_all(struct statements *statements, const struct race_answers *answers);
 
 #endif

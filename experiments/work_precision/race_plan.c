@@ -11,10 +11,6 @@
 
 /* --- names --- */
 
-const char *race_treatment(int treatment) {
-    return wisp_problem.treatments[treatment].name;
-}
-
 void race_group(char group[128], const struct field *field) {
     snprintf(group, 128, "%s %s", field->subject->name, race_treatment(field->treatment));
 }
@@ -34,13 +30,6 @@ static const struct labelled_case *found(const struct plan *plan, const struct f
 }
 
 /* --- runs --- */
-
-/* The setting of rung k: see ladder_step. */
-double race_setting(const struct field *field, const struct entry *entry, int k) {
-    return contestant_is_adaptive(entry->contestant)
-               ? pow(10, -1 + (log10(entry->contestant->finest) + 1) * k / (TOLERANCES - 1))
-               : ladder_step(field->whole, 2, k);
-}
 
 static struct run_request request_for(const struct plan *plan, const struct field *field,
                                       const struct entry *entry, int k, int j) {

@@ -244,6 +244,34 @@ void race_mark_fronts(struct field *field) {
     mark_front(field, 1);
 }
 
+static int is_cheaper(const struct field *field, double target, const struct point *p,
+                      const struct point *than) {
+    return race_finished(p) && race_error_at_most(field, p) <= target &&
+           (!than || p->cost.counted < than->cost.counted);
+}
+
+const struct point *race_cheapest(const struct field *field, double target,
+                                  const struct configuration *besides) {
+    const struct point *best = NULL;
+    for (int i = 0; i < field->point_count; i++) {
+        const struct point *p = &field->points[i];
+        if (p->entry->contestant != besides && is_cheaper(field, target, p, best))
+            best = p;
+    }
+    return best;
+}
+
+const struct point *race_cheapest_of(const struct field *field, double target,
+                                     const struct configuration *contestant) {
+    const struct point *best = NULL;
+    for (int i = 0; i < field->point_count; i++) {
+        const struct point *p = &field->points[i];
+        if (p->entry->contestant == contestant && is_cheaper(field, target, p, best))
+            best = p;
+    }
+    return best;
+}
+
 /* How far the treatment itself is from the exact constrained motion, whoever integrates it. */
 static int read_treatment_error(struct plan *plan, struct field *field) {
     char group[128];

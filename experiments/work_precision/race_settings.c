@@ -10,6 +10,16 @@
 #include <math.h>
 #include <string.h>
 
+const char *race_treatment(int treatment) {
+    return wisp_problem.treatments[treatment].name;
+}
+
+double race_setting(const struct field *field, const struct entry *entry, int k) {
+    return contestant_is_adaptive(entry->contestant)
+               ? pow(10, -1 + (log10(entry->contestant->finest) + 1) * k / (TOLERANCES - 1))
+               : ladder_step(field->whole, 2, k);
+}
+
 /* --- predicted costs --- */
 
 static const double process_cost = 0.012; /* to start one, s */

@@ -10,6 +10,8 @@ static const char *name_of(const struct point *p) {
     return p->entry->contestant->name;
 }
 
+static const double targets[RACE_TARGETS] = {1e-2, 1e-3, 1e-4};
+
 /* Stands for a winner where there are several. */
 static const char nobody_alone[] = "several (tied)";
 
@@ -85,7 +87,7 @@ static void list_tied(const struct field *fields, int count, double target,
 static void state_target(struct statements *statements, const struct field *fields, int count,
                          int target, struct race_answers *answers) {
     const struct field *in = NULL, *next_in = NULL;
-    const double error = race_targets[target], mm = 1e3 * error;
+    const double error = targets[target], mm = 1e3 * error;
     const struct point *best = cheapest_of(fields, count, error, NULL, &in);
     const struct point *next = best ? cheapest_of(fields, count, error, best, &next_in) : NULL;
     const char *scene = fields->subject->name,
@@ -398,7 +400,7 @@ static void state_cuts(struct statements *statements, const struct field *fields
     for (int i = 0; i < RACE_TARGETS; i++)
         if (!cheapest[i])
             snprintf(open + strlen(open), sizeof open - strlen(open), "%s%g mm",
-                     open[0] ? " or " : "; they could have been within ", 1e3 * race_targets[i]);
+                     open[0] ? " or " : "; they could have been within ", 1e3 * targets[i]);
     struct statement row = row_of(fields, "cut", &keys);
     row.verdict = NOT_REACHED;
     if (fields->whole->duration < whole)
@@ -457,7 +459,7 @@ static void list_winners(const struct race_answers *answers, int target, char te
 
 static void state_winners(struct statements *statements, const struct race_answers *answers,
                           int target) {
-    const double mm = 1e3 * race_targets[target];
+    const double mm = 1e3 * targets[target];
     char key[32], winners[512];
     snprintf(key, sizeof key, "%g mm", mm);
     list_winners(answers, target, winners);

@@ -6,8 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-const double race_targets[RACE_TARGETS] = {1e-2, 1e-3, 1e-4};
-
 static const double targets[] = {1e-2, 1e-3, 1e-4, 1e-5}; /* m: errors that someone may want */
 enum { TARGETS = sizeof targets / sizeof *targets };
 
@@ -139,34 +137,6 @@ static void write_front(FILE *stream, const struct field *field) {
                     p->entry->contestant->name, p->setting);
         fprintf(stream, "\n\n");
     }
-}
-
-static int is_cheaper(const struct field *field, double target, const struct point *p,
-                      const struct point *than) {
-    return race_finished(p) && race_error_at_most(field, p) <= target &&
-           (!than || p->cost.counted < than->cost.counted);
-}
-
-const struct point *race_cheapest(const struct field *field, double target,
-                                  const struct configuration *besides) {
-    const struct point *best = NULL;
-    for (int i = 0; i < field->point_count; i++) {
-        const struct point *p = &field->points[i];
-        if (p->entry->contestant != besides && is_cheaper(field, target, p, best))
-            best = p;
-    }
-    return best;
-}
-
-const struct point *race_cheapest_of(const struct field *field, double target,
-                                     const struct configuration *contestant) {
-    const struct point *best = NULL;
-    for (int i = 0; i < field->point_count; i++) {
-        const struct point *p = &field->points[i];
-        if (p->entry->contestant == contestant && is_cheaper(field, target, p, best))
-            best = p;
-    }
-    return best;
 }
 
 static void write_cheapest(FILE *stream, const struct field *field, double target) {
