@@ -27,7 +27,7 @@ static const double spacing = 0.075, node_mass = 1000 * 5.7e-6 * 0.075;
 struct ladder_row {
     double stiffness, zeta, setting, missed_setting, error, missed_error, cpu[3], counted,
         evaluations;
-    char method[64], status[32], limit[32], missed_outcome[32];
+    char method[64], status[32], limit[32], missed_outcome[32], hair[64];
 };
 
 enum { ROWS_MAX = 64 };
@@ -50,11 +50,11 @@ static void read_ladder(const char *folder, struct ladder_table *table) {
         cr_assert(table->count < ROWS_MAX &&
                       sscanf(line,
                              "%lf\t%lf\t%63[^\t]\t%lf\t%lf\t%lf\t%lf\t%lf\t%lf\t%lf\t%lf\t%lf"
-                             "\t%31[^\t]\t%31[^\t]\t%31[^\t]\t%*f\t%lf",
+                             "\t%31[^\t]\t%31[^\t]\t%31[^\t]\t%*f\t%lf\t%63[^\t]",
                              &r->stiffness, &r->zeta, r->method, &r->setting, &r->missed_setting,
                              &r->error, &r->missed_error, &r->cpu[0], &r->cpu[1], &r->cpu[2],
                              &r->evaluations, &steps, r->status, r->limit, r->missed_outcome,
-                             &r->counted) == 16,
+                             &r->counted, r->hair) == 17,
                   "cannot read '%s'", line);
         table->count++;
     }
@@ -87,12 +87,22 @@ static void run_ladder(struct finished *f, const char *out, const char *shard) {
 
 /* --- what the table says, done again in this process --- */
 
-/* The scene of a row: the highest stretch mode of a long chain is 2 sqrt(k/m), k = EA/spacing, and
- * a damper of tau k makes it tau w / 2 of critical. */
+/* Of a long chain the highest stretch mode is 2 sqrt(k/m), k = EA/spacing; a damper of tau k makes
+ * it tau w / 2 of critical. */
+static double highest_mode(double stiffness) {
+    return 2 * sqrt(stiffness / spacing / node_mass);
+}
+
+/* The scene of a row, whose damping the table may have told the scene, or the scene the table. */
 static struct scene *scene_of(const struct ladder_row *row) {
     char stiffness[80], time[80];
-    const double w = 2 * sqrt(row->stiffness / spacing / node_mass);
+    const double w = highest_mode(row->stiffness);
     snprintf(stiffness, sizeof stiffness, "material.stretch_stiffness=%.17e", row->stiffness);
+    if (strcmp(row->hair, "default") == 0) {
+        struct scene *scene = LAB_LOAD(scene_path, stiffness);
+        cr_assert_float_eq(row->zeta, scene->wisps[0].stretch_time * w / 2, 1e-12 * row->zeta);
+        return scene;
+    }
     snprintf(time, sizeof time, "material.stretch_time=%.17e", 2 * row->zeta / w);
     return LAB_LOAD(scene_path, stiffness, time);
 }
@@ -179,7 +189,7 @@ static int count_crossings(const struct ladder_table *t, const char *text) {
             const double at = a->stiffness * exp(-first / slope);
             char line[256];
             const int below = a->counted < b->counted;
-            snprintf(line, sizeof line, "\n%g\t%s\t%s\t%g\t%g\t", a->zeta, (below ? a : b)->method,
+            snprintf(line, sizeof line, "\ndefault\t%s\t%s\t%g\t%g\t", (below ? a : b)->method,
                      (below ? b : a)->method, a->stiffness, a[1].stiffness);
             const char *found = strstr(text, line);
             cr_assert(found, "no crossing of %s and %s", a->method, b->method);
@@ -197,16 +207,41 @@ Test(ladder, slow_brackets_hold_and_crossings_follow, .init = set_up, .fini = cl
     path_format(path, "%s/ladder", folder);
     statements_must_be_whole(path);
     read_ladder(folder, &table);
-    cr_assert_eq(table.count, 3 * 7, "%d rows", table.count);
+    cr_assert_eq(table.count, 3 * 4, "%d rows", table.count);
     for (int i = 0; i < table.count; i++)
         check_row(&table.row[i]);
     path_format(path, "%s/ladder/crossings.tsv", folder);
     char *text = file_read(path);
-    const int lines = count_lines(strstr(text, "\nzeta") + 1) - 1;
+    const int lines = count_lines(strstr(text, "\nhair") + 1) - 1;
     const int crossings = count_crossings(&table, text);
     cr_assert_eq(lines, crossings, "%d crossings, and %d in the table", crossings, lines);
     free(text);
     cr_assert(strstr(f.out, "(16800 N)"), "--quick does not say what it leaves out");
+}
+
+/* Without --quick there is hair of given dampings too, whatever its stiffness. */
+Test(ladder, slow_dampings_are_those_of_the_highest_stretch_mode, .init = set_up,
+     .fini = clean_up) {
+    static struct ladder_table table;
+    static struct finished f;
+    int checked = 0;
+    PROGRAM(&f, NULL, "experiment", "ladder", "--scene", scene_path, "--stepper", "rk4", "--out",
+            folder);
+    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
+    read_ladder(folder, &table);
+    for (int i = 0; i < table.count; i++) {
+        const struct ladder_row *row = &table.row[i];
+        double damping;
+        if (sscanf(row->hair, "damping %lf", &damping) != 1)
+            continue;
+        cr_assert_float_eq(row->zeta, damping, 1e-12, "%s: %g", row->hair, row->zeta);
+        if (row->stiffness > 15)
+            continue;
+        check_row(row);
+        checked++;
+    }
+    cr_assert_eq(table.count, 4 * 4, "%d rows", table.count);
+    cr_assert_eq(checked, 3, "%d rows", checked);
 }
 
 /* In a single frame an instability has no time to overflow: what is finite then, where any strain

@@ -1,0 +1,268 @@
+/* Where do the curves cross? What it costs each method to be a millimetre from the truth, along
+ * stretch stiffness, for several kinds of hair: explicit methods pay for stability with steps that
+ * shrink as 1/sqrt(stiffness), or where damping grows with it as its inverse; implicit ones for
+ * accuracy and for solves, whatever the stiffness, as long as their matrix has what is stiff.
+ *
+ * In each cell, a kind of hair and a stiffness, each method gets the largest setting that reaches
+ * the target: from coarse to fine until one does, then between it and the last that did not, by
+ * halves. The runs that are next depend on those before; refine() names them, round by round. */
+#include "ladder.h"
+
+#include "model/model.h"
+#include "model/problems.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* A stride leads to the next rung of the first descent: an octave of steps, a decade of
+ * tolerances. */
+enum { STEPS_STRIDE = 16, TOLERANCES_STRIDE = 8 };
+
+/* --- settings --- */
+
+static int stride_of(const struct configuration *contestant) {
+    return contestant_is_adaptive(contestant) ? TOLERANCES_STRIDE : STEPS_STRIDE;
+}
+
+/* How close the two sides of the bracket must come: 4 % of a step, a third of a tolerance; with
+ * --quick a fifth and three quarters. */
+static int resolution(const struct plan *plan, const struct configuration *contestant) {
+    return !plan->quick ? 1 : contestant_is_adaptive(contestant) ? 2 : 4;
+}
+
+/* The step, s, which divides the time between frames, or the tolerance. */
+static double setting_at(const struct scene *scene, const struct configuration *contestant,
+                         int place) {
+    if (contestant_is_adaptive(contestant))
+        return pow(10, -1 - (double)place / TOLERANCES_STRIDE);
+    return place_step(1 / scene->frame_rate, STEPS_STRIDE, place);
+}
+
+/* Whether a place is finer than is worth trying, and why in the search's note. */
+static int is_beyond(struct search *s, const struct scene *scene) {
+    const double setting = setting_at(scene, s->contestant, s->place.at), longest = 1.5;
+    const double cost = estimated_cost(scene, WISP_GENERALISED, s->contestant, setting);
+    const int adaptive = contestant_is_adaptive(s->contestant);
+    const int beyond = adaptive ? setting < 0.99 * s->contestant->finest : cost > longest;
+    if (beyond && adaptive)
+        snprintf(s->note, sizeof s->note, "tolerances end at %g", s->contestant->finest);
+    else if (beyond)
+        snprintf(s->note, sizeof s->note, "a run of shorter steps would take more than %g s",
+                 longest);
+    return beyond;
+}
+
+/* Methods begin at the first octave that is less than four times too long by linear theory: it is
+ * surely unstable, and longer ones are no news. */
+static int first_place(const struct scene *scene, const struct configuration *contestant) {
+    int place = 0;
+    if (!contestant_is_adaptive(contestant))
+        while (!seems_stable(contestant->method, scene, setting_at(scene, contestant, place) / 4))
+            place += STEPS_STRIDE;
+    return place;
+}
+
+/* --- the plan --- */
+
+static struct run_request request_at(const struct scene *scene,
+                                     const struct configuration *contestant, double setting) {
+    struct run_request request =
+        contestant_request(contestant, setting, scene->run.atol / scene->run.rtol);
+    request.treatment = wisp_problem.treatments[WISP_GENERALISED].name;
+    return request;
+}
+
+static int add_run(struct plan *plan, struct search *s, int jitter, int timings) {
+    const struct scene *scene = plan->subjects[s->cell].scene;
+    const double setting = setting_at(scene, s->contestant, s->place.at) * (1 + 1e-12 * jitter);
+    struct run_request request = request_at(scene, s->contestant, setting);
+    request.timings = timings;
+    s->count++;
+    return plan_add(plan, scene, &request, plan->subjects[s->cell].name, "%s, %s %.4g, j = %d",
+                    s->contestant->name, contestant_is_adaptive(s->contestant) ? "rtol" : "step",
+                    setting, jitter);
+}
+
+/* From here on the search waits for runs that are added next to each other. */
+static void await(const struct plan *plan, struct search *s, enum phase phase) {
+    s->phase = phase;
+    s->first = plan->case_count;
+    s->count = 0;
+}
+
+static int try_place(struct plan *plan, struct search *s) {
+    await(plan, s, TRYING);
+    return add_run(plan, s, 0, 0);
+}
+
+/* A tolerance that reached the target, again with ones that differ in the twelfth digit: where not
+ * all do the tolerance does not, for one adaptive run is a draw from a distribution. */
+static int confirm_place(struct plan *plan, struct search *s, double first_error) {
+    s->first_error = first_error;
+    await(plan, s, CONFIRMING);
+    for (int jitter = 1; jitter < (plan->quick ? JITTERED_QUICK : JITTERED); jitter++)
+        if (add_run(plan, s, jitter, 0))
+            return -1;
+    return 0;
+}
+
+static int time_place(struct plan *plan, struct search *s) {
+    const struct scene *scene = plan->subjects[s->cell].scene;
+    const double setting = setting_at(scene, s->contestant, s->place.reached);
+    const double cost = estimated_cost(scene, WISP_GENERALISED, s->contestant, setting);
+    s->place.at = s->place.reached;
+    await(plan, s, TIMING);
+    return add_run(plan, s, 0, plan->quick || cost > 0.25 ? 3 : 5);
+}
+
+/* A contestant that is refused has a row that says so. */
+static int begin_search(struct plan *plan, struct ladder *ladder, int cell,
+                        const struct configuration *contestant) {
+    const struct scene *scene = plan->subjects[cell].scene;
+    const int first = first_place(scene, contestant);
+    struct search *s = &ladder->search[ladder->count++];
+    *s = (struct search){.contestant = contestant,
+                         .cell = cell,
+                         .place = bracket_begin(first, first),
+                         .missed_error = NAN,
+                         .error = NAN,
+                         .missed_time = NAN,
+                         .cost = no_cost};
+    const struct run_request request =
+        request_at(scene, contestant, setting_at(scene, contestant, first));
+    s->refused = !plan_takes(plan, scene, &request, s->note);
+    if (!s->refused && !is_beyond(s, scene))
+        return try_place(plan, s);
+    plan_refuse(plan, contestant->method, s->note);
+    s->phase = DONE;
+    return 0;
+}
+
+/* The tight solutions are the first runs of the plan, in the order of the cells. */
+static int ladder_plan(struct plan *plan) {
+    plan->run_seconds = 20;
+    const unsigned kinds = CONFIGURATION_PLAIN | CONFIGURATION_ORDER | CONFIGURATION_MATRIX,
+                   more = CONFIGURATION_ITERATED | CONFIGURATION_SOLVER |
+                          CONFIGURATION_SOLVER_ITERATED;
+    if (plan_configurations(plan, plan->quick ? kinds : kinds | more, 0))
+        return -1;
+    const size_t searches = (size_t)(LADDER_CELLS * plan->configuration_count);
+    struct ladder *ladder = plan->memo =
+        calloc(1, sizeof *ladder + searches * sizeof *ladder->search);
+    if (!ladder) {
+        snprintf(plan->reason, REASON_SIZE, "out of memory");
+        return -1;
+    }
+    if (ladder_cells(plan, ladder))
+        return -1;
+    for (int cell = 0; cell < ladder->cell_count; cell++) {
+        const struct run_request tight = {.stepper = "reference"};
+        const struct subject *subject = &plan->subjects[cell];
+        if (plan_add(plan, subject->scene, &tight, subject->name, "tight"))
+            return -1;
+    }
+    for (int cell = 0; cell < ladder->cell_count; cell++)
+        for (int c = 0; c < plan->configuration_count; c++)
+            if (begin_search(plan, ladder, cell, &plan->configurations[c]))
+                return -1;
+    return 0;
+}
+
+/* --- from round to round --- */
+
+/* The next place after one has been judged, or the timing of the best. */
+static int go_on(struct plan *plan, struct search *s, int reached) {
+    const int more =
+        bracket_take(&s->place, reached, stride_of(s->contestant), resolution(plan, s->contestant));
+    if (s->place.reached < 0 && is_beyond(s, plan->subjects[s->cell].scene)) {
+        s->phase = DONE;
+        return 0;
+    }
+    if (s->place.missed < 0)
+        snprintf(s->note, sizeof s->note, "the coarsest that was tried");
+    return more ? try_place(plan, s) : time_place(plan, s);
+}
+
+static int step_search(struct plan *plan, struct search *s, const struct run_files *tight) {
+    struct verdict verdict;
+    if (s->phase == TIMING) {
+        s->phase = DONE;
+        if (read_cost(plan, s->first, &s->cost))
+            return -1;
+        cost_count(&s->cost, plan->subjects[s->cell].scene, WISP_GENERALISED, s->contestant);
+        return 0;
+    }
+    if (judge_runs(plan, s->first, s->count, plan->subjects[s->cell].scene, tight, &verdict))
+        return -1;
+    if (s->phase == CONFIRMING && verdict.outcome == FINISHED)
+        verdict.error = fmax(verdict.error, s->first_error);
+    const int reached = verdict.outcome == FINISHED && verdict.error <= LADDER_TARGET;
+    if (reached && contestant_is_adaptive(s->contestant) && s->phase == TRYING)
+        return confirm_place(plan, s, verdict.error);
+    if (reached) {
+        s->error = verdict.error;
+    } else {
+        s->missed_error = verdict.error;
+        s->missed_outcome = verdict.outcome;
+        s->missed_time = verdict.failure_time;
+    }
+    return go_on(plan, s, reached);
+}
+
+/* The searches of a cell; without a truth there is nothing to search for. */
+static int refine_cell(struct plan *plan, int cell, const struct run_files *tight) {
+    struct ladder *ladder = plan->memo;
+    for (int i = 0; i < ladder->count; i++) {
+        struct search *s = &ladder->search[i];
+        if (s->cell != cell || s->phase == DONE)
+            continue;
+        if (tight->outcome != FINISHED) {
+            s->phase = DONE;
+            snprintf(s->note, sizeof s->note, "no tight solution: %s",
+                     outcome_name(tight->outcome));
+        } else if (step_search(plan, s, tight)) {
+            return -1;
+        }
+    }
+    return 0;
+}
+
+static int ladder_refine(struct plan *plan) {
+    const struct ladder *ladder = plan->memo;
+    for (int cell = 0; cell < ladder->cell_count; cell++) {
+        struct run_files tight;
+        if (run_read_states(&tight, plan->cases[cell].run.folder, plan->trajectories, plan->reason))
+            return -1;
+        const int code = refine_cell(plan, cell, &tight);
+        run_free(&tight);
+        if (code)
+            return -1;
+    }
+    return 0;
+}
+
+double ladder_setting(const struct plan *plan, const struct search *s, int place) {
+    return place < 0 ? NAN : setting_at(plan->subjects[s->cell].scene, s->contestant, place);
+}
+
+static int ladder_tabulate(struct plan *plan, const char *folder) {
+    struct statements statements;
+    if (statements_open(&statements, folder, plan->subjects[0].scene,
+                        plan->quick ? "--quick: coarser brackets" : NULL, plan->reason))
+        return -1;
+    const int code = ladder_write(plan, folder, plan->reason);
+    if (!code)
+        ladder_state(&statements, plan);
+    return statements_close(&statements, code, plan->reason);
+}
+
+const struct experiment ladder_experiment = {
+    .name = "ladder",
+    .question = "which stepper is cheapest for a millimetre, by stiffness, bending and damping?",
+    .place = 6,
+    .quick_seconds = 8,
+    .full_seconds = 130,
+    .plan = ladder_plan,
+    .refine = ladder_refine,
+    .tabulate = ladder_tabulate,
+};

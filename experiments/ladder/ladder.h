@@ -1,0 +1,101 @@
+/* What a millimetre costs along stretch stiffness: the cells that are tried, the searches in them,
+ * and who writes what of them. */
+#ifndef WISPLAB_LADDER_H
+#define WISPLAB_LADDER_H
+
+#include "experiments/common/search.h"
+#include "experiments/common/statements.h"
+
+/* A kind of hair, of which a panel of a figure shows the cost along its stiffness. */
+struct hair {
+    const char *name;         /* in tables */
+    const char *phrase;       /* in sentences, after "of" */
+    const char *scene;        /* of the experiment's own; NULL: the one asked for */
+    const char *sets[3];      /* overrides; NULL: no more */
+    double detail;            /* segments over those of the scene; 0: the same */
+    double damping;           /* of the highest stretch mode; 0: the scene's stretch_time */
+    int quick_from, quick_to; /* of the stiffnesses, those that --quick has */
+    const char *figure;       /* without .svg */
+};
+
+/* One kind of hair at one stiffness. The cells of a kind follow each other from soft to stiff. */
+struct cell {
+    const struct hair *hair;
+    double stiffness; /* EA, N */
+    double damping;   /* of the highest stretch mode */
+};
+
+/* What a search waits for: a run at a place, more that confirm it, the timing of the best. */
+enum phase { TRYING, CONFIRMING, TIMING, DONE };
+
+/* The search of one contestant in one cell: for the largest setting that reaches the target. */
+struct search {
+    const struct configuration *contestant;
+    int cell;
+    enum phase phase;
+    struct bracket place;
+    double first_error;          /* of the first run of a place, while others confirm it */
+    int first, count;            /* its runs in the plan */
+    double missed_error, error;  /* there, m; of adaptive methods the worst of the jittered runs */
+    enum outcome missed_outcome; /* of the run that missed */
+    double missed_time;          /* of a failure: when, s */
+    struct cost cost;            /* of the timed run */
+    int refused;                 /* it cannot run here; the note says why */
+    char note[REASON_SIZE];
+};
+
+/* The plan's memo; its cell i is of plan->subjects[i]. */
+enum { LADDER_CELLS = 64 };
+struct ladder {
+    int cell_count;
+    struct cell cell[LADDER_CELLS];
+    int count;
+    struct search search[]; /* at most one for each cell and contestant */
+};
+
+#define LADDER_TARGET 1e-3 /* m, rms over the free nodes and all frames */
+
+/* How many tolerances that differ in the twelfth digit an adaptive method's error is the worst of.
+ */
+enum { JITTERED = 9, JITTERED_QUICK = 3 };
+
+/* --- ladder_cells.c --- */
+
+/* Makes the cells, and their scenes the plan's subjects. Returns 0, or -1 with plan->reason. */
+int ladder_cells(struct plan *plan, struct ladder *ladder);
+
+/* Writes "default, EA 90 N". */
+void ladder_name_cell(char *name, size_t size, const struct cell *cell);
+
+/* Whether a cell's kind is the one of the cell before it. */
+int ladder_goes_on(const struct ladder *ladder, int cell);
+
+/* --- ladder.c --- */
+
+/* The step, s, or tolerance of a place; NaN where it is negative. */
+double ladder_setting(const struct plan *plan, const struct search *s, int place);
+
+/* --- ladder_tables.c --- */
+
+/* The search of a contestant in a cell; NULL: there is none. */
+const struct search *ladder_search(const struct ladder *ladder, int cell,
+                                   const struct configuration *contestant);
+
+/* Whether it has reached the target and was timed; s may be NULL. */
+int ladder_has_cost(const struct search *s);
+
+/* Whether one of the two is known to be cheaper. */
+int ladder_is_apart(const struct search *a, const struct search *b);
+
+/* Where two costs that are straight lines in logarithms are equal, between two stiffnesses, N; NaN
+ * where they keep their order. */
+double ladder_crossing(const double stiffness[2], const double a[2], const double b[2]);
+
+/* Writes the tables into `folder`. Returns 0, or -1 with a reason. */
+int ladder_write(const struct plan *plan, const char *folder, char *reason);
+
+/* --- ladder_statements.c --- */
+
+void ladder_state(struct statements *statements, const struct plan *plan);
+
+#endif

@@ -1,0 +1,267 @@
+/* What the ladder answers: who is cheapest where, which kind of method, and whose price does not
+ * depend on stiffness. */
+#include "ladder.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { ALL, EXPLICIT, IMPLICIT };
+static int is_of(const struct search *s, int kind) {
+    const struct stepper_method *method = s->contestant->method;
+    return kind == ALL || ((method->capabilities & STEPPER_IMPLICIT) != 0) == (kind == IMPLICIT);
+}
+
+static int was_asked(const struct ladder *ladder, int kind) {
+    for (int i = 0; i < ladder->count; i++)
+        if (is_of(&ladder->search[i], kind))
+            return 1;
+    return 0;
+}
+
+/* The cheapest search of a cell, of all, of explicit methods or of implicit ones, besides one; or
+ * NULL. */
+static const struct search *cheapest(const struct ladder *ladder, int cell, int kind,
+                                     const struct search *besides) {
+    const struct search *best = NULL;
+    for (int i = 0; i < ladder->count; i++) {
+        const struct search *s = &ladder->search[i];
+        if (s->cell == cell && is_of(s, kind) && s != besides && ladder_has_cost(s) &&
+            (!best || s->cost.counted < best->cost.counted))
+            best = s;
+    }
+    return best;
+}
+
+static double least_cost(const struct ladder *ladder, int cell, int kind) {
+    const struct search *s = cheapest(ladder, cell, kind, NULL);
+    return s ? s->cost.counted : NAN;
+}
+
+/* --- one cell --- */
+
+/* The methods of a cell that are not known to be more expensive than the cheapest: " and rk4 (0.5
+ * ms)". */
+static void list_tied(const struct ladder *ladder, const struct search *best, char text[512]) {
+    text[0] = '\0';
+    for (int i = 0; i < ladder->count; i++) {
+        const struct search *s = &ladder->search[i];
+        const size_t used = strlen(text);
+        if (s != best && s->cell == best->cell && ladder_has_cost(s) && !ladder_is_apart(best, s))
+            snprintf(text + used, 512 - used, " and %s (%.3g ms)", s->contestant->name,
+                     1e3 * s->cost.cpu.median);
+    }
+}
+
+/* The cheapest method of a cell, with those that it is tied with, or the next. */
+static void state_cell(struct statements *statements, const struct plan *plan, int at) {
+    const struct ladder *ladder = plan->memo;
+    const struct cell *cell = &ladder->cell[at];
+    const struct search *best = cheapest(ladder, at, ALL, NULL);
+    const struct search *next = best ? cheapest(ladder, at, ALL, best) : NULL;
+    char key[96], tied[512] = "", runner_up[128] = "";
+    ladder_name_cell(key, sizeof key, cell);
+    struct statement row = {
+        .key = key, .figure = cell->hair->figure, .tables = "ladder", .unit = "ms"};
+    row.value = best ? 1e3 * best->cost.cpu.median : NAN;
+    row.verdict = best ? HOLDS : NOT_REACHED;
+    if (best)
+        list_tied(ladder, best, tied);
+    if (next)
+        snprintf(runner_up, sizeof runner_up, "; next is %s, %.3g ms", next->contestant->name,
+                 1e3 * next->cost.cpu.median);
+    if (tied[0])
+        statements_add(statements, row,
+                       "At EA = %g N, for %s, a millimetre is cheapest with %s (%.3g ms)%s, whose "
+                       "costs are too close to part them.",
+                       cell->stiffness, cell->hair->phrase, best->contestant->name, row.value,
+                       tied);
+    else if (best)
+        statements_add(
+            statements, row,
+            "At EA = %g N, for %s, a millimetre is cheapest with %s at %s %.3g: %.3g ms%s.",
+            cell->stiffness, cell->hair->phrase, best->contestant->name,
+            contestant_is_adaptive(best->contestant) ? "rtol" : "h =",
+            ladder_setting(plan, best, best->place.reached), row.value, runner_up);
+    else
+        statements_add(statements, row, "At EA = %g N, for %s, no method reaches a millimetre.",
+                       cell->stiffness, cell->hair->phrase);
+}
+
+/* --- one kind of hair --- */
+
+/* Counts of the cells of a kind in which explicit methods are ahead, implicit ones, and neither. */
+struct order {
+    int explicit_first, implicit_first, tied;
+};
+
+static struct order order_of(const struct ladder *ladder, int first, int count) {
+    struct order order = {0, 0, 0};
+    for (int cell = first; cell < first + count; cell++) {
+        const struct search *one = cheapest(ladder, cell, EXPLICIT, NULL),
+                            *other = cheapest(ladder, cell, IMPLICIT, NULL);
+        if (!one || !other)
+            continue;
+        order.explicit_first += cost_is_less(&one->cost, &other->cost);
+        order.implicit_first += cost_is_less(&other->cost, &one->cost);
+        order.tied += !ladder_is_apart(one, other);
+    }
+    return order;
+}
+
+static void state_crossings(struct statements *statements, const struct ladder *ladder, int first,
+                            int count) {
+    const struct hair *hair = ladder->cell[first].hair;
+    for (int k = 0; k + 1 < count; k++) {
+        const struct cell *cell = &ladder->cell[first + k];
+        char key[96];
+        const double stiffness[2] = {cell->stiffness, cell[1].stiffness},
+                     explicits[2] = {least_cost(ladder, first + k, EXPLICIT),
+                                     least_cost(ladder, first + k + 1, EXPLICIT)},
+                     implicits[2] = {least_cost(ladder, first + k, IMPLICIT),
+                                     least_cost(ladder, first + k + 1, IMPLICIT)},
+                     at = ladder_crossing(stiffness, explicits, implicits);
+        snprintf(key, sizeof key, "order, %s, %d", hair->name, k);
+        const struct statement row = {.key = key,
+                                      .figure = hair->figure,
+                                      .tables = "ladder crossings",
+                                      .unit = "N",
+                                      .value = at};
+        if (!isnan(at))
+            statements_add(statements, row,
+                           "For %s the best explicit and the best implicit method cost the same at "
+                           "EA = %.2g N.",
+                           hair->phrase, at);
+    }
+}
+
+/* Where the cheapest explicit and the cheapest implicit method change places: one crossing, or none
+ * because one kind is ahead everywhere. */
+static void state_order(struct statements *statements, const struct ladder *ladder, int first,
+                        int count) {
+    const struct hair *hair = ladder->cell[first].hair;
+    const struct order order = order_of(ladder, first, count);
+    char key[96];
+    state_crossings(statements, ladder, first, count);
+    if (order.explicit_first > 0 && order.implicit_first > 0)
+        return;
+    snprintf(key, sizeof key, "order, %s", hair->name);
+    const int one_kind = order.explicit_first + order.implicit_first;
+    const struct statement row = {
+        .key = key,
+        .figure = hair->figure,
+        .tables = "ladder crossings",
+        .value = NAN,
+        .verdict = one_kind + order.tied > 0                                    ? HOLDS
+                   : was_asked(ladder, EXPLICIT) && was_asked(ladder, IMPLICIT) ? NOT_REACHED
+                                                                                : NOT_ASKED};
+    if (row.verdict == HOLDS && one_kind == 0)
+        statements_add(statements, row,
+                       "For %s explicit and implicit methods are tied at every stiffness tried.",
+                       hair->phrase);
+    else if (row.verdict == HOLDS)
+        statements_add(statements, row,
+                       "For %s a millimetre is cheaper with %s methods at every stiffness tried%s.",
+                       hair->phrase, order.explicit_first ? "explicit" : "implicit",
+                       order.tied ? " at which the two are not tied" : "");
+    else
+        statements_add(statements, row,
+                       "For %s explicit and implicit methods cannot be compared: %s.", hair->phrase,
+                       row.verdict == NOT_ASKED ? "one kind was left out"
+                                                : "at no stiffness both reach a millimetre");
+}
+
+/* What a contestant's costs are between, s, where it reaches the target in every cell of a kind. */
+struct range {
+    const struct configuration *contestant; /* NULL: nobody does */
+    double least, most;
+};
+
+static struct range range_of(const struct ladder *ladder, int first, int count,
+                             const struct configuration *contestant) {
+    struct range range = {contestant, INFINITY, 0};
+    for (int cell = first; cell < first + count; cell++) {
+        const struct search *s = ladder_search(ladder, cell, contestant);
+        if (!ladder_has_cost(s))
+            return (struct range){NULL, NAN, NAN};
+        range.least = fmin(range.least, s->cost.counted);
+        range.most = fmax(range.most, s->cost.counted);
+    }
+    return range;
+}
+
+/* The contestant of which the most that a millimetre can cost is least. */
+static struct range best_range(const struct plan *plan, int first, int count) {
+    struct range best = {NULL, NAN, NAN};
+    for (int c = 0; c < plan->configuration_count; c++) {
+        const struct range range = range_of(plan->memo, first, count, &plan->configurations[c]);
+        if (range.contestant && (!best.contestant || range.most < best.most))
+            best = range;
+    }
+    return best;
+}
+
+/* Whether a price does not depend on stiffness, by what is counted. The control is explicit Euler:
+ * if its price grew no more, then nothing here would be stiff. */
+static void state_price(struct statements *statements, const struct plan *plan, int first,
+                        int count) {
+    const double flat = 1.5;
+    const struct ladder *ladder = plan->memo;
+    const struct cell *soft = &ladder->cell[first], *stiff = &ladder->cell[first + count - 1];
+    const struct range best = best_range(plan, first, count);
+    char key[96], euler[160] = "";
+    snprintf(key, sizeof key, "price, %s", soft->hair->name);
+    struct statement row = {.key = key,
+                            .figure = soft->hair->figure,
+                            .tables = "ladder",
+                            .unit = "1",
+                            .value = best.most / best.least};
+    if (count < 2)
+        return;
+    double grown = NAN;
+    for (int c = 0; c < plan->configuration_count; c++)
+        if (strcmp(plan->configurations[c].name, "euler") == 0) {
+            const struct range range = range_of(ladder, first, count, &plan->configurations[c]);
+            grown = range.contestant ? range.most / range.least : INFINITY;
+            if (range.contestant)
+                snprintf(euler, sizeof euler, "; explicit Euler's grows %.3g times", grown);
+            else
+                snprintf(euler, sizeof euler,
+                         "; explicit Euler does not reach it at every one of them");
+        }
+    row.verdict = !best.contestant      ? NOT_REACHED
+                  : !(row.value < flat) ? HOLDS_NOT
+                  : grown < flat        ? TELLS_NOTHING
+                                        : HOLDS;
+    if (!best.contestant)
+        statements_add(statements, row,
+                       "For %s no method reaches a millimetre at every stiffness from %g to %g N.",
+                       soft->hair->phrase, soft->stiffness, stiff->stiffness);
+    else
+        statements_add(
+            statements, row,
+            "For %s a millimetre costs %s %s from EA = %g to %g N: %.3g times as much at the "
+            "dearest as at the cheapest, by steps counted%s.",
+            soft->hair->phrase, best.contestant->name,
+            row.value < flat ? "the same" : "more at some stiffness", soft->stiffness,
+            stiff->stiffness, row.value, euler);
+}
+
+void ladder_state(struct statements *statements, const struct plan *plan) {
+    const struct ladder *ladder = plan->memo;
+    for (int first = 0, count; first < ladder->cell_count; first += count) {
+        for (count = 1;
+             first + count < ladder->cell_count && ladder_goes_on(ladder, first + count);)
+            count++;
+        state_price(statements, plan, first, count);
+        state_order(statements, ladder, first, count);
+        for (int cell = first; cell < first + count; cell++)
+            state_cell(statements, plan, cell);
+    }
+    if (plan->quick)
+        statements_add(
+            statements,
+            (struct statement){.key = "left out", .figure = "ladder", .verdict = NOT_REACHED},
+            "Real hair (16800 N), hair of 41 nodes, the dampings 0.02, 0.1 and 0.5, converged "
+            "Newton "
+            "iterations and conjugate gradients are left out of --quick.");
+}

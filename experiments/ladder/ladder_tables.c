@@ -1,0 +1,148 @@
+/* The tables of the ladder: what each method reached in each cell, and where two change places. */
+#include "base/files.h"
+#include "ladder.h"
+
+#include <math.h>
+
+/* What keeps a method from coarser settings: where it is stability, they fail, or are finite and
+ * wrong by orders of magnitude; an error that follows from the order grows by no more than the
+ * fourth power of a step that is a few per cent longer. */
+static const char *limit_of(const struct search *s) {
+    if (s->place.reached < 0 || s->place.missed < 0)
+        return "none";
+    return s->missed_outcome != FINISHED || s->missed_error > 100 * s->error ? "failure"
+                                                                             : "accuracy";
+}
+
+static void write_search(FILE *stream, const struct plan *plan, const struct search *s) {
+    const struct ladder *ladder = plan->memo;
+    const struct cell *cell = &ladder->cell[s->cell];
+    const double numbers[] = {ladder_setting(plan, s, s->place.reached),
+                              ladder_setting(plan, s, s->place.missed),
+                              s->error,
+                              s->missed_error,
+                              s->cost.cpu.median,
+                              s->cost.cpu.least,
+                              s->cost.cpu.greatest,
+                              s->cost.evaluations,
+                              s->cost.steps};
+    fprintf(stream, "%g\t%.17g\t%s", cell->stiffness, cell->damping, s->contestant->name);
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+        fprintf(stream, "\t%.17g", numbers[i]);
+    fprintf(stream, "\t%s\t%s\t%s\t%.17g\t%.17g\t%s\t%s\t%s\n",
+            s->refused              ? outcome_name(REFUSED)
+            : s->place.reached >= 0 ? "reached"
+                                    : "never",
+            limit_of(s), s->place.missed >= 0 ? outcome_name(s->missed_outcome) : "none",
+            s->missed_time, s->cost.counted, cell->hair->name, cell->hair->figure, s->note);
+}
+
+const struct search *ladder_search(const struct ladder *ladder, int cell,
+                                   const struct configuration *contestant) {
+    for (int i = 0; i < ladder->count; i++)
+        if (ladder->search[i].cell == cell && ladder->search[i].contestant == contestant)
+            return &ladder->search[i];
+    return NULL;
+}
+
+/* Rows of a method along the stiffness, of one kind of hair; blocks are parted by two blank lines.
+ */
+static int write_ladder(const struct plan *plan, const char *folder, char *reason) {
+    const struct ladder *ladder = plan->memo;
+    struct atomic_file file;
+    char what[900];
+    snprintf(
+        what, sizeof what,
+        "the largest step, s, or rtol that reaches %g m rms over free nodes and all frames "
+        "(setting), the next one tried that does not (missed: its error, outcome and time of "
+        "failure), and what the first costs: CPU time, s, of repeated runs, force "
+        "evaluations, steps; errors of adaptive methods: the worst of %d tolerances "
+        "rtol(1 + j 1e-12), of which j = 0 is timed; counted: what the table of costs makes of "
+        "the steps, s, by which methods are put in order; limit: failure where the missed one "
+        "fails or is 100 times as wrong; zeta: damping of the highest stretch mode over critical; "
+        "figure: in which the kind of hair has a panel; nan: there is no number, see status and "
+        "note%s",
+        LADDER_TARGET, plan->quick ? JITTERED_QUICK : JITTERED,
+        plan->quick ? "; --quick: no real hair, the scene's damping, coarser brackets" : "");
+    if (open_table(&file, folder, "ladder", what, plan->subjects[0].scene,
+                   "stretch_stiffness\tzeta\tmethod\tsetting\tmissed_setting\terror\tmissed_error"
+                   "\tcpu_median\tcpu_least\tcpu_greatest\tforce_evaluations\tsteps\tstatus\tlimit"
+                   "\tmissed_outcome\tmissed_time\tcounted\thair\tfigure\tnote",
+                   reason))
+        return -1;
+    for (int first = 0, next; first < ladder->cell_count; first = next) {
+        for (next = first + 1; next < ladder->cell_count && ladder_goes_on(ladder, next);)
+            next++;
+        for (int c = 0; c < plan->configuration_count; c++) {
+            for (int cell = first; cell < next; cell++) {
+                const struct search *s = ladder_search(ladder, cell, &plan->configurations[c]);
+                if (s)
+                    write_search(file.stream, plan, s);
+            }
+            fprintf(file.stream, "\n\n");
+        }
+    }
+    return atomic_commit(&file, reason);
+}
+
+int ladder_has_cost(const struct search *s) {
+    return s && s->phase == DONE && s->cost.cpu.median > 0;
+}
+
+double ladder_crossing(const double stiffness[2], const double a[2], const double b[2]) {
+    const double gap = log(a[0] / b[0]), next_gap = log(a[1] / b[1]);
+    if (!(gap * next_gap < 0))
+        return NAN;
+    const double share = gap / (gap - next_gap);
+    return stiffness[0] * pow(stiffness[1] / stiffness[0], share);
+}
+
+int ladder_is_apart(const struct search *a, const struct search *b) {
+    return cost_is_less(&a->cost, &b->cost) || cost_is_less(&b->cost, &a->cost);
+}
+
+/* From this cell to the next. */
+static void write_crossing(FILE *stream, const struct ladder *ladder, int cell,
+                           const struct configuration *one, const struct configuration *other) {
+    const struct search *a[2], *b[2];
+    double cost_a[2], cost_b[2], stiffness[2];
+    for (int k = 0; k < 2; k++) {
+        stiffness[k] = ladder->cell[cell + k].stiffness;
+        a[k] = ladder_search(ladder, cell + k, one);
+        b[k] = ladder_search(ladder, cell + k, other);
+        if (!ladder_has_cost(a[k]) || !ladder_has_cost(b[k]))
+            return;
+        cost_a[k] = a[k]->cost.counted;
+        cost_b[k] = b[k]->cost.counted;
+    }
+    const int first = cost_a[0] < cost_b[0];
+    const double at = ladder_crossing(stiffness, cost_a, cost_b);
+    if (!isnan(at))
+        fprintf(stream, "%s\t%s\t%s\t%g\t%g\t%.17g\t%d\n", ladder->cell[cell].hair->name,
+                (first ? one : other)->name, (first ? other : one)->name, stiffness[0],
+                stiffness[1], at, ladder_is_apart(a[0], b[0]) && ladder_is_apart(a[1], b[1]));
+}
+
+static int write_crossings(const struct plan *plan, const char *folder, char *reason) {
+    const struct ladder *ladder = plan->memo;
+    struct atomic_file file;
+    if (open_table(
+            &file, folder, "crossings",
+            "pairs of methods of which one is cheaper for the target of ladder at a stiffness, N, "
+            "and the other at the next, by steps counted and the table of costs; crossing: where "
+            "lines through both, in logarithms, meet; clear: at neither end are the two tied "
+            "(within 1.4 times, or repeated times overlap)",
+            plan->subjects[0].scene,
+            "hair\tcheaper_below\tcheaper_above\tbelow\tabove\tcrossing\tclear", reason))
+        return -1;
+    for (int cell = 0; cell + 1 < ladder->cell_count; cell++)
+        for (int a = 0; a < plan->configuration_count && ladder_goes_on(ladder, cell + 1); a++)
+            for (int b = a + 1; b < plan->configuration_count; b++)
+                write_crossing(file.stream, ladder, cell, &plan->configurations[a],
+                               &plan->configurations[b]);
+    return atomic_commit(&file, reason);
+}
+
+int ladder_write(const struct plan *plan, const char *folder, char *reason) {
+    return write_ladder(plan, folder, reason) || write_crossings(plan, folder, reason) ? -1 : 0;
+}
