@@ -37,8 +37,8 @@ static int kernel_plan(struct plan *plan) {
 
 static int kernel_tabulate(struct plan *plan, const char *folder) {
     char program[PATH_SIZE];
-    const char *argv[] = {program, scene_of(plan), folder, NULL, NULL, NULL};
-    int argc = 3;
+    const char *argv[] = {program, "kernel", scene_of(plan), folder, NULL, NULL, NULL};
+    int argc = 4;
     if (plan->quick)
         argv[argc++] = "--quick";
     if (plan->fresh)
@@ -54,7 +54,7 @@ static int kernel_tabulate(struct plan *plan, const char *folder) {
 const struct experiment kernel_experiment = {
     .name = "kernel",
     .question = "how near to the hardware are evaluations, linear solvers, the seam and contacts?",
-    .place = 18,
+    .place = 19,
     .full_seconds = 90,
     .plan = kernel_plan,
     .tabulate = kernel_tabulate,

@@ -20,6 +20,7 @@
     X(wind)            \
     X(shake)           \
     X(chapter5)        \
+    X(speed)           \
     X(kernel)          \
     X(contact_rate)
 

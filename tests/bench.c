@@ -29,7 +29,7 @@ Test(bench, a_failed_measurement_is_said_in_one_line) {
     folder_make(folder);
     file_write(folder, "point.cfg", scene, path);
     PROGRAM(&f, NULL, "experiment", "kernel", "--quick", "--scene", path, "--out", folder);
-    check(&f, 3, "kernel: the twin has no acceleration", folder);
+    check(&f, 3, "bench: the twin has no acceleration", folder);
     folder_remove(folder);
 }
 

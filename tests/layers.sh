@@ -24,7 +24,7 @@ src/scene
 src/run
 src/picture
 experiments/common
-experiments/chapter5 experiments/contact_rate experiments/ladder experiments/needs experiments/stability experiments/work_precision
+experiments/chapter5 experiments/contact_rate experiments/ladder experiments/needs experiments/speed experiments/stability experiments/work_precision
 experiments
 src/report
 src/command experiments/bench

@@ -1,22 +1,81 @@
-/* wisplab-bench: evaluations against a plain twin and against the machine's own rates, linear
- * solvers, the seam, CVODE, contacts. Absolute times mean little, so all contestants are timed in
- * turn and ratios count. */
+/* wisplab-bench kernel: evaluations against a plain twin and against the machine's own rates,
+ * linear solvers, the seam, CVODE, contacts. wisplab-bench speed: whole scenes, steps, sizes, other
+ * people's programs. Absolute times mean little, so all contestants are timed in turn and ratios
+ * count. */
 #include "base/files.h"
 #include "experiments/kernel.h"
 #include "measure.h"
 #include "run/record.h"
 #include "scene/scene_load.h"
+#include "speed.h"
 
 #include <gsl/gsl_errno.h>
 #include <stdlib.h>
 #include <string.h>
 
 struct bench {
+    const struct measurement *measurement;
     const char *scene_name, *folder;
     int quick, fresh;
     struct scene *scene;
+    struct choices *choices; /* of `speed`, else NULL */
     char reason[REASON_SIZE];
 };
+
+/* What can be asked for. */
+struct measurement {
+    const char *name;
+    double seconds, quick_seconds; /* that the contest lasts */
+    /* Reads what it measures on: 0, or -1 with a reason. */
+    int (*open)(struct bench *bench);
+    void (*enter)(const struct bench *bench, struct contest *contest);
+    int (*write)(struct bench *bench, const struct samples *samples);
+};
+
+/* --- kernel --- */
+
+static int open_kernel(struct bench *bench) {
+    bench->scene = kernel_scene(bench->scene_name, bench->reason);
+    return bench->scene ? 0 : -1;
+}
+
+static void enter_kernel(const struct bench *bench, struct contest *contest) {
+    enter_evaluations(contest, bench->scene);
+    enter_solvers(contest, bench->scene);
+    enter_steppers(contest, bench->scene);
+    enter_contacts(contest, bench->scene);
+}
+
+static int write_kernel(struct bench *bench, const struct samples *samples) {
+    return write_tables(bench->scene, samples, bench->folder, bench->reason);
+}
+
+/* --- speed --- */
+
+static int open_speed(struct bench *bench) {
+    bench->scene = scene_load(bench->scene_name, NULL, 0, bench->reason);
+    bench->choices = bench->scene ? choices_read(bench->folder, bench->reason) : NULL;
+    return bench->choices ? 0 : -1;
+}
+
+static void enter_speed(const struct bench *bench, struct contest *contest) {
+    enter_scenes(contest, bench->scene, bench->choices);
+    enter_steps(contest);
+    enter_sizes(contest, bench->quick);
+    enter_peers(contest);
+}
+
+static int write_speed(struct bench *bench, const struct samples *samples) {
+    return write_speed_tables(bench->scene, bench->choices, samples, bench->folder, bench->reason);
+}
+
+static const struct measurement measurements[] = {
+    {"kernel", 60, 6, open_kernel, enter_kernel, write_kernel},
+    {"speed", 60, 10, open_speed, enter_speed, write_speed},
+};
+enum { MEASUREMENTS = sizeof measurements / sizeof *measurements };
+
+/* --- either --- */
 
 /* What the file of samples begins with: program, scene and how long was measured. Samples with the
  * same heading need not be taken again. */
@@ -30,6 +89,8 @@ static char *heading_of(const struct bench *bench) {
                      bench->quick ? "samples of a quick measurement, ns per unit by round"
                                   : "samples of a full measurement, ns per unit by round",
                      bench->scene);
+    if (bench->choices)
+        fprintf(stream, "# choices %s\n", bench->choices->hash);
     fputs("group\tsubject\tcontestant\tvalues\n", stream);
     fclose(stream);
     return text;
@@ -44,11 +105,9 @@ static char *measure(const struct bench *bench) {
     contest.notes = open_memstream(&text, &size);
     if (!contest.notes)
         out_of_memory();
-    enter_evaluations(&contest, bench->scene);
-    enter_solvers(&contest, bench->scene);
-    enter_steppers(&contest, bench->scene);
-    enter_contacts(&contest, bench->scene);
-    contest_run(&contest, bench->quick ? 6 : 60, contest.notes);
+    const struct measurement *m = bench->measurement;
+    m->enter(bench, &contest);
+    contest_run(&contest, bench->quick ? m->quick_seconds : m->seconds, contest.notes);
     if (fclose(contest.notes))
         out_of_memory();
     return text;
@@ -80,8 +139,8 @@ static int obtain(struct bench *bench, struct samples *samples) {
             code = -1;
         }
     } else {
-        printf(
-            "kernel: the samples of this program are there already (--fresh takes them again)\n");
+        printf("%s: the samples of this program are there already (--fresh takes them again)\n",
+               bench->measurement->name);
     }
     free(heading);
     return code;
@@ -91,16 +150,19 @@ static int measure_and_tabulate(struct bench *bench) {
     struct samples samples;
     if (obtain(bench, &samples))
         return -1;
-    const int code = write_tables(bench->scene, &samples, bench->folder, bench->reason);
+    const int code = bench->measurement->write(bench, &samples);
     samples_free(&samples);
     return code;
 }
 
 static int read_arguments(int argc, char **argv, struct bench *bench) {
-    if (argc < 3)
+    if (argc < 4)
         return -1;
-    *bench = (struct bench){.scene_name = argv[1], .folder = argv[2]};
-    for (int i = 3; i < argc; i++) {
+    *bench = (struct bench){.scene_name = argv[2], .folder = argv[3]};
+    for (int i = 0; i < MEASUREMENTS; i++)
+        if (strcmp(argv[1], measurements[i].name) == 0)
+            bench->measurement = &measurements[i];
+    for (int i = 4; i < argc; i++) {
         if (strcmp(argv[i], "--quick") == 0)
             bench->quick = 1;
         else if (strcmp(argv[i], "--fresh") == 0)
@@ -108,11 +170,11 @@ static int read_arguments(int argc, char **argv, struct bench *bench) {
         else
             return -1;
     }
-    return 0;
+    return bench->measurement ? 0 : -1;
 }
 
 static int fail(int code, const char *reason) {
-    fprintf(stderr, "kernel: %s\n", reason);
+    fprintf(stderr, "bench: %s\n", reason);
     return code;
 }
 
@@ -120,12 +182,12 @@ int main(int argc, char **argv) {
     struct bench bench;
     gsl_set_error_handler_off(); /* errors are return codes here, never aborts */
     if (read_arguments(argc, argv, &bench))
-        return fail(1, "usage: wisplab-bench SCENE FOLDER [--quick] [--fresh]");
-    bench.scene = kernel_scene(bench.scene_name, bench.reason);
-    if (!bench.scene)
+        return fail(1, "usage: wisplab-bench kernel|speed SCENE FOLDER [--quick] [--fresh]");
+    if (bench.measurement->open(&bench))
         return fail(1, bench.reason);
     const int code = make_folder(bench.folder, bench.reason) || measure_and_tabulate(&bench);
     scene_free(bench.scene);
+    choices_free(bench.choices);
     if (code)
         return fail(2, bench.reason);
     if (fflush(stdout) || ferror(stdout))

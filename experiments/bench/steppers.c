@@ -9,6 +9,7 @@
 #include <cvode/cvode.h>
 #include <cvode/cvode_ls.h>
 #include <nvector/nvector_serial.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sunlinsol/sunlinsol_klu.h>
 #include <sunmatrix/sunmatrix_sparse.h>
@@ -142,10 +143,12 @@ static void run_ours(void *ctx) {
 /* As it comes: its own vectors, a sparse matrix of the first-order system (q' = v, v' = a), KLU. */
 struct stock {
     struct part *part;
-    const struct advance *start;
+    double *q, *v; /* the start */
     SUNContext context;
     void *cvode;
     N_Vector y;
+    SUNMatrix jacobian;
+    SUNLinearSolver klu;
     double *mass; /* values in the order of the pattern: M, M - D, M - K */
     double *with_damping, *with_stiffness;
 };
@@ -196,19 +199,41 @@ static int stock_jacobian(sunrealtype t, N_Vector y, N_Vector rate, SUNMatrix J,
 
 static void stock_begin(struct stock *s) {
     const size_t bytes = (size_t)s->part->system.size * sizeof(double);
-    memcpy(N_VGetArrayPointer(s->y), s->start->q[0], bytes);
-    memcpy(N_VGetArrayPointer(s->y) + s->part->system.size, s->start->v[0], bytes);
+    memcpy(N_VGetArrayPointer(s->y), s->q, bytes);
+    memcpy(N_VGetArrayPointer(s->y) + s->part->system.size, s->v, bytes);
+}
+
+void stock_run(struct stock *s, double end, int frames, double *positions) {
+    const int n = s->part->system.size;
+    double t = 0;
+    stock_begin(s);
+    if (CVodeReInit(s->cvode, 0, s->y) < 0)
+        give_up("cvode cannot begin");
+    for (int f = 1; f <= frames; f++) {
+        if (CVodeSetStopTime(s->cvode, f * end / frames) < 0 ||
+            CVode(s->cvode, f * end / frames, s->y, &t, CV_NORMAL) < 0)
+            give_up("cvode failed at %g s", t);
+        if (positions)
+            memcpy(positions + f * n, N_VGetArrayPointer(s->y), (size_t)n * sizeof(double));
+    }
 }
 
 static void run_stock(void *ctx) {
-    struct stock *s = ctx;
-    double t = 0;
-    stock_begin(s);
-    if (CVodeReInit(s->cvode, 0, s->y) < 0 || CVodeSetStopTime(s->cvode, cvode_end) < 0)
-        give_up("cvode cannot begin");
-    while (t < cvode_end)
-        if (CVode(s->cvode, cvode_end, s->y, &t, CV_ONE_STEP) < 0)
-            give_up("cvode failed at %g s", t);
+    stock_run(ctx, cvode_end, 1, NULL);
+}
+
+void stock_free(struct stock *s) {
+    N_VDestroy(s->y);
+    CVodeFree(&s->cvode);
+    SUNLinSolFree(s->klu);
+    SUNMatDestroy(s->jacobian);
+    SUNContext_Free(&s->context);
+    free(s->mass);
+    free(s->with_damping);
+    free(s->with_stiffness);
+    free(s->q);
+    free(s->v);
+    free(s);
 }
 
 static void stock_solver(struct stock *s, const struct sparse_matrix *p) {
@@ -218,25 +243,27 @@ static void stock_solver(struct stock *s, const struct sparse_matrix *p) {
     stock_begin(s);
     if (!J || stock_jacobian(0, s->y, s->y, J, s, NULL, NULL, NULL))
         give_up("no sparse matrix");
-    SUNLinearSolver klu = SUNLinSol_KLU(s->y, J, s->context);
-    if (!klu || CVodeSetLinearSolver(s->cvode, klu, J) < 0 ||
+    s->jacobian = J;
+    s->klu = SUNLinSol_KLU(s->y, J, s->context);
+    if (!s->klu || CVodeSetLinearSolver(s->cvode, s->klu, J) < 0 ||
         CVodeSetJacFn(s->cvode, stock_jacobian) < 0)
         give_up("no KLU in SUNDIALS");
 }
 
-/* `frequency`: how many steps a factorised system and a Jacobian are kept; 0: CVODE's own. */
-static struct stock *stock_of(const struct advance *start, double rtol, double atol,
-                              long frequency) {
+struct stock *stock_create(struct part *part, double rtol, double atol, int max_order,
+                           long frequency) {
     struct stock *s = zeros(sizeof *s);
-    s->part = &start->model->parts[0];
-    s->start = start;
-    struct system *system = &s->part->system;
+    struct system *system = &part->system;
+    const size_t size = (size_t)system->size * sizeof(double);
+    s->part = part;
+    s->q = memcpy(zeros(size), part->q, size);
+    s->v = memcpy(zeros(size), part->v, size);
     const struct sparse_matrix *p = system->pattern;
     const size_t bytes = (size_t)p->column_start[p->size] * sizeof(double);
     s->mass = zeros(bytes);
     s->with_damping = zeros(bytes);
     s->with_stiffness = zeros(bytes);
-    if (system_linearise(system, JACOBIAN_SPD, 0, start->q[0], start->v[0]) ||
+    if (system_linearise(system, JACOBIAN_SPD, 0, s->q, s->v) ||
         SUNContext_Create(SUN_COMM_NULL, &s->context) < 0)
         give_up("no SUNDIALS context");
     system_assemble(system, 0, 0, s->mass);
@@ -244,7 +271,8 @@ static struct stock *stock_of(const struct advance *start, double rtol, double a
     s->cvode = CVodeCreate(CV_BDF, s->context);
     if (!s->y || !s->cvode || CVodeInit(s->cvode, stock_rate, 0, s->y) < 0 ||
         CVodeSStolerances(s->cvode, rtol, atol) < 0 || CVodeSetUserData(s->cvode, s) < 0 ||
-        CVodeSetMaxOrd(s->cvode, system->bdf_order) < 0)
+        CVodeSetMaxNumSteps(s->cvode, -1) < 0 ||
+        (max_order > 0 && CVodeSetMaxOrd(s->cvode, max_order) < 0))
         give_up("no CVODE");
     stock_solver(s, p);
     if (frequency > 0 && (CVodeSetLSetupFrequency(s->cvode, frequency) < 0 ||
@@ -255,7 +283,9 @@ static struct stock *stock_of(const struct advance *start, double rtol, double a
 
 static void enter_stock(struct contest *contest, const struct advance *start, const char *subject,
                         const char *name, double rtol, double atol, long frequency) {
-    struct stock *s = stock_of(start, rtol, atol, frequency);
+    begin(start, 0);
+    struct stock *s = stock_create(&start->model->parts[0], rtol, atol,
+                                   start->model->parts[0].system.bdf_order, frequency);
     long steps = 0;
     run_stock(s);
     CVodeGetNumSteps(s->cvode, &steps);

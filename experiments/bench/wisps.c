@@ -10,7 +10,7 @@
 void give_up(const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
-    fputs("kernel: ", stderr);
+    fputs("bench: ", stderr);
     vfprintf(stderr, format, arguments);
     fputc('\n', stderr);
     va_end(arguments);
@@ -18,7 +18,7 @@ void give_up(const char *format, ...) {
 }
 
 void out_of_memory(void) {
-    fputs("kernel: out of memory\n", stderr);
+    fputs("bench: out of memory\n", stderr);
     _Exit(2);
 }
 

@@ -1,0 +1,121 @@
+/* The experiment `speed`: what it chooses is exact enough, and the measurement says what it
+ * measured. No time is judged here. */
+#include "base/text_table.h"
+#include "scene/scene_load.h"
+#include "support.h"
+#include "wisp_support.h"
+
+#include <criterion/criterion.h>
+#include <math.h>
+#include <string.h>
+
+/* Two wisps that fall for a fifth of a second; one of them has an envelope's mass, so that
+ * treatments differ. */
+static const char scene_text[] =
+    "name = \"short\"; duration = 0.2; frame_rate = 30.0; gravity = [0.0, -9.81, 0.0];\n"
+    "material = { }; envelope = { };\n"
+    "wisps = ( { root = [0.0, 0.0, 0.0]; direction = [1.0, 0.0, 0.0]; length = 0.3; nodes = 6; },\n"
+    "          { root = [0.0, 0.1, 0.0]; direction = [1.0, 0.0, 0.2]; length = 0.3; nodes = 6; } "
+    ");\n"
+    "run = { step = 1.0e-4; rtol = 1.0e-6; atol = 1.0e-9; };\n";
+
+static char folder[PATH_SIZE], scene_path[PATH_SIZE];
+
+static void set_up(void) {
+    folder_make(folder);
+    file_write(folder, "short.cfg", scene_text, scene_path);
+}
+
+static void clean_up(void) {
+    folder_remove(folder);
+}
+
+static void read_table(const char *name, struct text_table *table) {
+    char path[PATH_SIZE], reason[REASON_SIZE];
+    path_format(path, "%s/speed/%s.tsv", folder, name);
+    cr_assert_eq(text_table_read(table, path, reason), 0, "%s", reason);
+}
+
+/* rms over free nodes and all frames of a run against the reference, done again. */
+static double error_of(const char *stepper, const char *treatment, double step) {
+    struct scene *scene = LAB_LOAD(scene_path, "frame_rate=30.0");
+    struct lab_run run, tight;
+    lab_run(scene, &(struct run_request){.stepper = "reference", .treatment = treatment}, &tight);
+    lab_run(scene, &(struct run_request){.stepper = stepper, .treatment = treatment, .step = step},
+            &run);
+    const double error =
+        run.result.outcome == FINISHED ? lab_distance(&run, &tight, 0, 2).rms : INFINITY;
+    lab_run_free(&run);
+    lab_run_free(&tight);
+    scene_free(scene);
+    return error;
+}
+
+/* Of each target both are within it, and no attempt that is as exact is cheaper than the best. */
+static void check_choices(void) {
+    struct text_table choices, attempts;
+    read_table("choices", &choices);
+    read_table("attempts", &attempts);
+    cr_assert_eq(choices.row_count, 4, "%d rows", choices.row_count);
+    for (int row = 0; row < choices.row_count; row++) {
+        const double target = text_table_number(&choices, row, "target"),
+                     error = text_table_number(&choices, row, "error"),
+                     step = text_table_number(&choices, row, "step");
+        const char *method = text_table_cell(&choices, row, "method"),
+                   *treatment = text_table_cell(&choices, row, "treatment");
+        const int recipe = strcmp(text_table_cell(&choices, row, "who"), "recipe") == 0;
+        const double again = error_of(method, treatment, step);
+        cr_assert(again <= target && fabs(again - error) <= 1e-9 * error,
+                  "%s: %g, and %g in the "
+                  "table",
+                  method, again, error);
+        cr_assert(recipe == (strcmp(treatment, "projection") == 0), "%s in %s", method, treatment);
+        double cost = NAN, least = INFINITY;
+        for (int i = 0; i < attempts.row_count; i++) {
+            const double counted = text_table_number(&attempts, i, "counted");
+            if (text_table_number(&attempts, i, "recipe") != recipe)
+                continue;
+            if (text_table_number(&attempts, i, "error") <= target)
+                least = fmin(least, counted);
+            if (strcmp(text_table_cell(&attempts, i, "method"), method) == 0 &&
+                text_table_number(&attempts, i, "step") == step)
+                cost = counted;
+        }
+        cr_assert(cost == least, "%s costs %g, another one %g", method, cost, least);
+    }
+    text_table_free(&choices);
+    text_table_free(&attempts);
+}
+
+/* Whoever is within the target is there with its error; and the program's own cheapest has 1. */
+static void check_peers(void) {
+    struct text_table peers;
+    int ones = 0;
+    read_table("peers", &peers);
+    for (int row = 0; row < peers.row_count; row++) {
+        const char *question = text_table_cell(&peers, row, "question");
+        const double target = strstr(question, "1e-9") ? 1e-9 : 1e-4;
+        const double error = text_table_number(&peers, row, "error");
+        cr_assert(error > 0 && error <= target, "%s: %g", text_table_cell(&peers, row, "who"),
+                  error);
+        ones += text_table_number(&peers, row, "over_own") == 1;
+    }
+    cr_assert(peers.row_count > 10 && ones >= 2, "%d rows, %d of them 1", peers.row_count, ones);
+    text_table_free(&peers);
+}
+
+Test(speed, slow_choices_are_exact_enough_and_all_is_measured, .init = set_up, .fini = clean_up,
+     .timeout = 400) {
+    static struct finished f;
+    char path[PATH_SIZE];
+    PROGRAM(&f, NULL, "experiment", "speed", "--quick", "--scene", scene_path, "--out", folder);
+    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
+    check_choices();
+    check_peers();
+    path_format(path, "%s/speed", folder);
+    statements_must_be_whole(path);
+    cr_assert_eq(count_files(path, "speed.svg"), 1, "no figure");
+    cr_assert(strstr(f.out, "times as fast as real time on one thread"), "%s", f.out);
+    PROGRAM(&f, NULL, "experiment", "speed", "--quick", "--scene", scene_path, "--out", folder);
+    cr_assert(f.code == 0 && strstr(f.out, "are there already"), "%d: %s", f.code, f.out);
+}
