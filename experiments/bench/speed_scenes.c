@@ -90,8 +90,8 @@ void enter_scenes(struct contest *contest, const struct scene *scene,
                                                 .threads = threads};
             char name[32];
             snprintf(name, sizeof name, "%d threads", threads);
-            (threads == 1 ? contest_add : contest_add_wall)(
-                contest, "scene", choice->subject, name, scene->duration, timed_run_do,
-                timed_run(scene, &request));
+            (threads == 1 ? contest_add : contest_add_wall)(contest, "scene", choice->subject, name,
+                                                            scene->duration, timed_run_do,
+                                                            timed_run(scene, &request));
         }
 }
