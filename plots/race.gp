@@ -129,7 +129,7 @@ do for [s = 1:words(scene_files)] {
         set xrange [0.5 * first:2 * last]; set yrange [bottom:highest]
         set xtics offset 0, 0.3
         wisps = wisps_of[s] == 1 ? '1 wisp' : sprintf('%d wisps', wisps_of[s])
-        set xlabel (measure == 0 ? 'CPU time of '.wisps.' (s): median, least to greatest' \
+        set xlabel (measure == 0 ? 'CPU time of '.wisps.' on one thread (s): median, least to greatest' \
             : 'force evaluations of '.wisps) offset 0, 0.4
         set ylabel place_x == 0 ? 'integration error (m)' : '' offset 1, 0
         unset arrow; unset label 3; unset label 4
