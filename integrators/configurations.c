@@ -113,6 +113,13 @@ static const struct configuration table[] = {
      .cost = 7e-9,
      .mark = 5},
 
+    {.name = "exponential",
+     .stepper = "exponential",
+     .kind = CONFIGURATION_PLAIN,
+     .cost = 5e-6,
+     .colour = "#44AA99",
+     .mark = 3},
+
     {.name = "bdf2",
      .stepper = "bdf2",
      .kind = CONFIGURATION_PLAIN,

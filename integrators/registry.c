@@ -12,6 +12,7 @@
     X(drift_kick)       \
     X(implicit_euler)   \
     X(linear_euler)     \
+    X(exponential)      \
     X(bdf2)             \
     X(bdf3)             \
     X(cvode)            \

@@ -13,6 +13,7 @@ struct hair {
     const char *scene;        /* of the experiment's own; NULL: the one asked for */
     const char *sets[3];      /* overrides; NULL: no more */
     double detail;            /* segments over those of the scene; 0: the same */
+    double most;              /* EA, N, beyond which nobody waits for a tight solution; 0: none */
     double damping;           /* of the highest stretch mode; 0: the scene's stretch_time */
     int quick_from, quick_to; /* of the stiffnesses, those that --quick has */
     const char *figure;       /* without .svg */

@@ -36,6 +36,7 @@ static const struct hair hairs[] = {
      .phrase = "hair of 41 nodes",
      .scene = "swing",
      .detail = 4,
+     .most = 1500,
      .quick_to = -1,
      .figure = "ladder"},
     {.name = "damping 0.02",
@@ -59,6 +60,7 @@ enum { HAIRS = sizeof hairs / sizeof *hairs };
 /* Whoever asks for a scene of his own gets what can be done with that. */
 static int is_in(const struct plan *plan, const struct hair *hair, int stiffness) {
     return (!hair->scene || plan->scene_count == 0) &&
+           !(hair->most > 0 && stiffnesses[stiffness] > hair->most) &&
            (!plan->quick || (hair->quick_from <= stiffness && stiffness <= hair->quick_to));
 }
 
