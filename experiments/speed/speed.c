@@ -41,7 +41,7 @@ static enum wisp_treatment recipe_treatment(void) {
     int treatment = 0;
     while (strcmp(wisp_problem.treatments[treatment].name, thesis_recipe.treatment) != 0)
         treatment++;
-    return treatment;
+    return (enum wisp_treatment)treatment;
 }
 
 /* --- the plan --- */
