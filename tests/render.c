@@ -640,7 +640,7 @@ Test(render, exported_frames_have_all_digits) {
     free(text);
     path_format(path, "%s/name.pvd", folder);
     text = file_read(path);
-    cr_expect(text && strstr(text, "timestep=\"0.033333333333333333\"") &&
+    cr_expect(text && strstr(text, "timestep=\"0.03333333333333333\"") &&
               strstr(text, "file=\"name-0002.vtp\""));
     free(text);
     frames_close(&frames);

@@ -1,5 +1,6 @@
 /* wisplab eval: the accelerations at one state, to be compared with another program's. */
 #include "base/complain.h"
+#include "base/digits.h"
 #include "base/files.h"
 #include "cli.h"
 #include "model/state.h"
@@ -38,14 +39,14 @@ static int load_state(struct model *model, const char *file, double *t, char *re
 
 static void print_rows(const struct scene *scene, const struct model *model, const double *rows) {
     char what[80];
-    snprintf(what, sizeof what, "accelerations at t = %.17g s: m/s^2", model->t);
+    snprintf(what, sizeof what, "accelerations at t = %s s: m/s^2", DIGITS(model->t));
     write_provenance(stdout, what, scene);
     for (int i = 0; i < model->rate_column_count; i++)
         printf("%s%s", i ? "\t" : "", model->rate_columns[i]);
     putchar('\n');
     for (int i = 0; i < model->row_count; i++)
         for (int j = 0; j < model->rate_column_count; j++)
-            printf("%.17g%c", rows[i * model->rate_column_count + j],
+            printf("%s%c", DIGITS(rows[i * model->rate_column_count + j]),
                    j + 1 == model->rate_column_count ? '\n' : '\t');
 }
 

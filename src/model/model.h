@@ -22,6 +22,7 @@ struct model {
     const struct problem *problem;
     double t;                          /* of the state, s: kept by who advances it */
     const struct diagnosis *diagnosis; /* of a frame while it is shown, likewise; or NULL */
+    struct workers *workers;           /* who share the work on such a frame, likewise; or NULL */
     struct part *parts;
     int part_count;
     int parts_to_come;          /* that ticks may add to those at the start, at most */

@@ -3,6 +3,7 @@
 #include "base/files.h"
 #include "base/hash.h"
 #include "build_info.h"
+#include "frame_text.h"
 #include "identity.h"
 #include "model/problems.h"
 #include "reference_check.h"
@@ -31,17 +32,12 @@ void write_provenance(FILE *stream, const char *what, const struct scene *scene)
 
 struct frame_writer {
     struct atomic_file file;
+    struct frame_text text;
     struct atomic_file diagnoses; /* open where the settings ask for them */
     int diagnosing;
     int named; /* the column names are written, with the first frame */
     int error; /* errno of the first failure, or 0 */
 };
-
-static void write_names(FILE *stream, const struct model *model) {
-    for (int i = 0; i < model->column_count; i++)
-        fprintf(stream, "\t%s", model->columns[i]);
-    fputs("\tparent\n", stream);
-}
 
 static void write_diagnosis(struct frame_writer *writer, const struct diagnosis *diagnosis) {
     diagnosis_write_row(writer->diagnoses.stream, diagnosis);
@@ -52,16 +48,11 @@ static void write_diagnosis(struct frame_writer *writer, const struct diagnosis 
 static int write_frame(void *ctx, const struct model *model, double t, const double *rows) {
     struct frame_writer *writer = ctx;
     FILE *stream = writer->file.stream;
-    const int columns = model->column_count;
     if (!writer->named)
-        write_names(stream, model);
+        frame_text_names(stream, model);
     writer->named = 1;
-    for (int i = 0; i < model->row_count; i++) {
-        fprintf(stream, "%.17g", t);
-        for (int j = 0; j < columns; j++)
-            fprintf(stream, "\t%.17g", rows[i * columns + j]);
-        fprintf(stream, "\t%d\n", model->parent[(int)rows[i * columns]]);
-    }
+    if (frame_text_write(&writer->text, stream, model, t, rows))
+        writer->error = ENOMEM;
     if (fflush(stream)) /* now, so that a killed run keeps its frames and a full disk shows */
         writer->error = errno;
     if (writer->diagnosing)
@@ -93,7 +84,6 @@ static int open_frames(struct frame_writer *writer, const struct scene *scene,
     if (open_table_of_run(&writer->file, folder, "states.tsv", "states at the frames: s, m, m/s",
                           scene, settings, reason))
         return -1;
-    fputc('t', writer->file.stream);
     if (!writer->diagnosing)
         return 0;
     if (open_table_of_run(&writer->diagnoses, folder, "diagnostics.tsv", "diagnoses of the frames",
@@ -108,6 +98,7 @@ static int open_frames(struct frame_writer *writer, const struct scene *scene,
 static int close_frames(struct frame_writer *writer, const struct run_result *result,
                         char *reason) {
     int code = -1;
+    frame_text_free(&writer->text);
     if (result->outcome != OUTPUT_FAILED)
         code = (writer->diagnosing && atomic_commit(&writer->diagnoses, reason)) ||
                        atomic_commit(&writer->file, reason)

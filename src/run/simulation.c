@@ -135,6 +135,7 @@ static void open_simulation(struct simulation *sim) {
     sim->changed = calloc(parts, sizeof(int));
     sim->progress = calloc(parts, sizeof *sim->progress);
     sim->workers = workers_create(sim->settings->threads);
+    sim->model->workers = sim->workers;
     if (!sim->steppers || !sim->rows || !sim->changed || !sim->progress || !sim->workers)
         end_with(sim, OUT_OF_MEMORY, "no memory for the steppers");
     create_steppers(sim);
