@@ -214,7 +214,9 @@ static void count_evaluations(struct simulation *sim) {
 static void note_step(struct simulation *sim, int i, double h) {
     struct part *part = &sim->model->parts[i];
     part->system.counters.steps += part->system.wisps;
-    add_steps(&sim->progress[i].steps, &(struct step_range){h, h});
+    struct step_range *steps = &sim->progress[i].steps;
+    if (steps->largest == 0 || h < steps->least || h > steps->largest)
+        add_steps(steps, &(struct step_range){h, h});
 }
 
 /* After a step of part i to time t: whether its state is one that the model can mean. Most steps
@@ -226,7 +228,8 @@ static int check_strain(struct simulation *sim, int i, double t) {
     if (!problem->strain)
         return 0;
     const double strain = problem->strain(sim->model, i, t, part->strain, &wisp);
-    part->strain = fmax(part->strain, strain);
+    if (strain > part->strain)
+        part->strain = strain;
     if (strain <= sim->settings->strain_limit)
         return 0;
     return system_fail(&sim->model->parts[i].system, -DIVERGED,
@@ -275,8 +278,12 @@ static int advance_adaptive(struct simulation *sim, int i, double *t, double to,
 static int all_finite(const double *x, int n) {
     double sum[8] = {
         0}; /* 0 * x is NaN where x is not finite; eight chains of additions, not one */
-    for (int i = 0; i < n; i++)
-        sum[i % 8] += 0 * x[i];
+    int i = 0;
+    for (; i + 8 <= n; i += 8)
+        for (int k = 0; k < 8; k++)
+            sum[k] += 0 * x[i + k];
+    for (; i < n; i++)
+        sum[0] += 0 * x[i];
     for (int k = 1; k < 8; k++)
         sum[0] += sum[k];
     return sum[0] == 0;
