@@ -293,8 +293,22 @@ static int all_finite(const double *x, int n) {
 struct interval {
     struct simulation *sim;
     double to;
-    int once; /* every accepted step is a frame */
+    int once;  /* every accepted step is a frame */
+    int alone; /* parts do by themselves what is to be done at its end */
 };
+
+/* Whether parts do so at a stop: no kind of event at which they meet, and nobody books energies. */
+static int parts_tick_alone(const struct simulation *sim, unsigned events) {
+    return sim->model->ticks_alone && events & STOP_COLLISION &&
+           !(events & (STOP_INTERACTION | STOP_KINK)) && !sim->settings->diagnostics;
+}
+
+/* The state is in the cache, and nobody else need be waited for. */
+static void tick_part(struct simulation *sim, int i, double t) {
+    const unsigned changed = sim->scene->problem->tick_part(sim->model, i, t);
+    if (changed && sim->settings->method->reset)
+        sim->settings->method->reset(sim->steppers[i], changed);
+}
 
 static void advance_part(void *ctx, int i) {
     const struct interval *interval = ctx;
@@ -309,6 +323,8 @@ static void advance_part(void *ctx, int i) {
                      : advance_fixed(sim, i, &part->reached, interval->to);
     part->finite = all_finite(state->q, state->system.size) &&
                    all_finite(state->v, state->system.size); /* while they are in the cache */
+    if (interval->alone && !part->code && part->finite && part->reached == interval->to)
+        tick_part(sim, i, interval->to);
 }
 
 /* Whether the run may go on from where all parts have arrived. */
@@ -325,9 +341,9 @@ static void check_limits(struct simulation *sim) {
 
 /* The smooth advance of every part to the stop at `to`, or by one step of the only part where
  * every accepted step is a frame. Parts do not see each other: threads share them out. */
-static void advance_parts(struct simulation *sim, double to) {
+static void advance_parts(struct simulation *sim, double to, int alone) {
     const int every_step = sim->scene->frame_rate == 0 && sim->settings->frame_interval == 0;
-    struct interval interval = {sim, to, every_step};
+    struct interval interval = {sim, to, every_step, alone};
     double reached = to;
 
     workers_run(sim->workers, advance_part, &interval, sim->model->part_count);
@@ -458,21 +474,28 @@ void simulate(const struct scene *scene, const struct settings *settings,
     if (going(&sim))
         show_frame(&sim);
     const double start = cpu_seconds();
+    double begin = monotonic_seconds();
     while (going(&sim) && (sim.t < stop.t || clock_next(&sim.clock, &stop))) {
-        const double begin = monotonic_seconds();
-        advance_parts(&sim, stop.t);
+        const int frame = every_step || stop.events & STOP_FRAME;
+        const int alone = parts_tick_alone(&sim, stop.events);
+        advance_parts(&sim, stop.t, alone);
         if (going(&sim))
             check_finite(&sim);
+        if (alone && !frame)
+            continue; /* reading the clock would take as long as such a stop */
         const double advanced = monotonic_seconds();
-        if (going(&sim) && sim.t == stop.t)
+        if (going(&sim) && sim.t == stop.t && !alone)
             tick(&sim, stop.events);
         const double ticked = monotonic_seconds();
-        if (going(&sim) && (every_step || stop.events & STOP_FRAME))
+        if (going(&sim) && frame)
             show_frame(&sim);
+        const double shown = monotonic_seconds();
         result->advance_seconds += advanced - begin;
         result->tick_seconds += ticked - advanced;
-        result->frame_seconds += monotonic_seconds() - ticked;
+        result->frame_seconds += shown - ticked;
+        begin = shown;
     }
+    result->advance_seconds += monotonic_seconds() - begin;
     result->cpu_seconds = cpu_seconds() - start;
     if (going(&sim) && watch && watch->cpu_seconds > 0 && cpu_seconds() > watch->cpu_seconds)
         end_with(&sim, OUT_OF_TIME, "its limit of CPU time was reached");
