@@ -7,7 +7,7 @@
 
 struct explicit_rk {
     struct stepper base;
-    double *q, *v;  /* the position of a stage; the state of the end */
+    double *q, *v;  /* the position of a stage; of projected systems the state of the end */
     double *stages; /* velocity, then acceleration of each; the first's velocity is the state's */
     double memory[];
 };
@@ -32,11 +32,11 @@ static inline __attribute__((always_inline)) void sum_stages(int stages, int n,
         double sum = weight[0] * k[0][i];
         for (int j = 1; j < stages; j++)
             sum += weight[j] * k[j][i];
-        to[i] = x[i] + sum;
+        to[i] = (x ? x[i] : to[i]) + sum;
     }
 }
 
-/* to <- x + h sum_j w_j k_j over the stages whose weight is not 0. */
+/* to <- x + h sum_j w_j k_j over the stages whose weight is not 0; x is NULL where it is `to`. */
 static void sum(int n, double h, const double *weight, int stages, double *const *k,
                 const double *x, double *to) {
     double used_weight[stages], *used[stages];
@@ -78,13 +78,16 @@ int explicit_rk_step(struct stepper *stepper, double t, double h, double *q, dou
         if (code)
             return code;
     }
+    if (!system_has_projection(system)) { /* nothing can fail any more */
+        sum(n, h, table->b, table->stages, vk, NULL, q);
+        sum(n, h, table->b, table->stages, ak, NULL, v);
+        return 0;
+    }
     sum(n, h, table->b, table->stages, vk, q, rk->q);
     sum(n, h, table->b, table->stages, ak, v, rk->v);
-    if (system_has_projection(system)) {
-        const int code = system_project(system, t + h, rk->q, rk->v);
-        if (code)
-            return code;
-    }
+    const int code = system_project(system, t + h, rk->q, rk->v);
+    if (code)
+        return code;
     memcpy(q, rk->q, (size_t)n * sizeof(double));
     memcpy(v, rk->v, (size_t)n * sizeof(double));
     return 0;

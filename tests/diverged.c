@@ -1,6 +1,7 @@
 /* When a finite run counts as diverged: a segment too long or too short after any step, or energy
  * that nothing has put in; and when it does not. */
 #include "model/problems.h"
+#include "model/wisp_model.h"
 #include "scene/scene_load.h"
 #include "support.h"
 #include "wisp_support.h"
@@ -195,4 +196,41 @@ Test(diverged, contestants_may_stretch_as_the_reference_does, .init = open_folde
     PROGRAM(&f, NULL, "experiment", "work-precision", "--quick", "--scene", scene, "--stepper",
             "rk4", "--out", folder, "--no-progress");
     cr_assert(strstr(f.out, " 0 of them new"), "a second time it runs anew: %s", f.out);
+}
+
+/* The quick look after every step, which takes no root and looks at four wisps at once, finds the
+ * lanes whose strain is above the limit, be it of a segment too long or too short. */
+Test(diverged, the_quick_look_finds_what_the_slow_one_does) {
+    struct scene *scene = LAB_LOAD(
+        "swing-envelope", "wisps=({ root=[0.0, 0.0, 0.0]; direction=[1.0, 0.1, 0.0]; length=0.3; "
+                          "nodes=7; grid=[2, 2]; spacing=0.05; "
+                          "across=([0.0, 1.0, 0.0], [0.0, 0.0, 1.0]); })");
+    unsigned state = 1;
+    int found = 0, tried = 0;
+    for (int lanes = 1; lanes <= 4; lanes += 3) {
+        struct model *model = wisp_problem.create(scene, WISP_GENERALISED, lanes);
+        const struct kernel *kernel = ((struct wisp_model *)model)->kernel;
+        struct part *part = &model->parts[0];
+        const int size = part->system.size;
+        double *rest = calloc((size_t)size, sizeof *rest);
+        memcpy(rest, part->q, (size_t)size * sizeof *rest);
+        for (int i = 0; i < 2000; i++) {
+            const double limit = 1e-3 * (i % 50 + 1);
+            for (int j = 0; j < size; j++) {
+                state = 1664525 * state + 1013904223;
+                part->q[j] = rest[j] + 3e-4 * (state / 4294967296. - 0.5) * (i % 7);
+            }
+            unsigned slow = 0;
+            for (int k = 0; k < lanes; k++)
+                slow |= (unsigned)(kernel->strain(part->system.ctx, k, part->q) > limit) << k;
+            cr_assert_eq(kernel->strained(part->system.ctx, 0, part->q, limit), slow,
+                         "%d lanes, limit %g", lanes, limit);
+            found += __builtin_popcount(slow);
+            tried += lanes;
+        }
+        free(rest);
+        model->problem->free(model);
+    }
+    cr_assert(found > tried / 10 && found < tried - tried / 10, "%d of %d", found, tried);
+    scene_free(scene);
 }

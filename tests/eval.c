@@ -1,5 +1,6 @@
 /* `wisplab eval`: the accelerations of a start or of a saved state are those of the model, and a
  * file that holds no state of the scene is refused in one line. */
+#include "base/digits.h"
 #include "base/table.h"
 #include "model/problems.h"
 #include "run/results.h"
@@ -99,7 +100,7 @@ static void check_eval(const struct scene *scene, enum wisp_treatment treatment,
     cr_assert_eq(f.code, 0, "%s: exit code %d, %s", what, f.code, f.err);
     cr_assert_eq(f.err[0], '\0', "%s: says %s", what, f.err);
     char said[80];
-    snprintf(said, sizeof said, "# accelerations at t = %.17g s", t);
+    snprintf(said, sizeof said, "# accelerations at t = %s s", DIGITS(t));
     cr_assert(strncmp(f.out, said, strlen(said)) == 0, "%s: no '%s' in %.60s", what, said, f.out);
     read_text(f.out, &got);
     struct model *model = scene->problem->create(scene, treatment, 4);

@@ -316,7 +316,7 @@ Test(render, wrong_commands_are_refused_in_one_line) {
     PROGRAM(&f, NULL, "export", folder);
     cr_expect(f.code == 1 && strstr(f.err, "--vtk"), "%s", f.err);
     PROGRAM(&f, NULL, "export", "circle", "--vtk", out);
-    cr_expect(f.code == 1 && strstr(f.err, "neither a states.tsv nor the folder"), "%s", f.err);
+    cr_expect(f.code == 1 && strstr(f.err, "neither a file of states nor the folder"), "%s", f.err);
     PROGRAM(&f, NULL, "export", folder, "--vtk", out);
     cr_expect(f.code == 0 && count_files(out, ".pvd") == 1, "of a folder: %s", f.err);
     scene_free(scene);
@@ -640,7 +640,7 @@ Test(render, exported_frames_have_all_digits) {
     free(text);
     path_format(path, "%s/name.pvd", folder);
     text = file_read(path);
-    cr_expect(text && strstr(text, "timestep=\"0.033333333333333333\"") &&
+    cr_expect(text && strstr(text, "timestep=\"0.03333333333333333\"") &&
               strstr(text, "file=\"name-0002.vtp\""));
     free(text);
     frames_close(&frames);

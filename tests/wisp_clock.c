@@ -483,3 +483,48 @@ Test(wisp_clock, kinks_at_awkward_times) {
             scene_free(scene);
         }
 }
+
+/* Where the clamp is all that happens at a tick, each part does it by itself; beside a body, be it
+ * ever so far away, all parts stop for each other. Soft envelopes sag onto their nodes under their
+ * weight: without ticks they are elsewhere. Every fifth tick wisps touch, which no part does alone.
+ */
+Test(wisp_clock, a_part_that_ticks_alone_does_what_all_do_together) {
+    static const char *const steppers[] = {"euler", "rk4", "linear-euler", "bdf2", "cvode"};
+#define SAGGING                                                                          \
+    "envelope.frequency=1.0", "duration=0.1", "run.step=1e-4",                           \
+        "wisps=({ root=[0.0, 0.0, 0.0]; direction=[1.0, 0.1, 0.0]; length=0.3; nodes=7;" \
+        "         grid=[3, 3]; spacing=0.02; across=([0.0, 1.0, 0.0], [0.0, 0.0, 1.0]); })"
+#define TOUCHING(rate) "contacts={ interaction_rate=60.0; collision_rate=" rate "; }"
+    struct scene *alone = LAB_LOAD("swing-envelope", SAGGING, TOUCHING("300.0"));
+    struct scene *together = LAB_LOAD("swing-envelope", SAGGING, TOUCHING("300.0"),
+                                      "body=({ name=\"far\"; center=[0.0, 0.0, 100.0];"
+                                      "        radii=[1.0, 1.0, 1.0];"
+                                      "        friction=0; elasticity=0; offset=0; })");
+    struct scene *never = LAB_LOAD("swing-envelope", SAGGING, TOUCHING("0.0"));
+    for (size_t s = 0; s < sizeof steppers / sizeof *steppers; s++)
+        for (int treatment = 0; treatment < TREATMENTS; treatment++) {
+            struct run_request request = lab_request(stepper_find(steppers[s]), treatment);
+            struct lab_run a, b, c;
+            request.threads = 1 + treatment % 2;
+            if (!is_taken(alone, &request))
+                continue;
+            lab_run(alone, &request, &a);
+            lab_run(together, &request, &b);
+            lab_run(never, &request, &c);
+            cr_assert(a.frames == b.frames && a.rows == b.rows && a.frames == c.frames);
+            const size_t bytes = (size_t)(a.frames * a.rows * a.columns) * sizeof(double);
+            cr_assert_eq(memcmp(a.row, b.row, bytes), 0, "%s, %s: other bits", steppers[s],
+                         treatment_names[treatment]);
+            cr_assert_eq(memcmp(&a.result.counters, &b.result.counters, sizeof a.result.counters),
+                         0, "%s, %s: other counts", steppers[s], treatment_names[treatment]);
+            cr_assert_gt(a.result.counters.wisp_contacts, 0, "nothing touches");
+            cr_assert_neq(memcmp(a.row, c.row, bytes), 0, "%s, %s: nothing is clamped", steppers[s],
+                          treatment_names[treatment]);
+            lab_run_free(&a);
+            lab_run_free(&b);
+            lab_run_free(&c);
+        }
+    scene_free(alone);
+    scene_free(together);
+    scene_free(never);
+}

@@ -55,6 +55,12 @@ static inline lane lane_sqrt(lane x) {
 static inline lane lane_select(mask m, lane yes, lane no) {
     return m ? yes : no;
 }
+static inline lane lane_max(lane a, lane b) {
+    return a > b ? a : b;
+}
+static inline lane lane_min(lane a, lane b) {
+    return a < b ? a : b;
+}
 static inline int mask_all(mask m) {
     return m != 0;
 }
@@ -84,6 +90,21 @@ static inline lane lane_sqrt(lane x) {
 }
 static inline lane lane_select(mask m, lane yes, lane no) {
     return (lane)((m & (mask)yes) | (~m & (mask)no));
+}
+/* b where one of them is no number, as the instruction has it, which compilers do not find. */
+static inline lane lane_max(lane a, lane b) {
+#if LANES == 4 && defined(__AVX__)
+    return (lane)_mm256_max_pd((__m256d)a, (__m256d)b);
+#else
+    return lane_select(a > b, a, b);
+#endif
+}
+static inline lane lane_min(lane a, lane b) {
+#if LANES == 4 && defined(__AVX__)
+    return (lane)_mm256_min_pd((__m256d)a, (__m256d)b);
+#else
+    return lane_select(a < b, a, b);
+#endif
 }
 /* Bit k for lane k; compilers do not find the one instruction in the loop. */
 static inline unsigned mask_bits(mask m) {

@@ -1,6 +1,7 @@
 #include "table.h"
 
 #include "files.h"
+#include "npy.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -62,14 +63,7 @@ static int read_row(struct table *table, char *line, size_t *capacity, const cha
     return 0;
 }
 
-int table_read(struct table *table, const char *path, char *reason) {
-    *table = (struct table){0};
-    FILE *file = open_regular(path);
-    if (!file)
-        return table_fail(path, 0,
-                          errno == EINVAL ? "is no regular file of at most a gibibyte"
-                                          : "cannot be read",
-                          reason);
+static int read_text(struct table *table, FILE *file, const char *path, char *reason) {
     char *line = NULL;
     size_t size = 0, capacity = 0;
     int code = 0, number = 0;
@@ -89,6 +83,22 @@ int table_read(struct table *table, const char *path, char *reason) {
     if (!code && !table->column_count)
         code = table_fail(path, number, "no column names", reason);
     free(line);
+    return code;
+}
+
+int table_read(struct table *table, const char *path, char *reason) {
+    *table = (struct table){0};
+    FILE *file = open_regular(path);
+    if (!file)
+        return table_fail(path, 0,
+                          errno == EINVAL ? "is no regular file of at most a gibibyte"
+                                          : "cannot be read",
+                          reason);
+    const int binary = npy_is_begun(file);
+    const char *wrong = binary ? npy_read(table, file) : NULL;
+    int code = wrong ? table_fail(path, 0, wrong, reason) : 0;
+    if (!binary)
+        code = read_text(table, file, path, reason);
     fclose(file);
     if (code)
         table_free(table);

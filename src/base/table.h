@@ -4,7 +4,8 @@
 
 enum { TABLE_COLUMNS_MAX = 128 };
 
-/* A table of numbers: `#` lines skipped, one line of column names, rows of equal length. */
+/* A table of numbers: `#` lines skipped, one line of column names, rows of equal length; or a
+ * numpy array with named columns (npy.h). */
 struct table {
     int column_count, row_count;
     char *name[TABLE_COLUMNS_MAX]; /* owned */

@@ -1,5 +1,6 @@
 /* wisplab eval: the accelerations at one state, to be compared with another program's. */
 #include "base/complain.h"
+#include "base/digits.h"
 #include "base/files.h"
 #include "cli.h"
 #include "model/state.h"
@@ -14,7 +15,8 @@
 static const struct cli_option options[] = {
     {"treatment", "NAME", "how constraints are kept (default generalised; circle: free)", 0},
     {"time", "T", "time, s (default: that of the state; at the start the scene's begin)", 0},
-    {"state", "FILE", "a states.tsv, of which the last frame is taken (default: the start)", 0},
+    {"state", "FILE",
+     "a states.tsv or states.npy, of which the last frame is taken (default: the start)", 0},
     {"set", "PATH=VALUE", "override a setting of the scene", 1},
     {0},
 };
@@ -38,14 +40,14 @@ static int load_state(struct model *model, const char *file, double *t, char *re
 
 static void print_rows(const struct scene *scene, const struct model *model, const double *rows) {
     char what[80];
-    snprintf(what, sizeof what, "accelerations at t = %.17g s: m/s^2", model->t);
+    snprintf(what, sizeof what, "accelerations at t = %s s: m/s^2", DIGITS(model->t));
     write_provenance(stdout, what, scene);
     for (int i = 0; i < model->rate_column_count; i++)
         printf("%s%s", i ? "\t" : "", model->rate_columns[i]);
     putchar('\n');
     for (int i = 0; i < model->row_count; i++)
         for (int j = 0; j < model->rate_column_count; j++)
-            printf("%.17g%c", rows[i * model->rate_column_count + j],
+            printf("%s%c", DIGITS(rows[i * model->rate_column_count + j]),
                    j + 1 == model->rate_column_count ? '\n' : '\t');
 }
 

@@ -16,7 +16,7 @@ static int export(const struct arguments *arguments) {
     if (!folder)
         return complain(1, "export: --vtk DIR is missing; it is the one format there is");
     if (!frames_path(arguments->words[0], states))
-        return complain(1, "export: %.100s is neither a states.tsv nor the folder of one",
+        return complain(1, "export: %.100s is neither a file of states nor the folder of a run",
                         arguments->words[0]);
     int code = frames_open(&frames, states, NULL, NULL, 0, reason);
     if (!code && make_folder(folder, reason))
@@ -38,10 +38,10 @@ const struct command export_command = {
     .usage = "STATES --vtk DIR",
     .summary = "frames for ParaView and other tools",
     .details =
-        "STATES is a states.tsv with its run.json beside it, or the folder of both. Each frame\n"
-        "becomes a .vtp (VTK's XML of lines, as text) with velocity (m/s), strain and radius (m)\n"
-        "at the nodes, and each line's wisp and the parent that it split off from; the .pvd is\n"
-        "what to open in ParaView.\n"
+        "STATES is a states.tsv or states.npy with its run.json beside it, or the folder of both.\n"
+        "Each frame becomes a .vtp (VTK's XML of lines, as text) with velocity (m/s), strain and\n"
+        "radius (m) at the nodes, and each line's wisp and the parent that it split off from; the\n"
+        ".pvd is what to open in ParaView.\n"
         "\n"
         "  wisplab run sphere --out sphere\n"
         "  wisplab export sphere/states.tsv --vtk sphere/vtk\n",

@@ -176,7 +176,8 @@ static int find_runs(struct task *task) {
     task->request.rows = task->rows;
     task->request.row_count = arguments->word_count;
     if (reference && !frames_path(reference, task->reference))
-        return complain(1, "--error %s: is neither a states.tsv nor the folder of one", reference);
+        return complain(1, "--error %s: is neither a file of states nor the folder of a run",
+                        reference);
     task->request.reference = reference ? task->reference : NULL;
     return 0;
 }
@@ -389,8 +390,9 @@ const struct command render_command = {
     .usage = "SCENE|STATES... [--frames LIST] [--size WxH] [--hair|--skeleton|--envelope] ...",
     .summary = "draw pictures of the hair: frames, strips, films",
     .details =
-        "STATES is a states.tsv, or the folder of a run that has one; its run.json must be beside\n"
-        "it. A SCENE is run first with its defaults; the run is kept in results/runs, and is not\n"
+        "STATES is a states.tsv or states.npy, or the folder of a run that has one; its run.json\n"
+        "must be beside it. A SCENE is run first with its defaults; the run is kept in "
+        "results/runs, and is not\n"
         "done again. Several of them make a strip with a row for each.\n"
         "\n"
         "  wisplab render sphere --frames 50,75,100,125,150,200 --strip --columns 3\n"

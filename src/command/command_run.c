@@ -32,12 +32,25 @@ static const struct cli_option options[] = {
     {"draw", "N", "which random displacement (default 1)", 0},
     {"threads", "N", "threads that share a scene's wisps (results do not depend on it)", 0},
     {"out", "DIR", "folder for states.tsv and run.json (default results)", 0},
+    {"states", "FORMAT", "text: states.tsv (default), binary: states.npy, none: no states", 0},
     {"save", "FILE", "write the last frame there, for a scene's start or eval --state", 0},
     {"profile", NULL, "time every call to the model; printed, and in run.json", 0},
     {"diagnostics", NULL, "write diagnostics.tsv: energies, works, strain, contacts by frame", 0},
     CLI_LIMIT_OPTIONS,
     {0},
 };
+
+static int read_format(const struct arguments *arguments, enum states_format *format) {
+    const char *name = argument_text(arguments, "states");
+    for (int i = 0; i < STATES_FORMATS; i++)
+        if (!name || strcmp(name, states_format_names[i]) == 0) {
+            *format = (enum states_format)i;
+            return *format == STATES_TEXT || !argument_given(arguments, "save")
+                       ? 0
+                       : complain(-1, "--save takes its frame from states.tsv; leave out --states");
+        }
+    return complain(-1, "--states %.60s: must be text, binary or none", name);
+}
 
 /* The request of the command line. Returns 0, or -1 having said why. */
 static int read_request(const struct arguments *arguments, struct run_request *request) {
@@ -70,7 +83,7 @@ static int read_request(const struct arguments *arguments, struct run_request *r
         return complain(-1, "--rate %g: is too small", rate);
     if (rate > 0)
         request->step = 1 / rate;
-    return 0;
+    return read_format(arguments, &request->states);
 }
 
 static struct scene *load(const struct arguments *arguments, char *reason) {
@@ -172,9 +185,11 @@ static void suggest_solver(const struct run_case *run, const struct run_request 
 static int report(const struct run_case *run, enum outcome outcome, const char *reason) {
     if (outcome == OUTPUT_FAILED)
         return complain(2, "%s", reason);
-    if (outcome == FINISHED)
-        printf("%s: finished; results in %s/states.tsv and %s/run.json\n", run->scene->name,
-               run->folder, run->folder);
+    if (outcome == FINISHED && run->settings.states == STATES_NONE)
+        printf("%s: finished; results in %s/run.json\n", run->scene->name, run->folder);
+    else if (outcome == FINISHED)
+        printf("%s: finished; results in %s/states.%s and %s/run.json\n", run->scene->name,
+               run->folder, run->settings.states == STATES_TEXT ? "tsv" : "npy", run->folder);
     else
         say_failure(run, outcome);
     return outcome_exit_code(outcome);
@@ -235,7 +250,11 @@ const struct command run_command = {
         "  wisplab run circle --stepper implicit-euler --option newton.iterations=20\n"
         "  wisplab run circle --stepper cvode --option method=adams --rtol 1e-8\n"
         "  wisplab run circle --stepper reference\n"
-        "  wisplab run swing --diagnostics\n",
+        "  wisplab run swing --diagnostics\n"
+        "\n"
+        "states.npy has the columns and rows of states.tsv as doubles: numpy.load reads it, and "
+        "so\n"
+        "do render, export, eval --state and a scene's start.\n",
     .options = options,
     .words_least = 1,
     .words_most = 1,

@@ -324,17 +324,18 @@ unsigned LANED(kernel_strained)(void *ctx, double t, const double *q, double lim
     struct kernel_part *part = ctx;
     LANED(kernel_prescribe)(part, t);
     const lane longest = (1 + limit) * part->spacing;
-    const lane shortest = fmax(0, 1 - limit) * part->spacing;
+    const lane shortest = (limit < 1 ? 1 - limit : 0) * part->spacing;
     const lane most = longest * longest, least = shortest * shortest;
-    mask strained = lane_all(0) != 0;
+    lane high = lane_all(0), low = most; /* of squares so far; NaN is neither */
     struct vec before = part->p[1];
     for (int i = 2; i < part->nodes; i++) {
         const struct vec p = vec_load(q, (i - 2) * part->node_unknowns), d = sub(p, before);
         const lane square = dot(d, d);
-        strained |= (square > most) | (square < least);
+        high = lane_max(square, high);
+        low = lane_min(square, low);
         before = p;
     }
-    return mask_bits(strained);
+    return mask_bits((high > most) | (low < least));
 }
 
 /* --- the clamp --- */

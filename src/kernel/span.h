@@ -10,13 +10,11 @@ struct span {
 };
 
 static inline struct vec least(struct vec a, struct vec b) {
-    return (struct vec){lane_select(a.x < b.x, a.x, b.x), lane_select(a.y < b.y, a.y, b.y),
-                        lane_select(a.z < b.z, a.z, b.z)};
+    return (struct vec){lane_min(a.x, b.x), lane_min(a.y, b.y), lane_min(a.z, b.z)};
 }
 
 static inline struct vec most(struct vec a, struct vec b) {
-    return (struct vec){lane_select(a.x > b.x, a.x, b.x), lane_select(a.y > b.y, a.y, b.y),
-                        lane_select(a.z > b.z, a.z, b.z)};
+    return (struct vec){lane_max(a.x, b.x), lane_max(a.y, b.y), lane_max(a.z, b.z)};
 }
 
 static inline struct span span_of(const struct kernel_part *part, const double *q) {

@@ -1,5 +1,6 @@
 #include "diagnosis.h"
 
+#include "base/digits.h"
 #include "model.h"
 
 #include <math.h>
@@ -146,7 +147,7 @@ void diagnosis_write_head(FILE *stream) {
 
 void diagnosis_write_row(FILE *stream, const struct diagnosis *d) {
     const char *tab = "";
-#define COLUMN(name, unit, value, meaning) fprintf(stream, "%s%.17g", tab, value), tab = "\t";
+#define COLUMN(name, unit, value, meaning) fprintf(stream, "%s%s", tab, DIGITS(value)), tab = "\t";
     ALL_COLUMNS
 #undef COLUMN
     fputc('\n', stream);

@@ -22,6 +22,7 @@ struct model {
     const struct problem *problem;
     double t;                          /* of the state, s: kept by who advances it */
     const struct diagnosis *diagnosis; /* of a frame while it is shown, likewise; or NULL */
+    struct workers *workers;           /* who share the work on such a frame, likewise; or NULL */
     struct part *parts;
     int part_count;
     int parts_to_come;          /* that ticks may add to those at the start, at most */
@@ -34,7 +35,8 @@ struct model {
     int rate_column_count;
     double collision_rate;   /* Hz of ticks at which `tick` has work; 0: never */
     double interaction_rate; /* likewise, of those between wisps */
-    const double *kinks;     /* times at which the forces have one, s, ascending */
+    int ticks_alone;     /* whether at ticks of the first kind a part needs no other: tick_part */
+    const double *kinks; /* times at which the forces have one, s, ascending */
     int kink_count;
 };
 
@@ -77,6 +79,11 @@ struct problem {
      * on. NULL: nothing. */
     enum outcome (*tick)(struct model *model, struct workers *workers, unsigned events,
                          int *changed);
+
+    /* What `tick` does to part i at a stop that is nothing but a STOP_COLLISION (or a frame, or the
+     * end) where the model's parts tick alone: returns the bits of the lanes whose state is no
+     * longer what the stepper left. For different parts, from different threads. */
+    unsigned (*tick_part)(struct model *model, int i, double t);
 
     /* By how much a state can be wrong and finite: the largest strain in part i at time t where
      * that is above `limit`, with the wisp that has it, else 0. NULL: nobody can say. */

@@ -1,6 +1,7 @@
 #include "trajectory.h"
 
 #include "base/files.h"
+#include "base/npy.h"
 
 #include <errno.h>
 #include <math.h>
@@ -164,9 +165,19 @@ int trajectory_of_table(struct trajectory *t, struct table *table, const char *f
     return code;
 }
 
+int trajectory_path(const char *folder, char *path) {
+    if (path_format(path, "%s/states.npy", folder) == 0 && file_exists(path))
+        return 0;
+    return path_format(path, "%s/states.tsv", folder);
+}
+
 int trajectory_is_begun(const char *path) {
     static const char names[] = "t\twisp\tnode\t";
     FILE *file = open_regular(path);
+    if (file && npy_is_begun(file)) { /* of which messages show nothing */
+        fclose(file);
+        return 1;
+    }
     char *line = NULL;
     size_t size = 0;
     ssize_t length = 0;

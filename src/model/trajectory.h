@@ -1,4 +1,5 @@
-/* A states.tsv read back: the frames of a run as plain numbers, and who split off whom. */
+/* A states.tsv or states.npy read back: the frames of a run as plain numbers, and who split off
+ * whom. */
 #ifndef WISPLAB_TRAJECTORY_H
 #define WISPLAB_TRAJECTORY_H
 
@@ -33,6 +34,10 @@ struct trajectory {
  * is ENOMEM where it was memory. */
 int trajectory_of_table(struct trajectory *trajectory, struct table *table, const char *file,
                         char *reason);
+
+/* The file of states in a run's folder, states.npy where there is one, else states.tsv, into `path`
+ * (PATH_SIZE). Returns 0, or -1 where that does not fit. */
+int trajectory_path(const char *folder, char *path);
 
 /* Whether a file begins as a table of states, if it can be read. Of one that does not nothing need
  * be shown: whoever named it may not own it. */

@@ -66,7 +66,8 @@ void wisp_close(const struct wisp_model *m, int part, int lane, double *rows);
 int wisp_ticks_create(struct wisp_model *m);
 void wisp_ticks_free(struct wisp_model *m);
 
-/* The problem's `tick`. */
+/* The problem's `tick_part` and `tick`. */
+unsigned wisps_tick_part(struct model *model, int i, double t);
 enum outcome wisps_tick(struct model *model, struct workers *workers, unsigned events,
                         int *changed);
 

@@ -333,6 +333,14 @@ static void collide(struct tick *tick, struct workers *workers) {
     do_parts(tick, workers, collide_part);
 }
 
+/* Without bodies it is the clamp alone. */
+unsigned wisps_tick_part(struct model *model, int i, double t) {
+    const struct wisp_model *m = (const struct wisp_model *)model;
+    struct part *part = &model->parts[i];
+    m->kernel->prescribe(part->system.ctx, t);
+    return m->kernel->clamp(part->system.ctx, part->q, part->v);
+}
+
 /* At one time wisps touch first and split, then bodies push them out and samples are kept off their
  * nodes. */
 enum outcome wisps_tick(struct model *model, struct workers *workers, unsigned events,
@@ -353,6 +361,7 @@ enum outcome wisps_tick(struct model *model, struct workers *workers, unsigned e
 int wisp_ticks_create(struct wisp_model *m) {
     if (m->scene->wisps[0].samples > 0 || m->scene->body_count > 0)
         m->model.collision_rate = m->scene->collision_rate;
+    m->model.ticks_alone = m->scene->body_count == 0;
     if (interacts(m->scene) || wisps_split(m->scene))
         m->model.interaction_rate = m->scene->interaction.rate;
     return create_bodies(m) || create_strands(m) || (interacts(m->scene) && create_touch(m)) ? -1

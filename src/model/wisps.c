@@ -276,6 +276,7 @@ const struct problem wisp_problem = {
     .sample_accelerations = wisps_sample_accelerations,
     .terms = wisps_terms,
     .tick = wisps_tick,
+    .tick_part = wisps_tick_part,
     .strain = wisps_strain,
     .strain_limit = wisps_strain_limit,
     .extremes = wisps_extremes,

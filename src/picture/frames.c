@@ -3,6 +3,7 @@
 #include "base/files.h"
 #include "base/vector.h"
 #include "model/model.h"
+#include "run/results.h"
 #include "scene/scene_load.h"
 
 #include <errno.h>
@@ -242,6 +243,14 @@ static json_t *read_run(const char *states, char *path, char *reason) {
     return json;
 }
 
+/* There is no such file: of a run that was to leave none, that is said. */
+static void refuse_missing(const char *states, char *path, char *reason) {
+    json_t *run = read_run(states, path, reason);
+    refuse(states, reason, "%s",
+           run && run_left_no_states(run) ? LEFT_NO_STATES : "no such file, or it cannot be read");
+    json_decref(run);
+}
+
 /* A scene is named after its file, but this one's is not known. */
 static void name_after_folder(const char *path, struct scene *scene) {
     const char *end = strrchr(path, '/'), *start = end;
@@ -267,22 +276,23 @@ static int open_scene(struct frames *f, const json_t *run, const char *path,
 }
 
 int frames_path(const char *word, char *states) {
-    static const char ending[] = ".tsv";
-    const size_t length = strlen(word), tail = sizeof ending - 1;
+    const char *dot = strrchr(word, '.');
     struct stat status;
-    if (length >= tail && strcmp(word + length - tail, ending) == 0)
+    if (dot && (strcmp(dot, ".tsv") == 0 || strcmp(dot, ".npy") == 0))
         return path_format(states, "%s", word) == 0;
     return stat(word, &status) == 0 && S_ISDIR(status.st_mode) &&
-           path_format(states, "%s/states.tsv", word) == 0;
+           trajectory_path(word, states) == 0;
 }
 
 int frames_open(struct frames *f, const char *states, struct trajectories *owner,
                 const char *const *sets, int set_count, char *reason) {
     char path[PATH_SIZE];
     *f = (struct frames){.owner = owner};
-    if (!file_exists(states))
-        return refuse(states, reason, "no such file, or it cannot be read");
-    json_t *run = read_run(states, path, reason);
+    json_t *run = NULL;
+    if (file_exists(states))
+        run = read_run(states, path, reason);
+    else
+        refuse_missing(states, path, reason);
     if (!run)
         return 1;
     const char *status = json_string_value(json_object_get(run, "status"));

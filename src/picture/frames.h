@@ -22,8 +22,8 @@ struct frames {
     int *offset;                     /* from there, by wisp */
 };
 
-/* The states that a word names: a path that ends in .tsv, or the folder of a run. Returns 1, with
- * their path in `states` (PATH_SIZE), or 0 where it names none. */
+/* The states that a word names: a path that ends in .tsv or .npy, or the folder of a run. Returns
+ * 1, with their path in `states` (PATH_SIZE), or 0 where it names none. */
 int frames_path(const char *word, char *states);
 
 /* Takes the file `states`, which must have its run.json beside it, from `owner` (or NULL); `sets`

@@ -1,5 +1,6 @@
 #include "vtk.h"
 
+#include "base/digits.h"
 #include "base/files.h"
 #include "base/vector.h"
 
@@ -36,10 +37,10 @@ enum quantity { POINTS, VELOCITY, STRAIN, RADIUS };
 static void write_node(FILE *file, const struct strand *strand, int i, enum quantity quantity) {
     const double *vector = quantity == POINTS ? strand->p[i] : strand->v[i];
     if (quantity == POINTS || quantity == VELOCITY)
-        fprintf(file, "%.17g %.17g %.17g\n", vector[0], vector[1], vector[2]);
+        fprintf(file, "%s %s %s\n", DIGITS(vector[0]), DIGITS(vector[1]), DIGITS(vector[2]));
     else
-        fprintf(file, "%.17g\n",
-                quantity == STRAIN ? node_strain(strand, i) : node_radius(strand, i));
+        fprintf(file, "%s\n",
+                DIGITS(quantity == STRAIN ? node_strain(strand, i) : node_radius(strand, i)));
 }
 
 static void write_nodes(FILE *file, struct strand *const *strands, int count,
@@ -85,10 +86,10 @@ static void write_document(FILE *file, struct strand *const *strands, const int 
     fprintf(file,
             "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" "
             "byte_order=\"LittleEndian\">\n<PolyData>\n<FieldData>\n<DataArray type=\"Float64\" "
-            "Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">%.17g</DataArray>\n"
+            "Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">%s</DataArray>\n"
             "</FieldData>\n<Piece NumberOfPoints=\"%d\" NumberOfVerts=\"0\" NumberOfLines=\"%d\" "
             "NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n<Points>\n",
-            t, points, count);
+            DIGITS(t), points, count);
     write_nodes(file, strands, count, POINTS, "position", 3);
     fputs("</Points>\n<PointData Vectors=\"velocity\" Scalars=\"strain\">\n", file);
     write_nodes(file, strands, count, VELOCITY, "velocity", 3);
@@ -126,8 +127,8 @@ static int write_collection(const struct frames *frames, const char *folder, con
           file.stream);
     for (int frame = 1; frame <= frames->count; frame++)
         fprintf(file.stream,
-                "<DataSet timestep=\"%.17g\" group=\"\" part=\"0\" file=\"%s-%04d.vtp\"/>\n",
-                frames_time(frames, frame), name, frame);
+                "<DataSet timestep=\"%s\" group=\"\" part=\"0\" file=\"%s-%04d.vtp\"/>\n",
+                DIGITS(frames_time(frames, frame)), name, frame);
     fputs("</Collection>\n</VTKFile>\n", file.stream);
     return atomic_commit(&file, reason) ? 2 : 0;
 }

@@ -56,14 +56,18 @@ int run_is_sound(const char *folder, char *reason) {
     return 0;
 }
 
-void run_remove(const char *folder) {
-    static const char *const patterns[] = {"run.json", "states.tsv", "diagnostics.tsv", "*.part",
-                                           ".lock-*"};
-    for (size_t i = 0; i < sizeof patterns / sizeof *patterns; i++) {
+static void remove_like(const char *folder, const char *const *patterns) {
+    for (; *patterns; patterns++) {
         glob_t found;
-        files_like(folder, patterns[i], &found);
+        files_like(folder, *patterns, &found);
         for (size_t k = 0; k < found.gl_pathc; k++)
             unlink(found.gl_pathv[k]);
         globfree(&found);
     }
+}
+
+void run_remove(const char *folder) {
+    static const char *const others[] = {"run.json", "*.part", ".lock-*", NULL};
+    remove_like(folder, run_tables);
+    remove_like(folder, others);
 }

@@ -3,6 +3,7 @@
 #include "base/owner.h"
 #include "base/progress.h"
 #include "record.h"
+#include "seal.h"
 #include "stop.h"
 
 #include <errno.h>
@@ -287,15 +288,18 @@ double child_reached(const struct child *child) {
     return child->report->reached;
 }
 
+static void remove_leftovers(const struct child *child, const char *name) {
+    char path[PATH_SIZE];
+    if (path_format(path, "%s/%s", child->run->folder, name) == 0)
+        atomic_remove_leftovers(path);
+}
+
 void child_abandon(struct child *child) {
     signal_process(child->pid, SIGKILL);
     while (waitpid(child->pid, NULL, 0) < 0 && errno == EINTR)
         ;
-    static const char *const files[] = {"states.tsv", "diagnostics.tsv", "run.json"};
-    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
-        char path[PATH_SIZE];
-        if (path_format(path, "%s/%s", child->run->folder, files[i]) == 0)
-            atomic_remove_leftovers(path);
-    }
+    for (int i = 0; run_tables[i]; i++)
+        remove_leftovers(child, run_tables[i]);
+    remove_leftovers(child, "run.json");
     forget(child);
 }

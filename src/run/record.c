@@ -2,7 +2,10 @@
 
 #include "base/files.h"
 #include "base/hash.h"
+#include "base/npy.h"
 #include "build_info.h"
+#include "frame_binary.h"
+#include "frame_text.h"
 #include "identity.h"
 #include "model/problems.h"
 #include "reference_check.h"
@@ -30,18 +33,15 @@ void write_provenance(FILE *stream, const char *what, const struct scene *scene)
 /* --- frames --- */
 
 struct frame_writer {
-    struct atomic_file file;
+    struct atomic_file file; /* of the states, where there is to be one */
+    enum states_format format;
+    long long rows;
+    struct frame_text text;
     struct atomic_file diagnoses; /* open where the settings ask for them */
     int diagnosing;
     int named; /* the column names are written, with the first frame */
     int error; /* errno of the first failure, or 0 */
 };
-
-static void write_names(FILE *stream, const struct model *model) {
-    for (int i = 0; i < model->column_count; i++)
-        fprintf(stream, "\t%s", model->columns[i]);
-    fputs("\tparent\n", stream);
-}
 
 static void write_diagnosis(struct frame_writer *writer, const struct diagnosis *diagnosis) {
     diagnosis_write_row(writer->diagnoses.stream, diagnosis);
@@ -49,21 +49,35 @@ static void write_diagnosis(struct frame_writer *writer, const struct diagnosis 
         writer->error = errno;
 }
 
+/* Returns 0, or an errno. */
+static int write_text(struct frame_writer *writer, const struct model *model, double t,
+                      const double *rows) {
+    FILE *stream = writer->file.stream;
+    if (!writer->named)
+        frame_text_names(stream, model);
+    return frame_text_write(&writer->text, stream, model, t, rows) ? ENOMEM : 0;
+}
+
+static int write_binary(struct frame_writer *writer, const struct model *model, double t,
+                        const double *rows) {
+    FILE *stream = writer->file.stream;
+    if (!writer->named && frame_binary_begin(stream, model))
+        return ENOMEM;
+    frame_binary_write(stream, model, t, rows);
+    writer->rows += model->row_count;
+    return 0;
+}
+
 static int write_frame(void *ctx, const struct model *model, double t, const double *rows) {
     struct frame_writer *writer = ctx;
-    FILE *stream = writer->file.stream;
-    const int columns = model->column_count;
-    if (!writer->named)
-        write_names(stream, model);
-    writer->named = 1;
-    for (int i = 0; i < model->row_count; i++) {
-        fprintf(stream, "%.17g", t);
-        for (int j = 0; j < columns; j++)
-            fprintf(stream, "\t%.17g", rows[i * columns + j]);
-        fprintf(stream, "\t%d\n", model->parent[(int)rows[i * columns]]);
+    if (writer->format != STATES_NONE) {
+        writer->error = writer->format == STATES_TEXT ? write_text(writer, model, t, rows)
+                                                      : write_binary(writer, model, t, rows);
+        writer->named = 1;
+        /* now, so that a killed run keeps its frames and a full disk shows */
+        if (fflush(writer->file.stream))
+            writer->error = errno;
     }
-    if (fflush(stream)) /* now, so that a killed run keeps its frames and a full disk shows */
-        writer->error = errno;
     if (writer->diagnosing)
         write_diagnosis(writer, model->diagnosis);
     return writer->error ? OUTPUT_FAILED : 0;
@@ -79,6 +93,7 @@ static int open_table_of_run(struct atomic_file *file, const char *folder, const
         return -1;
     json_t *json = settings_to_json(scene, settings);
     json_object_del(json, "diagnostics"); /* with them or without, states.tsv is the same */
+    json_object_del(json, "states");      /* and so are diagnoses */
     char *text = json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(6));
     write_provenance(file->stream, what, scene);
     fprintf(file->stream, "# settings %s\n", text);
@@ -87,13 +102,24 @@ static int open_table_of_run(struct atomic_file *file, const char *folder, const
     return 0;
 }
 
+static int open_states(struct frame_writer *writer, const struct scene *scene,
+                       const struct settings *settings, const char *folder, char *reason) {
+    char path[PATH_SIZE];
+    if (writer->format == STATES_NONE)
+        return 0;
+    if (writer->format == STATES_TEXT)
+        return open_table_of_run(&writer->file, folder, "states.tsv",
+                                 "states at the frames: s, m, m/s", scene, settings, reason);
+    path_format(path, "%s/states.npy", folder);
+    return atomic_open(&writer->file, path, reason);
+}
+
 static int open_frames(struct frame_writer *writer, const struct scene *scene,
                        const struct settings *settings, const char *folder, char *reason) {
-    *writer = (struct frame_writer){.diagnosing = settings->diagnostics};
-    if (open_table_of_run(&writer->file, folder, "states.tsv", "states at the frames: s, m, m/s",
-                          scene, settings, reason))
+    *writer =
+        (struct frame_writer){.diagnosing = settings->diagnostics, .format = settings->states};
+    if (open_states(writer, scene, settings, folder, reason))
         return -1;
-    fputc('t', writer->file.stream);
     if (!writer->diagnosing)
         return 0;
     if (open_table_of_run(&writer->diagnoses, folder, "diagnostics.tsv", "diagnoses of the frames",
@@ -108,9 +134,12 @@ static int open_frames(struct frame_writer *writer, const struct scene *scene,
 static int close_frames(struct frame_writer *writer, const struct run_result *result,
                         char *reason) {
     int code = -1;
+    frame_text_free(&writer->text);
+    if (writer->format == STATES_BINARY && writer->named)
+        npy_set_rows(writer->file.stream, writer->rows);
     if (result->outcome != OUTPUT_FAILED)
         code = (writer->diagnosing && atomic_commit(&writer->diagnoses, reason)) ||
-                       atomic_commit(&writer->file, reason)
+                       (writer->file.stream && atomic_commit(&writer->file, reason))
                    ? -1
                    : 0;
     else
@@ -285,8 +314,19 @@ enum outcome record_run(const struct scene *scene, const struct settings *settin
     return failed ? OUTPUT_FAILED : result.outcome;
 }
 
-/* Gives a table of a dead process its name, up to the last complete line. */
-static void keep_complete_lines(const char *folder, const char *name) {
+/* Cuts a file behind its last complete line. Returns 0, or -1. */
+static int cut_text(FILE *file) {
+    long end = 0, at = 0;
+    for (int c; (c = fgetc(file)) != EOF;) {
+        at++;
+        if (c == '\n')
+            end = at;
+    }
+    return ftruncate(fileno(file), end);
+}
+
+/* Gives a table of a dead process its name, with what is complete of it. */
+static void keep_complete(const char *folder, const char *name, int (*cut)(FILE *file)) {
     char path[PATH_SIZE], pattern[64];
     glob_t found;
     path_format(path, "%s/%s", folder, name);
@@ -295,13 +335,7 @@ static void keep_complete_lines(const char *folder, const char *name) {
     const char *partial = found.gl_pathc > 0 ? found.gl_pathv[0] : "";
     const int descriptor = open(partial, O_RDWR | O_NOFOLLOW | O_CLOEXEC);
     FILE *file = descriptor >= 0 ? fdopen(descriptor, "r+") : NULL;
-    long end = 0, at = 0;
-    for (int c; file && (c = fgetc(file)) != EOF;) {
-        at++;
-        if (c == '\n')
-            end = at;
-    }
-    if (file && (ftruncate(descriptor, end) || file_put(partial, path)))
+    if (file && (cut(file) || file_put(partial, path)))
         unlink(partial);
     if (file)
         fclose(file);
@@ -312,9 +346,10 @@ int record_death(const struct scene *scene, const struct settings *settings, con
                  enum outcome outcome, const char *why, double reached, char *reason) {
     struct run_result result = {.outcome = outcome, .time = reached};
     snprintf(result.reason, REASON_SIZE, "%s", why);
-    keep_complete_lines(folder, "states.tsv");
+    keep_complete(folder, "states.tsv", cut_text);
+    keep_complete(folder, "states.npy", npy_mend);
     if (settings->diagnostics)
-        keep_complete_lines(folder, "diagnostics.tsv");
+        keep_complete(folder, "diagnostics.tsv", cut_text);
     json_t *json = result_to_json(scene, settings, &result);
     const int code = write_json(json, folder, reason);
     json_decref(json);

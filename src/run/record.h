@@ -1,5 +1,5 @@
-/* What a run leaves: states.tsv and, where the settings ask for it, diagnostics.tsv, both written
- * frame by frame, and run.json, which appears last. */
+/* What a run leaves: states.tsv or states.npy (or no states) and, where the settings ask for it,
+ * diagnostics.tsv, both written frame by frame, and run.json, which appears last. */
 #ifndef WISPLAB_RECORD_H
 #define WISPLAB_RECORD_H
 

@@ -1,5 +1,7 @@
 #include "results.h"
 
+#include "settings.h"
+
 #include <gsl/gsl_sort.h>
 #include <gsl/gsl_statistics_double.h>
 #include <math.h>
@@ -58,14 +60,22 @@ static int read_states(struct run_files *run, const char *path, char *reason) {
     return 0;
 }
 
+int run_left_no_states(const json_t *json) {
+    const char *format =
+        json_string_value(json_object_get(json_object_get(json, "settings"), "states"));
+    return format && strcmp(format, states_format_names[STATES_NONE]) == 0;
+}
+
 int run_read_states(struct run_files *run, const char *folder, struct trajectories *owner,
                     char *reason) {
     char path[PATH_SIZE];
     if (run_read(run, folder, reason))
         return -1;
     run->owner = owner;
-    path_format(path, "%s/states.tsv", folder);
-    if (read_states(run, path, reason) == 0)
+    trajectory_path(folder, path);
+    if (run_left_no_states(run->json))
+        states_fail(folder, LEFT_NO_STATES, reason);
+    else if (read_states(run, path, reason) == 0)
         return 0;
     run_free(run);
     return -1;

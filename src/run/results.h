@@ -24,6 +24,11 @@ int run_read(struct run_files *run, const char *folder, char *reason);
 int run_read_states(struct run_files *run, const char *folder, struct trajectories *owner,
                     char *reason);
 
+/* Whether a run was asked to leave no states, by its run.json; and what to say to who needs some.
+ */
+int run_left_no_states(const json_t *json);
+#define LEFT_NO_STATES "the run was made with --states none, and left none"
+
 /* Of both. */
 void run_free(struct run_files *run);
 

@@ -5,7 +5,7 @@
 #include <errno.h>
 #include <string.h>
 
-static const char *const tables[] = {"states.tsv", "diagnostics.tsv"};
+const char *const run_tables[] = {"states.tsv", "states.npy", "diagnostics.tsv", NULL};
 
 /* Of everything but itself. */
 static void hash_of(json_t *json, char hash[HASH_SIZE]) {
@@ -18,11 +18,11 @@ static void hash_of(json_t *json, char hash[HASH_SIZE]) {
 int seal_add(json_t *json, const char *folder, char *reason) {
     json_t *files = json_object();
     char hash[HASH_SIZE];
-    for (size_t i = 0; i < sizeof tables / sizeof *tables; i++) {
+    for (size_t i = 0; run_tables[i]; i++) {
         char path[PATH_SIZE];
-        path_format(path, "%s/%s", folder, tables[i]);
+        path_format(path, "%s/%s", folder, run_tables[i]);
         if (hash_file(path, hash) == 0) {
-            json_object_set_new(files, tables[i], json_string(hash));
+            json_object_set_new(files, run_tables[i], json_string(hash));
         } else if (errno != ENOENT) {
             snprintf(reason, REASON_SIZE, "%.150s: cannot read: %s", path, strerror(errno));
             json_decref(files);

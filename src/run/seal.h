@@ -8,6 +8,9 @@
 
 #include <jansson.h>
 
+/* The tables that a run may leave; ends with NULL. */
+extern const char *const run_tables[];
+
 /* Adds the hashes of the tables in `folder` to a run.json that is otherwise complete, and last its
  * own. Returns 0, or -1 with one line in `reason`. */
 int seal_add(json_t *json, const char *folder, char *reason);

@@ -7,6 +7,8 @@
 #include <stdio.h>
 #include <string.h>
 
+const char *const states_format_names[STATES_FORMATS] = {"text", "binary", "none"};
+
 static int refuse_name(char *reason, const char *what, const char *name, const char *list) {
     snprintf(reason, REASON_SIZE, "no %s '%.60s'; `wisplab list %s` names them", what, name, list);
     return -1;
@@ -151,7 +153,8 @@ int settings_resolve(const struct scene *scene, const struct run_request *reques
                                   .profile = request->profile,
                                   .perturbation = request->perturbation,
                                   .draw = request->draw,
-                                  .diagnostics = request->diagnostics};
+                                  .diagnostics = request->diagnostics,
+                                  .states = request->states};
     settings->strain_limit =
         request->strain_limit > 0 ? request->strain_limit : scene_strain_limit(scene);
     const char *name = request->stepper ? request->stepper : "rk4";
@@ -243,5 +246,7 @@ json_t *settings_to_json(const struct scene *scene, const struct settings *setti
     json_object_set_new(json, "timings", json_integer(settings->timings));
     if (settings->diagnostics)
         json_object_set_new(json, "diagnostics", json_true());
+    if (settings->states != STATES_TEXT)
+        json_object_set_new(json, "states", json_string(states_format_names[settings->states]));
     return json;
 }

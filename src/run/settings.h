@@ -7,6 +7,10 @@
 
 #include <jansson.h>
 
+/* What becomes of a run's states: states.tsv, states.npy, no file. */
+enum states_format { STATES_TEXT, STATES_BINARY, STATES_NONE, STATES_FORMATS };
+extern const char *const states_format_names[STATES_FORMATS];
+
 /* What was asked for; NULL or 0 is not said. */
 struct run_request {
     const char *stepper, *treatment, *linear;
@@ -20,6 +24,7 @@ struct run_request {
     int draw;            /* which one of such displacements: the seed of the random numbers */
     int profile;         /* whether calls to the model are timed */
     int diagnostics;     /* whether there is a diagnosis of each frame */
+    enum states_format states;
 };
 
 struct settings {
@@ -35,7 +40,8 @@ struct settings {
     int threads;     /* results do not depend on it */
     int profile;     /* nor on this */
     int diagnostics; /* states do not depend on it; times do */
-    int unknowns;    /* of the whole model: coordinates, not counting velocities */
+    enum states_format states;
+    int unknowns; /* of the whole model: coordinates, not counting velocities */
 };
 
 /* Completes a request for a scene. Returns 0, or with one line in `reason` (REASON_SIZE) REFUSED

@@ -135,6 +135,7 @@ static void open_simulation(struct simulation *sim) {
     sim->changed = calloc(parts, sizeof(int));
     sim->progress = calloc(parts, sizeof *sim->progress);
     sim->workers = workers_create(sim->settings->threads);
+    sim->model->workers = sim->workers;
     if (!sim->steppers || !sim->rows || !sim->changed || !sim->progress || !sim->workers)
         end_with(sim, OUT_OF_MEMORY, "no memory for the steppers");
     create_steppers(sim);
@@ -213,7 +214,9 @@ static void count_evaluations(struct simulation *sim) {
 static void note_step(struct simulation *sim, int i, double h) {
     struct part *part = &sim->model->parts[i];
     part->system.counters.steps += part->system.wisps;
-    add_steps(&sim->progress[i].steps, &(struct step_range){h, h});
+    struct step_range *steps = &sim->progress[i].steps;
+    if (steps->largest == 0 || h < steps->least || h > steps->largest)
+        add_steps(steps, &(struct step_range){h, h});
 }
 
 /* After a step of part i to time t: whether its state is one that the model can mean. Most steps
@@ -225,7 +228,8 @@ static int check_strain(struct simulation *sim, int i, double t) {
     if (!problem->strain)
         return 0;
     const double strain = problem->strain(sim->model, i, t, part->strain, &wisp);
-    part->strain = fmax(part->strain, strain);
+    if (strain > part->strain)
+        part->strain = strain;
     if (strain <= sim->settings->strain_limit)
         return 0;
     return system_fail(&sim->model->parts[i].system, -DIVERGED,
@@ -274,8 +278,12 @@ static int advance_adaptive(struct simulation *sim, int i, double *t, double to,
 static int all_finite(const double *x, int n) {
     double sum[8] = {
         0}; /* 0 * x is NaN where x is not finite; eight chains of additions, not one */
-    for (int i = 0; i < n; i++)
-        sum[i % 8] += 0 * x[i];
+    int i = 0;
+    for (; i + 8 <= n; i += 8)
+        for (int k = 0; k < 8; k++)
+            sum[k] += 0 * x[i + k];
+    for (; i < n; i++)
+        sum[0] += 0 * x[i];
     for (int k = 1; k < 8; k++)
         sum[0] += sum[k];
     return sum[0] == 0;
@@ -285,8 +293,22 @@ static int all_finite(const double *x, int n) {
 struct interval {
     struct simulation *sim;
     double to;
-    int once; /* every accepted step is a frame */
+    int once;  /* every accepted step is a frame */
+    int alone; /* parts do by themselves what is to be done at its end */
 };
+
+/* Whether parts do so at a stop: no kind of event at which they meet, and nobody books energies. */
+static int parts_tick_alone(const struct simulation *sim, unsigned events) {
+    return sim->model->ticks_alone && events & STOP_COLLISION &&
+           !(events & (STOP_INTERACTION | STOP_KINK)) && !sim->settings->diagnostics;
+}
+
+/* The state is in the cache, and nobody else need be waited for. */
+static void tick_part(struct simulation *sim, int i, double t) {
+    const unsigned changed = sim->scene->problem->tick_part(sim->model, i, t);
+    if (changed && sim->settings->method->reset)
+        sim->settings->method->reset(sim->steppers[i], changed);
+}
 
 static void advance_part(void *ctx, int i) {
     const struct interval *interval = ctx;
@@ -301,6 +323,8 @@ static void advance_part(void *ctx, int i) {
                      : advance_fixed(sim, i, &part->reached, interval->to);
     part->finite = all_finite(state->q, state->system.size) &&
                    all_finite(state->v, state->system.size); /* while they are in the cache */
+    if (interval->alone && !part->code && part->finite && part->reached == interval->to)
+        tick_part(sim, i, interval->to);
 }
 
 /* Whether the run may go on from where all parts have arrived. */
@@ -317,9 +341,9 @@ static void check_limits(struct simulation *sim) {
 
 /* The smooth advance of every part to the stop at `to`, or by one step of the only part where
  * every accepted step is a frame. Parts do not see each other: threads share them out. */
-static void advance_parts(struct simulation *sim, double to) {
+static void advance_parts(struct simulation *sim, double to, int alone) {
     const int every_step = sim->scene->frame_rate == 0 && sim->settings->frame_interval == 0;
-    struct interval interval = {sim, to, every_step};
+    struct interval interval = {sim, to, every_step, alone};
     double reached = to;
 
     workers_run(sim->workers, advance_part, &interval, sim->model->part_count);
@@ -450,21 +474,28 @@ void simulate(const struct scene *scene, const struct settings *settings,
     if (going(&sim))
         show_frame(&sim);
     const double start = cpu_seconds();
+    double begin = monotonic_seconds();
     while (going(&sim) && (sim.t < stop.t || clock_next(&sim.clock, &stop))) {
-        const double begin = monotonic_seconds();
-        advance_parts(&sim, stop.t);
+        const int frame = every_step || stop.events & STOP_FRAME;
+        const int alone = parts_tick_alone(&sim, stop.events);
+        advance_parts(&sim, stop.t, alone);
         if (going(&sim))
             check_finite(&sim);
+        if (alone && !frame)
+            continue; /* reading the clock would take as long as such a stop */
         const double advanced = monotonic_seconds();
-        if (going(&sim) && sim.t == stop.t)
+        if (going(&sim) && sim.t == stop.t && !alone)
             tick(&sim, stop.events);
         const double ticked = monotonic_seconds();
-        if (going(&sim) && (every_step || stop.events & STOP_FRAME))
+        if (going(&sim) && frame)
             show_frame(&sim);
+        const double shown = monotonic_seconds();
         result->advance_seconds += advanced - begin;
         result->tick_seconds += ticked - advanced;
-        result->frame_seconds += monotonic_seconds() - ticked;
+        result->frame_seconds += shown - ticked;
+        begin = shown;
     }
+    result->advance_seconds += monotonic_seconds() - begin;
     result->cpu_seconds = cpu_seconds() - start;
     if (going(&sim) && watch && watch->cpu_seconds > 0 && cpu_seconds() > watch->cpu_seconds)
         end_with(&sim, OUT_OF_TIME, "its limit of CPU time was reached");

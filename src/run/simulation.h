@@ -18,7 +18,9 @@ struct run_result {
     struct step_range steps;
     double largest_strain; /* of a segment after any step; where there are none, 0 */
     double cpu_seconds;    /* of the process, from the first step to the last, diagnoses included */
-    double advance_seconds, tick_seconds, frame_seconds; /* wall time of the stages */
+    double advance_seconds, tick_seconds, frame_seconds; /* wall time of the stages; ticks for
+                                                            which parts need not meet are among
+                                                            the advance */
     struct profile profile;                              /* of settings->profile, else zeros */
 };
 

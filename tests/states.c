@@ -1,0 +1,210 @@
+/* Formats of a run's states: the binary file holds the numbers of the text to the bit and is read
+ * wherever that is; a run that leaves none has the same result, and who needs some is told. */
+#include "base/npy.h"
+#include "model/trajectory.h"
+#include "support.h"
+
+#include <criterion/criterion.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static char folder[PATH_SIZE], path[PATH_SIZE], reason[REASON_SIZE];
+
+static void open_folder(void) {
+    folder_make(folder);
+    path_format(path, "%s/states.npy", folder);
+}
+
+static void close_folder(void) {
+    folder_remove(folder);
+}
+
+/* --- the file --- */
+
+static const char *const names[] = {"t", "wisp", "node", NULL};
+static const double numbers[] = {0, -0., 1. / 3, 5e-324, -INFINITY, 1e300, 0.1, 7, -2};
+
+/* Three rows, of which the header tells `rows`. */
+static void write_file(const char *const *columns, long long rows) {
+    FILE *file = fopen(path, "w");
+    npy_begin(file, columns);
+    npy_put(file, numbers, 9);
+    npy_set_rows(file, rows);
+    fclose(file);
+}
+
+static void check_rows(int rows) {
+    struct table table;
+    cr_assert_eq(table_read(&table, path, reason), 0, "%s", reason);
+    cr_assert(table.column_count == 3 && table.row_count == rows, "%d columns, %d rows",
+              table.column_count, table.row_count);
+    for (int i = 0; i < 3; i++)
+        cr_assert_str_eq(table.name[i], names[i]);
+    cr_assert_eq(memcmp(table.value, numbers, (size_t)rows * 3 * sizeof *numbers), 0);
+    table_free(&table);
+}
+
+Test(states, a_numpy_file_has_every_bit, .init = open_folder, .fini = close_folder) {
+    write_file(names, 3);
+    check_rows(3);
+    FILE *file = fopen(path, "r");
+    fseek(file, 0, SEEK_END);
+    cr_assert_eq((ftell(file) - 9 * 8) % 64, 0, "rows begin at %ld", ftell(file) - 9 * 8);
+    fclose(file);
+}
+
+/* A version, a header of so many letters, and rows: as numpy.save writes the same. */
+Test(states, a_file_of_numpys_own_is_read, .init = open_folder, .fini = close_folder) {
+    static const char header[] = "{'descr': [('t', '<f8'), ('wisp', '<f8'), ('node', '<f8')], "
+                                 "'fortran_order': False, 'shape': (3,), }";
+    FILE *file = fopen(path, "w");
+    fwrite("\x93NUMPY\x01\x00\x76\x00", 1, 10, file);
+    fprintf(file, "%-117s\n", header);
+    fwrite(numbers, sizeof *numbers, 9, file);
+    fclose(file);
+    check_rows(3);
+}
+
+/* What a killed run has written: whole rows are kept, and counted. */
+Test(states, a_cut_file_is_mended, .init = open_folder, .fini = close_folder) {
+    for (int rest = 0; rest < 3; rest++) {
+        write_file(names, 0);
+        FILE *file = fopen(path, "r+");
+        fseek(file, 0, SEEK_END);
+        cr_assert_eq(ftruncate(fileno(file), ftell(file) - 5 * rest - 3), 0);
+        rewind(file);
+        cr_assert_eq(npy_mend(file), 0);
+        fclose(file);
+        check_rows(2);
+    }
+    file_write(folder, "states.npy", "\x93NUM", path);
+    FILE *file = fopen(path, "r+");
+    cr_assert_eq(npy_mend(file), -1, "there is no header");
+    fclose(file);
+}
+
+static void check_refused(const char *why) {
+    struct table table;
+    cr_assert_eq(table_read(&table, path, reason), -1, "%s is read", why);
+    cr_assert(strstr(reason, "states.npy: ") && strstr(reason, why), "'%s', not '%s'", reason, why);
+}
+
+Test(states, a_wrong_numpy_file_is_refused, .init = open_folder, .fini = close_folder) {
+    static const char *const headers[] = {
+        "{'descr': '<f8', 'shape': (9,), }", "{'descr': [('t', '<f4')], 'shape': (9,), }",
+        "{'descr': [], 'shape': (9,), }", "{'descr': [('t', '<f8'", "{'shape': (9,), }"};
+    write_file(names, 4);
+    check_refused("has not as many rows as it says");
+    write_file(names, 2);
+    check_refused("has not as many rows as it says");
+    write_file(names, -1);
+    check_refused("has no rows of numbers");
+    file_write(folder, "states.npy", "\x93NUMPY\x02", path);
+    check_refused("has no header");
+    for (size_t i = 0; i < sizeof headers / sizeof *headers; i++) {
+        FILE *file = fopen(path, "w");
+        fwrite("\x93NUMPY\x01\x00\x76\x00", 1, 10, file);
+        fprintf(file, "%-117s\n", headers[i]);
+        fwrite(numbers, sizeof *numbers, 9, file);
+        fclose(file);
+        check_refused("is no array of named columns");
+    }
+}
+
+/* --- runs --- */
+
+static void run(const char *format, const char *name) {
+    struct finished f;
+    char out[PATH_SIZE];
+    path_format(out, "%s/%s", folder, name);
+    PROGRAM(&f, NULL, "run", "swing-envelope", "--duration", "0.2", "--states", format, "--out",
+            out, "--diagnostics", "--no-progress");
+    cr_assert_eq(f.code, 0, "%s", f.err);
+}
+
+static char *text_of(const char *name, const char *file) {
+    char where[PATH_SIZE];
+    path_format(where, "%s/%s/%s", folder, name, file);
+    char *text = file_read(where);
+    cr_assert(text, "no %s", where);
+    return text;
+}
+
+Test(states, binary_ones_are_the_numbers_of_the_text, .init = open_folder, .fini = close_folder) {
+    struct trajectory text, binary;
+    char where[PATH_SIZE];
+    run("text", "a");
+    run("binary", "b");
+    path_format(where, "%s/a", folder);
+    cr_assert_eq(trajectory_path(where, path), 0);
+    cr_assert(strstr(path, "states.tsv"));
+    cr_assert_eq(trajectory_read(&text, path, reason), 0, "%s", reason);
+    path_format(where, "%s/b", folder);
+    cr_assert_eq(trajectory_path(where, path), 0);
+    cr_assert(strstr(path, "states.npy"));
+    cr_assert_eq(trajectory_read(&binary, path, reason), 0, "%s", reason);
+    cr_assert(text.frame_count == 7 && binary.frame_count == 7);
+    cr_assert_eq(text.table.column_count, binary.table.column_count);
+    cr_assert_eq(memcmp(text.table.value, binary.table.value,
+                        sizeof(double) * (size_t)(text.table.row_count * text.table.column_count)),
+                 0, "other bits");
+    for (int i = 0; i < text.table.column_count; i++)
+        cr_assert_str_eq(text.table.name[i], binary.table.name[i]);
+    trajectory_free(&text);
+    trajectory_free(&binary);
+}
+
+/* Pictures, exports, starts and evaluations. */
+Test(states, binary_ones_are_read_where_text_is, .init = open_folder, .fini = close_folder) {
+    static const char *const files[] = {"a/states.tsv", "b/states.npy"};
+    struct finished f[2];
+    run("text", "a");
+    run("binary", "b");
+    for (int i = 0; i < 2; i++) {
+        char out[PATH_SIZE], start[PATH_SIZE + 16];
+        path_format(path, "%s/%s", folder, files[i]);
+        PROGRAM(&f[i], NULL, "eval", "swing-envelope", "--treatment", "generalised", "--state",
+                path);
+        cr_assert_eq(f[i].code, 0, "%s", f[i].err);
+        snprintf(start, sizeof start, "start=\"%s\"", path);
+        path_format(out, "%s/go-on", folder);
+        struct finished other;
+        PROGRAM(&other, NULL, "run", "swing-envelope", "--duration", "0.1", "--set", start, "--out",
+                out, "--no-progress");
+        cr_assert_eq(other.code, 0, "%s", other.err);
+        path_format(out, "%s/vtk-%d", folder, i);
+        path_format(path, "%s/%c", folder, "ab"[i]);
+        PROGRAM(&other, NULL, "export", path, "--vtk", out);
+        cr_assert(other.code == 0 && count_files(out, ".vtp") == 7, "%s", other.err);
+    }
+    cr_assert_str_eq(f[0].out, f[1].out);
+    path_format(path, "%s/b/states.npy", folder);
+    cr_assert_eq(truncate(path, 1000), 0);
+    char start[PATH_SIZE + 16];
+    snprintf(start, sizeof start, "start=\"%s\"", path);
+    PROGRAM(&f[0], NULL, "run", "swing-envelope", "--set", start, "--out", folder);
+    cr_assert(f[0].code == 1 && strstr(f[0].err, "has not as many rows"), "%s", f[0].err);
+}
+
+Test(states, none_are_left_and_the_rest_is_the_same, .init = open_folder, .fini = close_folder) {
+    struct finished f;
+    run("text", "a");
+    run("text", "n"); /* whose file must not stay */
+    run("none", "n");
+    char *with = text_of("a", "diagnostics.tsv"), *without = text_of("n", "diagnostics.tsv");
+    cr_assert_str_eq(with, without);
+    free(with);
+    free(without);
+    path_format(path, "%s/n", folder);
+    cr_assert_eq(count_files(path, ""), 2, "more than run.json and diagnostics.tsv");
+    PROGRAM(&f, NULL, "export", path, "--vtk", path);
+    cr_assert(f.code == 1 && strstr(f.err, "--states none"), "%s", f.err);
+    PROGRAM(&f, NULL, "render", path, "--out", path);
+    cr_assert(f.code == 1 && strstr(f.err, "--states none"), "%s", f.err);
+    PROGRAM(&f, NULL, "run", "swing-envelope", "--states", "none", "--save", path);
+    cr_assert(f.code == 1 && strstr(f.err, "--save"), "%s", f.err);
+    PROGRAM(&f, NULL, "run", "swing-envelope", "--states", "hdf5");
+    cr_assert(f.code == 1 && strstr(f.err, "text, binary or none"), "%s", f.err);
+}
