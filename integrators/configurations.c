@@ -115,7 +115,7 @@ static const struct configuration table[] = {
 
     {.name = "exponential",
      .stepper = "exponential",
-     .kind = CONFIGURATION_PLAIN,
+     .kind = CONFIGURATION_COSTLY,
      .cost = 5e-6,
      .colour = "#44AA99",
      .mark = 3},

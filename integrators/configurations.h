@@ -23,6 +23,7 @@ enum configuration_kind {
     CONFIGURATION_FORMULA = 32,        /* another family of formulas */
     CONFIGURATION_SOLVER_DETAILS = 64, /* solver, its tolerance, Jacobian */
     CONFIGURATION_MATRIX = 128,        /* which forces are in its matrix */
+    CONFIGURATION_COSTLY = 512, /* it does not, but costs too much for all but charts of cost */
 };
 
 struct configuration {
@@ -56,7 +57,7 @@ struct configuration *configurations_choose(unsigned kinds, unsigned capabilitie
 struct configuration configuration_of(const struct stepper_method *method);
 
 /* All kinds. */
-enum { CONFIGURATION_ANY = 255 };
+enum { CONFIGURATION_ANY = 1023 };
 
 /* What the thesis runs hair with (Plante 1999, sections 4.2.1 and 5). */
 struct recipe {

@@ -4,6 +4,7 @@
  *
  * Others have the plain loop's forces, which are faster for one wisp than the kernel's on one lane,
  * but CVODE, whose Jacobian is the kernel's, has the kernel's. The scene is the smooth `swing`. */
+#include "experiments/common/measure.h"
 #include "integrators/configurations.h"
 #include "model/problems.h"
 #include "plain_chain.h"
@@ -55,8 +56,8 @@ struct peer {
     int wisps;
     int is_adaptive;
 
-    /* Runs all wisps, and writes one of them where path is not NULL. Returns 0 where it got to the
-     * end. */
+    /* Runs its wisps, or where path is not NULL one, of which it writes the frames. Returns 0 where
+     * it got to the end. */
     int (*run)(const struct peer *peer, struct path *path);
 };
 
@@ -70,14 +71,12 @@ static int run_loop(const struct peer *peer, struct path *path,
     const struct chain *chain = peer->chain;
     const double interval = duration / FRAMES;
     const int steps = (int)ceil(interval / peer->setting - 1e-9);
-    for (int wisp = 0; wisp < peer->wisps; wisp++) {
-        double q[CHAIN_SIZE_MAX], v[CHAIN_SIZE_MAX] = {0};
-        memcpy(q, chain->q, sizeof q);
-        for (int f = 1; f <= FRAMES; f++) {
-            for (int k = 0; k < steps; k++)
-                step(chain, interval / steps, q, v);
-            keep(path, f, q);
-        }
+    double q[CHAIN_SIZE_MAX], v[CHAIN_SIZE_MAX] = {0};
+    memcpy(q, chain->q, sizeof q);
+    for (int f = 1; f <= FRAMES; f++) {
+        for (int k = 0; k < steps; k++)
+            step(chain, interval / steps, q, v);
+        keep(path, f, q);
     }
     return 0;
 }
@@ -105,15 +104,12 @@ static int run_gsl(const struct peer *peer, struct path *path) {
                                                               1e-3 * peer->setting, peer->setting);
     if (!driver)
         out_of_memory();
+    double y[2 * CHAIN_SIZE_MAX] = {0}, t = 0;
     int code = 0;
-    for (int wisp = 0; wisp < peer->wisps && !code; wisp++) {
-        double y[2 * CHAIN_SIZE_MAX] = {0}, t = 0;
-        memcpy(y, chain->q, (size_t)chain->size * sizeof(double));
-        gsl_odeiv2_driver_reset_hstart(driver, 1e-4);
-        for (int f = 1; f <= FRAMES && !code; f++) {
-            code = gsl_odeiv2_driver_apply(driver, &t, f * duration / FRAMES, y);
-            keep(path, f, y);
-        }
+    memcpy(y, chain->q, (size_t)chain->size * sizeof(double));
+    for (int f = 1; f <= FRAMES && !code; f++) {
+        code = gsl_odeiv2_driver_apply(driver, &t, f * duration / FRAMES, y);
+        keep(path, f, y);
     }
     gsl_odeiv2_driver_free(driver);
     return code;
@@ -121,8 +117,7 @@ static int run_gsl(const struct peer *peer, struct path *path) {
 
 static int run_cvode(const struct peer *peer, struct path *path) {
     struct stock *stock = stock_create(peer->part, peer->setting, 1e-3 * peer->setting, 0, 0);
-    for (int wisp = 0; wisp < peer->wisps; wisp++)
-        stock_run(stock, duration, FRAMES, path ? path->x : NULL);
+    stock_run(stock, duration, FRAMES, path ? path->x : NULL);
     stock_free(stock);
     return 0;
 }
@@ -176,27 +171,30 @@ static double setting_at(const struct peer *peer, int place) {
     return duration / FRAMES / ceil(pow(2, 0.25 * place) - 1e-9);
 }
 
+/* Whether a run is predicted to take longer than anyone would wait. */
+static int is_long(const struct peer *peer) {
+    return peer->method &&
+           estimated_cost(peer->one, WISP_GENERALISED, peer->method, peer->setting) > 0.1;
+}
+
 /* The coarsest setting that is within the target; its error in *error. Returns 0, or -1: there is
  * none that anyone would wait for. */
 static int fit(struct peer *peer, double target, const struct path *truth, double *error) {
     const double finest = peer->is_adaptive ? 1e-13 : 1e-5;
     struct path path = path_of(truth->size);
-    const int wisps = peer->wisps;
-    peer->wisps = 1; /* one is as good as all */
     *error = INFINITY;
     for (int place = 0; place < PLACES && !(*error <= target); place++) {
         peer->setting = setting_at(peer, place);
-        if (peer->setting < finest)
+        if (peer->setting < finest || is_long(peer))
             break;
         *error = peer->run(peer, &path) ? INFINITY : path_error(&path, truth);
     }
-    peer->wisps = wisps;
     free(path.x);
     return *error <= target ? 0 : -1;
 }
 
 static struct path truth_of(const struct chain *chain) {
-    struct peer tight = {.chain = chain, .setting = 1e-13, .wisps = 1};
+    struct peer tight = {.chain = chain, .setting = 1e-13};
     struct path path = path_of(chain->size);
     if (run_gsl(&tight, &path))
         give_up("rk8pd does not get to the end of swing");
@@ -231,7 +229,7 @@ static void enter(struct contest *contest, const struct peer_question *question,
         return;
     contest_note(contest, "peer setting", question->name, peer->name, fitted->setting);
     contest_note(contest, "peer error", question->name, peer->name, error);
-    contest_add(contest, "peer", question->name, peer->name, question->wisps * duration, run_peer,
+    contest_add(contest, "peer", question->name, peer->name, fitted->wisps * duration, run_peer,
                 fitted);
 }
 
@@ -257,7 +255,7 @@ void enter_peers(struct contest *contest) {
             struct peer peer = others[i];
             peer.chain = chain;
             peer.part = &model->parts[0];
-            peer.wisps = question->wisps;
+            peer.wisps = 1;
             enter(contest, question, &peer, &truth);
         }
         for (int i = 0; own[i].name; i++)

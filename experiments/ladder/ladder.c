@@ -143,7 +143,7 @@ static int ladder_plan(struct plan *plan) {
     plan->run_seconds = 20;
     const unsigned kinds = CONFIGURATION_PLAIN | CONFIGURATION_ORDER | CONFIGURATION_MATRIX,
                    more = CONFIGURATION_ITERATED | CONFIGURATION_SOLVER |
-                          CONFIGURATION_SOLVER_ITERATED;
+                          CONFIGURATION_SOLVER_ITERATED | CONFIGURATION_COSTLY;
     if (plan_configurations(plan, plan->quick ? kinds : kinds | more, 0))
         return -1;
     const size_t searches = (size_t)(LADDER_CELLS * plan->configuration_count);

@@ -11,8 +11,8 @@ static const char *const quick_scenes[] = {"swing", "swing-64", "swing-envelope"
 static const struct race race = {
     .scenes = scenes,
     .quick_scenes = quick_scenes,
-    .kinds =
-        CONFIGURATION_PLAIN | CONFIGURATION_ITERATED | CONFIGURATION_SOLVER | CONFIGURATION_ORDER,
+    .kinds = CONFIGURATION_PLAIN | CONFIGURATION_ITERATED | CONFIGURATION_SOLVER |
+             CONFIGURATION_ORDER | CONFIGURATION_COSTLY,
     .seconds = 450,
     .quick_seconds = 60,
 };
