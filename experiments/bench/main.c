@@ -44,6 +44,7 @@ static void enter_kernel(const struct bench *bench, struct contest *contest) {
     enter_solvers(contest, bench->scene);
     enter_steppers(contest, bench->scene);
     enter_contacts(contest, bench->scene);
+    enter_small_costs(contest, bench->scene);
 }
 
 static int write_kernel(struct bench *bench, const struct samples *samples) {

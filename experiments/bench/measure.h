@@ -89,6 +89,7 @@ void enter_rates(struct contest *contest, const char *subject);
 void enter_solvers(struct contest *contest, const struct scene *scene);
 void enter_steppers(struct contest *contest, const struct scene *scene);
 void enter_contacts(struct contest *contest, const struct scene *scene);
+void enter_small_costs(struct contest *contest, const struct scene *scene);
 
 /* --- CVODE as it comes, with its own vectors and KLU (steppers.c) --- */
 

@@ -324,12 +324,14 @@ static void write_pair(FILE *stream, const struct samples *samples, const char *
 static int write_steppers(const struct tables *tables) {
     const struct samples *s = tables->samples;
     struct atomic_file file;
-    if (open_table(&file, tables, "steppers",
-                   "ns per step and wisp, and their ratio round by round; seam: rk4 of the "
-                   "registry against one by hand; cvode: as it comes against ours; nan: steps "
-                   "are as long, and not counted",
-                   "group\tsubject\tname\tthan\tsteps\tsteps_than" TRIPLE("ns") TRIPLE("ns_than")
-                       TRIPLE("ratio")))
+    if (open_table(
+            &file, tables, "steppers",
+            "ns per step and wisp, and their ratio round by round; seam: rk4 of the "
+            "registry against one by hand; cvode: as it comes against ours; digits: ns a "
+            "number as text; stops: a step with the clamp after it, and nine of ten without; "
+            "nan: steps are as long, and not counted",
+            "group\tsubject\tname\tthan\tsteps\tsteps_than" TRIPLE("ns") TRIPLE("ns_than")
+                TRIPLE("ratio")))
         return -1;
     write_pair(file.stream, s, "seam", "skeleton skip 0 64", "stepper", "by hand");
     write_pair(file.stream, s, "seam", "generalised skip 4 64", "stepper", "by hand");
@@ -338,6 +340,8 @@ static int write_steppers(const struct tables *tables) {
         write_pair(file.stream, s, "cvode", rtol[i], "stock", "ours");
         write_pair(file.stream, s, "cvode", rtol[i], "stock, our settings", "ours");
     }
+    write_pair(file.stream, s, "digits", "a number", "printf", "shortest");
+    write_pair(file.stream, s, "stops", "linear-euler", "every step", "every tenth");
     return atomic_commit(&file, tables->reason);
 }
 
