@@ -130,7 +130,6 @@ struct system {
     const char *matrix_note;         /* why the matrix is not symmetric, or NULL */
     unsigned force_parts;            /* that solve_part takes, bit k for part k; 0: none */
     enum force_part stiff_part;      /* the least of them that has all that may be stiff */
-    int bdf_order;                   /* highest order of BDF where nothing is said; 0: no opinion */
     const struct sparse_matrix *pattern; /* of assemble; NULL without it */
     struct counters counters;
     struct profile *profile; /* NULL: none is kept */
