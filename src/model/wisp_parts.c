@@ -48,8 +48,7 @@ int wisp_part_create(struct wisp_model *m, int i) {
                                    .size = size,
                                    .lanes = lanes,
                                    .wisps = batch->count,
-                                   .numbers = batch->wisp,
-                                   .bdf_order = 2};
+                                   .numbers = batch->wisp};
     declare_matrix(&part->system, wisps[0], m->treatment);
     part->system.ctx = m->kernel->create(wisps, &m->scene->around, m->treatment, &part->system);
     part->q = aligned_alloc(64, ((size_t)size * sizeof(double) + 63) / 64 * 64);
