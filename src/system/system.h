@@ -121,6 +121,11 @@ struct system {
     unsigned force_parts;            /* that solve_part takes, bit k for part k; 0: none */
     enum force_part stiff_part;      /* the least of them that has all that may be stiff */
     int bdf_order;                   /* highest order of BDF where nothing is said; 0: no opinion */
+    int unprojected;                 /* steps leave the state off the constraint that there is */
+    double from, until;              /* of the smooth motion being advanced over, s: prescribed
+                                        functions of time with a jump at an end have there what they
+                                        have inside; until 0: none is */
+    const char *no_jacobians;        /* that something has none, and what to do; NULL: not said */
     const struct sparse_matrix *pattern; /* of assemble; NULL without it */
     struct counters counters;
     struct profile *profile; /* NULL: none is kept */
