@@ -23,6 +23,7 @@ enum configuration_kind {
     CONFIGURATION_FORMULA = 32,        /* another family of formulas */
     CONFIGURATION_SOLVER_DETAILS = 64, /* solver, its tolerance, Jacobian */
     CONFIGURATION_MATRIX = 128,        /* which forces are in its matrix */
+    CONFIGURATION_LANES = 256,         /* how many wisps share its steps */
     CONFIGURATION_COSTLY = 512, /* it does not, but costs too much for all but charts of cost */
 };
 

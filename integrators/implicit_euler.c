@@ -21,7 +21,7 @@ struct implicit_euler {
 static struct stepper *implicit_euler_create(const struct stepper_settings *settings,
                                              struct system *system) {
     const size_t n = (size_t)system->size;
-    struct implicit_euler *self = malloc(sizeof *self + 2 * n * sizeof(double));
+    struct implicit_euler *self = calloc(1, sizeof *self + 2 * n * sizeof(double));
     if (!self)
         return NULL;
     self->q = self->memory;
@@ -34,6 +34,16 @@ static struct stepper *implicit_euler_create(const struct stepper_settings *sett
     return &self->base;
 }
 
+/* Lanes whose state is not the one that the last step left: something outside has moved them. */
+static unsigned moved(const struct implicit_euler *self, const double *q, const double *v) {
+    const struct system *system = self->base.system;
+    unsigned lanes = 0;
+    for (int i = 0; i < system->size; i += system->lanes)
+        for (int k = 0; k < system->lanes; k++)
+            lanes |= (unsigned)(q[i + k] != self->q[i + k] || v[i + k] != self->v[i + k]) << k;
+    return lanes;
+}
+
 /* v1 = v0 + h a(t1, q1, v1), q1 = q0 + h v1. The first iterate is the state before the step, which
  * makes the first linear system that of equation 2.4. */
 static int implicit_euler_step(struct stepper *stepper, double t, double h, double *q, double *v) {
@@ -42,6 +52,8 @@ static int implicit_euler_step(struct stepper *stepper, double t, double h, doub
     const size_t bytes = (size_t)system->size * sizeof(double);
     const struct newton_equation equation = {.t = t + h, .gamma = h, .beta = h, .q0 = q, .v0 = v};
 
+    if (newton_reuses(self->newton))
+        newton_forget(self->newton, moved(self, q, v));
     memcpy(self->q, q, bytes);
     memcpy(self->v, v, bytes);
     int code = newton_solve(self->newton, &equation, self->q, self->v);

@@ -9,7 +9,15 @@ struct newton {
     enum jacobian kind;
     int iterations;
     double tolerance;
-    unsigned moving;      /* lanes that have not converged, bit k for lane k */
+    unsigned moving; /* lanes that have not converged, bit k for lane k */
+
+    /* with newton.reuse */
+    int reuse;                    /* 0: without */
+    unsigned kept;                /* lanes that have a matrix that may be used */
+    double gamma, beta;           /* with which those were factorised */
+    int age[LANES_MOST];          /* steps that a lane's has been used in */
+    double change_by[LANES_MOST]; /* what the last iteration changed a lane by; 0: there was none */
+
     double *a;            /* the iterate's acceleration */
     double *rhs, *change; /* of the linear system */
     double *work;
@@ -39,6 +47,7 @@ struct newton *newton_create(const struct stepper_settings *settings,
     *self = (struct newton){.system = system,
                             .iterations = (int)option_value(given, &options[NEWTON_ITERATIONS]),
                             .tolerance = option_value(given, &options[NEWTON_TOLERANCE]),
+                            .reuse = (int)option_value(given, &options[NEWTON_REUSE]),
                             .a = self->memory,
                             .rhs = self->memory + n,
                             .change = self->memory + 2 * n,
@@ -58,14 +67,56 @@ void newton_free(struct newton *self) {
     free(self);
 }
 
-/* The linear system at (q, v), see newton.h, and its solution. */
+/* The two vectors of the right side, M r and gamma K g. */
+static void find_residuals(const struct newton *self, const struct newton_equation *e,
+                           const double *q, const double *v, double *r, double *g) {
+    for (int i = 0; i < self->system->size; i++) {
+        g[i] = e->q0[i] + e->beta * v[i] - q[i];
+        r[i] = e->v0[i] - v[i] + e->gamma * self->a[i];
+    }
+}
+
+/* The linear system at (q, v), see newton.h, and its solution, by a solver that does it at once. */
+static int find_change_at_once(struct newton *self, const struct newton_equation *e,
+                               const double *q, const double *v) {
+    double alpha[LANES_MOST], beta[LANES_MOST];
+    struct part_equation equation = {
+        .alpha = alpha, .beta = beta, .gamma = alpha, .q = q, .r = self->rhs, .g = self->work};
+    const int code = system_acceleration(self->system, e->t, q, v, self->a);
+    if (code)
+        return code;
+    for (int k = 0; k < self->system->lanes; k++) {
+        alpha[k] = e->gamma;
+        beta[k] = e->gamma * e->beta;
+    }
+    find_residuals(self, e, q, v, self->rhs, self->work);
+    return linear_solve_at_once(self->linear, &equation, self->change);
+}
+
+/* Makes the matrices of the lanes that have none, or of all without newton.reuse. */
+static int make_matrices(struct newton *self, const struct newton_equation *e, const double *q,
+                         const double *v) {
+    struct system *system = self->system;
+    const unsigned lanes = self->reuse ? self->moving & ~self->kept : ~0u;
+    if (!lanes)
+        return 0;
+    system->waiting = ~lanes;
+    int code = system_linearise(system, self->kind, e->t, q, v);
+    if (!code)
+        code = linear_factor(self->linear, e->gamma, e->gamma * e->beta);
+    system->waiting = 0;
+    self->kept = code ? 0 : self->kept | lanes;
+    for (int k = 0; k < system->lanes; k++)
+        self->age[k] = lanes >> k & 1 ? 0 : self->age[k];
+    return code;
+}
+
+/* The same step by step. */
 static int find_change(struct newton *self, const struct newton_equation *e, const double *q,
                        const double *v) {
     struct system *system = self->system;
     const int n = system->size;
-    int code = system_linearise(system, self->kind, e->t, q, v);
-    if (!code)
-        code = linear_factor(self->linear, e->gamma, e->gamma * e->beta);
+    int code = make_matrices(self, e, q, v);
     if (!code)
         code = system_acceleration(system, e->t, q, v, self->a);
     if (code)
@@ -97,6 +148,10 @@ static int move_lane(struct newton *self, int lane, double *v) {
         return system_fail(system, NOT_FINITE, "Newton's iterate overflowed or became NaN");
     if (change <= self->tolerance * (1 + speed))
         self->moving &= ~(1u << lane);
+    else if (self->age[lane] > 0 && self->change_by[lane] > 0 &&
+             change > 0.25 * self->change_by[lane])
+        self->kept &= ~(1u << lane); /* it would not converge soon */
+    self->change_by[lane] = change;
     return 0;
 }
 
@@ -116,13 +171,38 @@ static int move_once(struct newton *self, double *v) {
     return 0;
 }
 
+int newton_reuses(const struct newton *self) {
+    return self->reuse > 0;
+}
+
+void newton_forget(struct newton *self, unsigned lanes) {
+    self->kept &= ~lanes;
+}
+
+/* Before a step with newton.reuse: what is too old, or for other coefficients, is not kept. */
+static void begin_step(struct newton *self, const struct newton_equation *e) {
+    if (e->gamma != self->gamma || e->beta != self->beta)
+        self->kept = 0;
+    self->gamma = e->gamma;
+    self->beta = e->beta;
+    for (int k = 0; k < self->system->lanes; k++) {
+        if (++self->age[k] >= self->reuse)
+            self->kept &= ~(1u << k);
+        self->change_by[k] = 0;
+    }
+}
+
 int newton_solve(struct newton *self, const struct newton_equation *e, double *q, double *v) {
     struct system *system = self->system;
     const unsigned counted = ~(~0u << system->wisps); /* without the padding */
     self->moving = ~(~0u << system->lanes);
+    if (self->reuse)
+        begin_step(self, e);
     for (int k = 0; k < self->iterations && self->moving; k++) {
         system->counters.newton_iterations += __builtin_popcount(self->moving & counted);
-        int code = find_change(self, e, q, v);
+        int code = !self->reuse && linear_solves_at_once(self->linear, self->kind)
+                       ? find_change_at_once(self, e, q, v)
+                       : find_change(self, e, q, v);
         if (!code)
             code = self->iterations == 1 ? move_once(self, v) : move(self, v);
         if (code)

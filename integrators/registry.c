@@ -15,6 +15,7 @@
     X(exponential)      \
     X(bdf2)             \
     X(bdf3)             \
+    X(bdf)              \
     X(cvode)            \
     X(reference)
 

@@ -10,6 +10,7 @@ struct semi_implicit {
     enum force_part part;
     enum jacobian kind;   /* of a system without parts */
     double *coefficients; /* of linear Euler: h, then h^2, of each lane */
+    double *step;         /* h, likewise */
     double *work, *right; /* of a system without parts */
     double *r, *change;   /* of linear Euler */
     double memory[];
@@ -50,7 +51,7 @@ int semi_implicit_refuse(const struct stepper_settings *settings, struct system 
 struct semi_implicit *semi_implicit_create(const struct stepper_settings *settings,
                                            struct system *system) {
     const size_t n = (size_t)system->size, lanes = (size_t)system->lanes;
-    struct semi_implicit *self = malloc(sizeof *self + (4 * n + 2 * lanes) * sizeof(double));
+    struct semi_implicit *self = malloc(sizeof *self + (4 * n + 3 * lanes) * sizeof(double));
     if (!self)
         return NULL;
     const int choice = chosen(settings), kind = own_kind(system);
@@ -62,6 +63,7 @@ struct semi_implicit *semi_implicit_create(const struct stepper_settings *settin
     self->r = self->right + n;
     self->change = self->r + n;
     self->coefficients = self->change + n;
+    self->step = self->coefficients + 2 * lanes;
     return self;
 }
 
@@ -107,27 +109,37 @@ int semi_implicit_solve(struct semi_implicit *self, double t, const double *v,
     return system_solve_part(self->system, equation, x);
 }
 
-int semi_implicit_euler(struct semi_implicit *self, double t, double h, const double *q,
-                        const double *v, double *q1, double *v1) {
+int semi_implicit_euler_lanes(struct semi_implicit *self, double t1, const double *h,
+                              const double *q, const double *v, double *q1, double *v1) {
     struct system *system = self->system;
-    double *alpha = self->coefficients, *beta = alpha + system->lanes;
+    const int lanes = system->lanes;
+    double *alpha = self->coefficients, *beta = alpha + lanes;
     double *r = self->r, *change = self->change;
     struct part_equation equation = {
         .alpha = alpha, .beta = beta, .gamma = beta, .q = q, .r = r, .g = v};
-    for (int k = 0; k < system->lanes; k++) {
-        alpha[k] = h;
-        beta[k] = h * h;
+    for (int k = 0; k < lanes; k++) {
+        alpha[k] = h[k];
+        beta[k] = h[k] * h[k];
     }
-    int code = system_acceleration(system, t + h, q, v, r);
+    int code = system_acceleration(system, t1, q, v, r);
     if (code)
         return code;
-    for (int i = 0; i < system->size; i++)
-        r[i] *= h;
-    code = semi_implicit_solve(self, t + h, v, &equation, change);
-    for (int i = 0; i < system->size && !code; i++) {
-        const double velocity = v[i] + change[i];
-        v1[i] = velocity;
-        q1[i] = q[i] + h * velocity;
-    }
+    for (int i = 0; i < system->size; i += lanes)
+        for (int k = 0; k < lanes; k++)
+            r[i + k] *= h[k];
+    code = semi_implicit_solve(self, t1, v, &equation, change);
+    for (int i = 0; i < system->size && !code; i += lanes)
+        for (int k = 0; k < lanes; k++) {
+            const double velocity = v[i + k] + change[i + k];
+            v1[i + k] = velocity;
+            q1[i + k] = q[i + k] + h[k] * velocity;
+        }
     return code;
+}
+
+int semi_implicit_euler(struct semi_implicit *self, double t, double h, const double *q,
+                        const double *v, double *q1, double *v1) {
+    for (int k = 0; k < self->system->lanes; k++)
+        self->step[k] = h;
+    return semi_implicit_euler_lanes(self, t + h, self->step, q, v, q1, v1);
 }

@@ -1,10 +1,19 @@
 #include "stepper.h"
 
-int stepper_lanes(const struct stepper_method *method, const struct linear_method *linear) {
-    enum { KERNEL_LANES = 4 };
-    const int most = method->lanes > 0                         ? method->lanes
+int stepper_steps_by_lane(const struct stepper_method *method) {
+    return method->capabilities & STEPPER_ADAPTIVE && method->lanes > 1;
+}
+
+static int shares_steps(const struct stepper_method *method, const struct options *options) {
+    return method->shared_steps && option_value(options, method->shared_steps) > 0;
+}
+
+int stepper_lanes(const struct stepper_method *method, const struct linear_method *linear,
+                  const struct options *options) {
+    const int most = shares_steps(method, options)             ? LANES_MOST
+                     : method->lanes > 0                       ? method->lanes
                      : method->capabilities & STEPPER_ADAPTIVE ? 1
-                                                               : KERNEL_LANES;
+                                                               : LANES_MOST;
     return linear && linear->max_lanes < most ? linear->max_lanes : most;
 }
 

@@ -64,8 +64,14 @@ struct stepper_method {
      * stepper_usual_rate for 0. */
     double usual_rate;
 
-    int lanes; /* most wisps of a part; 0: 1 of adaptive methods, since all would get one step, else
-                  as many as the kernel takes */
+    /* Most wisps of a part; 0: 1 of adaptive methods, else as many as the kernel takes. An adaptive
+     * method that says more takes steps of its own with each. */
+    int lanes;
+
+    /* Of adaptive methods that have one step for a whole part: the choice among their options, of
+     * "1" or "4", of how many wisps may share one. With 4 a wisp's bits depend on the others. NULL:
+     * none. */
+    const struct option_spec *shared_steps;
 
     /* By what a step multiplies a mode of a linear system, see stepper_amplification; NULL: what
      * `table` says, and without one nobody knows. */
@@ -81,8 +87,10 @@ struct stepper_method {
     /* Fixed-step methods: one step from t to t + h, in place, projection included. */
     int (*step)(struct stepper *stepper, double t, double h, double *q, double *v);
 
-    /* Adaptive methods: one accepted step of the method's choice from *t, in place, not beyond
-     * `stop`, which is met exactly; *t becomes the time reached. */
+    /* Adaptive methods: an accepted step of the method's choice, in place, of some or all of the
+     * lanes that are before `stop`, not beyond it; it is met exactly. t has the time of each lane,
+     * which becomes the one reached. (Lanes have times of their own in methods that take several
+     * and do not share steps.) After a failure lanes are where t says. */
     int (*advance)(struct stepper *stepper, double *t, double stop, double *q, double *v);
 
     /* Forgets the history of these lanes, bit k for lane k: an event changed their state, their
@@ -103,9 +111,13 @@ extern const struct stepper_method *const stepper_methods[];
 /* The method of that name, or NULL. */
 const struct stepper_method *stepper_find(const char *name);
 
-/* The most wisps of a part: as many as the method says and the solver takes (NULL: it has none), at
- * most four, which is what the kernel has. */
-int stepper_lanes(const struct stepper_method *method, const struct linear_method *linear);
+/* The most wisps of a part: as many as the method says, or its option, and the solver takes (NULL:
+ * it has none), at most four, which is what the kernel has. */
+int stepper_lanes(const struct stepper_method *method, const struct linear_method *linear,
+                  const struct options *options);
+
+/* Whether a part's wisps have steps of their own, and times of their own between stops. */
+int stepper_steps_by_lane(const struct stepper_method *method);
 
 /* Hz: usual_rate, and where that is 0, 300 of implicit methods and 9000 of others. */
 double stepper_usual_rate(const struct stepper_method *method);

@@ -162,9 +162,12 @@ static void add_choices(struct choices *all, const struct option_spec *spec) {
     }
 }
 
-static void list_choices(struct choices *all, const struct option_spec *specs) {
+/* All options but one, or NULL. */
+static void list_choices(struct choices *all, const struct option_spec *specs,
+                         const struct option_spec *but) {
     for (; specs && specs->name; specs++)
-        add_choices(all, specs);
+        if (specs != but)
+            add_choices(all, specs);
 }
 
 static void try_choices(const struct company *c, const struct run_request *request, const char *who,
@@ -202,8 +205,8 @@ static void check_options(const struct company *c, const struct stepper_method *
     if (!keeps_bits(c, &request, who))
         return; /* a solver that does not take this treatment's matrix */
     all.count = 0;
-    list_choices(&all, method->options);
-    list_choices(&all, linear ? linear->options : NULL);
+    list_choices(&all, method->options, method->shared_steps);
+    list_choices(&all, linear ? linear->options : NULL, NULL);
     for (int i = 0; i < all.count; i++)
         try_choices(c, &request, who, &all.choice[i], NULL);
     for (int i = 0; i < all.count && has_company(c, &request); i++)

@@ -76,8 +76,8 @@ Test(configurations, of_one_chart_can_be_told_apart) {
         unsigned kinds, capabilities;
     } charts[] = {
         {CONFIGURATION_PLAIN | CONFIGURATION_ITERATED | CONFIGURATION_SOLVER |
-             CONFIGURATION_SOLVER_ITERATED | CONFIGURATION_ORDER,
-         0}, /* ladder, and with fewer work-precision */
+             CONFIGURATION_SOLVER_ITERATED | CONFIGURATION_ORDER | CONFIGURATION_LANES,
+         0}, /* more than ladder and work-precision */
         {CONFIGURATION_PLAIN | CONFIGURATION_ITERATED | CONFIGURATION_FORMULA, 0}, /* circle */
         {CONFIGURATION_PLAIN | CONFIGURATION_ITERATED | CONFIGURATION_SOLVER | CONFIGURATION_ORDER |
              CONFIGURATION_SOLVER_DETAILS,

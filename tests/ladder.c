@@ -116,7 +116,7 @@ static double error_of(const struct scene *scene, const struct ladder_row *row, 
                        const struct lab_run *tight, double *evaluations) {
     const int adaptive = strncmp(row->method, "cvode", 5) == 0;
     const char *option = strstr(row->method, "newton")    ? "newton.iterations=30"
-                         : strstr(row->method, "order 5") ? "max_order=5"
+                         : strstr(row->method, "order 2") ? "max_order=2"
                                                           : NULL;
     const char *linear = strstr(row->method, "cg")       ? "cg"
                          : strstr(row->method, "direct") ? "direct"

@@ -326,6 +326,67 @@ Test(memory, runs_with_wisps_that_split_finish_or_are_out_of_memory) {
         try_all(requests[i].stepper, run_and_split, &requests[i]);
 }
 
+/* --- steps --- */
+
+/* How often a hundred steps of a method ask for memory, after a hundred in which they may make room
+ * for themselves. */
+static long asked_for_in_steps(const struct scene *scene, const struct run_request *request) {
+    struct settings settings;
+    char reason[REASON_SIZE];
+    double t[LANES_MOST] = {0};
+    int code = 0;
+    cr_assert_eq(settings_resolve(scene, request, &settings, reason), 0, "%s", reason);
+    struct model *model =
+        scene->problem->create(scene, settings.treatment, settings_lanes(&settings));
+    struct part *part = &model->parts[0];
+    struct stepper *stepper = stepper_create(settings.method, &settings.stepper, &part->system);
+    cr_assert(model && stepper, "no memory");
+    for (int turn = 0; turn < 2; turn++) {
+        counted = 0;
+        failing = turn;
+        for (int k = 0; k < 100 && !code; k++)
+            code = settings.method->advance
+                       ? settings.method->advance(stepper, t, turn ? 1 : 0.1, part->q, part->v)
+                       : settings.method->step(stepper, 1e-4 * k, 1e-4, part->q, part->v);
+        failing = 0;
+    }
+    cr_assert_eq(code, 0, "%s: %s", settings.method->name, part->system.reason);
+    settings.method->free(stepper);
+    scene->problem->free(model);
+    return counted;
+}
+
+/* With the matrix and the iterations that methods have; solvers and integrators of libraries may do
+ * as they like. */
+Test(memory, steps_ask_for_none) {
+    static const char *const options[] = {NULL,      "matrix=full",         "matrix=spd",
+                                          "order=3", "newton.iterations=9", "newton.reuse=5"};
+    struct scene *scene = splitting_scene(0);
+    int tried = 0;
+    for (int m = 0; stepper_methods[m]; m++) {
+        const struct stepper_method *method = stepper_methods[m];
+        if (strcmp(method->name, "cvode") == 0 || strcmp(method->name, "reference") == 0)
+            continue;
+        for (size_t i = 0; i < sizeof options / sizeof *options; i++) {
+            if (options[i] &&
+                options_find(method->options, options[i], strcspn(options[i], "=")) < 0)
+                continue;
+            const struct run_request request = {
+                .stepper = method->name,
+                .treatment = "generalised",
+                .linear = method->capabilities & STEPPER_SOLVES ? "direct" : NULL,
+                .options = &options[i],
+                .option_count = options[i] != NULL};
+            const long count = asked_for_in_steps(scene, &request);
+            cr_assert_eq(count, 0, "%s %s: %ld times", method->name, options[i] ? options[i] : "",
+                         count);
+            tried++;
+        }
+    }
+    cr_assert_geq(tried, 15);
+    scene_free(scene);
+}
+
 /* Hairs and a picture of them. */
 static int draw_picture(const void *what) {
     struct drawing drawing;

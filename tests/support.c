@@ -65,10 +65,11 @@ struct stepper_settings variant_settings(const struct variant *variant, double r
 
 int integrate(struct stepper *stepper, double from, double to, int steps, double *q, double *v) {
     const struct stepper_method *method = stepper->method;
+    double t[LANES_MOST] = {from, from, from, from};
     int code = 0;
     if (method->advance)
-        for (double t = from; t < to && !code;)
-            code = method->advance(stepper, &t, to, q, v);
+        while (t[0] < to && !code)
+            code = method->advance(stepper, t, to, q, v);
     else
         for (int k = 0; k < steps && !code; k++)
             code = method->step(stepper, from + (to - from) * k / steps, (to - from) / steps, q, v);

@@ -92,12 +92,11 @@ void enter_contacts(struct contest *contest, const struct scene *scene);
 
 /* --- CVODE as it comes, with its own vectors and KLU (steppers.c) --- */
 
-/* On a part of 1 wisp without envelope, from its state on. `max_order` of its formulas,
- * `frequency`: for how many steps a factorised system and a Jacobian are kept; 0: CVODE's own. The
- * measurement ends where it cannot be had. */
+/* On a part of 1 wisp without envelope, from its state on. `frequency`: for how many steps a
+ * factorised system and a Jacobian are kept; 0: CVODE's own. The measurement ends where it cannot be
+ * had. */
 struct stock;
-struct stock *stock_create(struct part *part, double rtol, double atol, int max_order,
-                           long frequency);
+struct stock *stock_create(struct part *part, double rtol, double atol, long frequency);
 void stock_free(struct stock *stock);
 
 /* From the start to `end`, s, by `frames` stops; the q of each goes to positions + f size, f from 1

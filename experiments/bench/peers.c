@@ -116,7 +116,7 @@ static int run_gsl(const struct peer *peer, struct path *path) {
 }
 
 static int run_cvode(const struct peer *peer, struct path *path) {
-    struct stock *stock = stock_create(peer->part, peer->setting, 1e-3 * peer->setting, 0, 0);
+    struct stock *stock = stock_create(peer->part, peer->setting, 1e-3 * peer->setting, 0);
     stock_run(stock, duration, FRAMES, path ? path->x : NULL);
     stock_free(stock);
     return 0;

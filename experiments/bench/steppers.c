@@ -250,8 +250,7 @@ static void stock_solver(struct stock *s, const struct sparse_matrix *p) {
         give_up("no KLU in SUNDIALS");
 }
 
-struct stock *stock_create(struct part *part, double rtol, double atol, int max_order,
-                           long frequency) {
+struct stock *stock_create(struct part *part, double rtol, double atol, long frequency) {
     struct stock *s = zeros(sizeof *s);
     struct system *system = &part->system;
     const size_t size = (size_t)system->size * sizeof(double);
@@ -271,8 +270,7 @@ struct stock *stock_create(struct part *part, double rtol, double atol, int max_
     s->cvode = CVodeCreate(CV_BDF, s->context);
     if (!s->y || !s->cvode || CVodeInit(s->cvode, stock_rate, 0, s->y) < 0 ||
         CVodeSStolerances(s->cvode, rtol, atol) < 0 || CVodeSetUserData(s->cvode, s) < 0 ||
-        CVodeSetMaxNumSteps(s->cvode, -1) < 0 ||
-        (max_order > 0 && CVodeSetMaxOrd(s->cvode, max_order) < 0))
+        CVodeSetMaxNumSteps(s->cvode, -1) < 0)
         give_up("no CVODE");
     stock_solver(s, p);
     if (frequency > 0 && (CVodeSetLSetupFrequency(s->cvode, frequency) < 0 ||
@@ -284,8 +282,7 @@ struct stock *stock_create(struct part *part, double rtol, double atol, int max_
 static void enter_stock(struct contest *contest, const struct advance *start, const char *subject,
                         const char *name, double rtol, double atol, long frequency) {
     begin(start, 0);
-    struct stock *s = stock_create(&start->model->parts[0], rtol, atol,
-                                   start->model->parts[0].system.bdf_order, frequency);
+    struct stock *s = stock_create(&start->model->parts[0], rtol, atol, frequency);
     long steps = 0;
     run_stock(s);
     CVodeGetNumSteps(s->cvode, &steps);

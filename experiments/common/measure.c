@@ -79,7 +79,9 @@ double estimated_cost(const struct scene *scene, enum wisp_treatment treatment,
                       const struct configuration *contestant, double step) {
     const struct linear_method *linear =
         contestant->linear ? linear_find(contestant->linear) : NULL;
-    const int lanes = stepper_lanes(contestant->method, linear);
+    const struct run_request request = contestant_request(contestant, 1, 1);
+    const struct options options = {request.options, request.option_count};
+    const int lanes = stepper_lanes(contestant->method, linear, &options);
     double unknowns = 0;
     for (int i = 0; i < scene->wisp_count; i++)
         unknowns += (scene->wisps[i].nodes - 2) * wisp_node_unknowns(&scene->wisps[i], treatment);

@@ -12,7 +12,7 @@ static const struct race race = {
     .scenes = scenes,
     .quick_scenes = quick_scenes,
     .kinds = CONFIGURATION_PLAIN | CONFIGURATION_ITERATED | CONFIGURATION_SOLVER |
-             CONFIGURATION_ORDER | CONFIGURATION_COSTLY,
+             CONFIGURATION_ORDER | CONFIGURATION_LANES | CONFIGURATION_COSTLY,
     .seconds = 450,
     .quick_seconds = 60,
 };

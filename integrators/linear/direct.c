@@ -21,6 +21,12 @@ static int direct_solve(struct linear_solver *solver, const double *b, double *x
     return 0;
 }
 
+static int direct_solve_at_once(struct linear_solver *solver, struct part_equation *equation,
+                                double *x) {
+    equation->part = FORCES_SPD;
+    return system_solve_part(solver->system, equation, x);
+}
+
 static void direct_free(struct linear_solver *solver) {
     free(solver);
 }
@@ -35,5 +41,6 @@ const struct linear_method direct = {
     .create = direct_create,
     .factor = direct_factor,
     .solve = direct_solve,
+    .solve_at_once = direct_solve_at_once,
     .free = direct_free,
 };

@@ -65,3 +65,12 @@ int linear_solve(struct linear_solver *solver, const double *b, double *x) {
     solver->system->counters.linear_solves += solver->system->wisps;
     return solver->method->solve(solver, b, x);
 }
+
+int linear_solves_at_once(const struct linear_solver *solver, enum jacobian kind) {
+    return solver->method->solve_at_once && kind == JACOBIAN_SPD &&
+           solver->system->force_parts >> FORCES_SPD & 1;
+}
+
+int linear_solve_at_once(struct linear_solver *solver, struct part_equation *equation, double *x) {
+    return solver->method->solve_at_once(solver, equation, x);
+}

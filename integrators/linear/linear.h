@@ -31,6 +31,10 @@ struct linear_method {
     /* Solves for x; b and x do not alias. */
     int (*solve)(struct linear_solver *solver, const double *b, double *x);
 
+    /* Makes and solves an equation with the spd matrix at the last acceleration, in one go: the
+     * equation's part is set here. NULL: it has nothing that is cheaper than the above. */
+    int (*solve_at_once)(struct linear_solver *solver, struct part_equation *equation, double *x);
+
     void (*free)(struct linear_solver *solver);
 };
 
@@ -52,5 +56,9 @@ struct linear_solver *linear_create(const struct linear_method *method, struct s
                                     const struct options *options);
 int linear_factor(struct linear_solver *solver, double alpha, double beta);
 int linear_solve(struct linear_solver *solver, const double *b, double *x);
+
+/* Whether there is solve_at_once for that kind of matrix of its system; and it. */
+int linear_solves_at_once(const struct linear_solver *solver, enum jacobian kind);
+int linear_solve_at_once(struct linear_solver *solver, struct part_equation *equation, double *x);
 
 #endif

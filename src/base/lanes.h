@@ -70,6 +70,9 @@ static inline int mask_none(mask m) {
 static inline unsigned mask_bits(mask m) {
     return m != 0;
 }
+static inline mask mask_of_bits(unsigned bits) {
+    return bits & 1;
+}
 static inline double lane_get(lane x, int k) {
     (void)k;
     return x;
@@ -116,6 +119,12 @@ static inline unsigned mask_bits(mask m) {
         bits |= (unsigned)(m[k] != 0) << k;
     return bits;
 #endif
+}
+static inline mask mask_of_bits(unsigned bits) {
+    mask m = {0};
+    for (int k = 0; k < LANES; k++)
+        m[k] = -(long long)(bits >> k & 1);
+    return m;
 }
 static inline int mask_all(mask m) {
     return mask_bits(m) == (1u << LANES) - 1;

@@ -145,31 +145,63 @@ SPECIALISED struct vec move_penalty(const struct kernel_part *part, const struct
     return add_scaled(a, -ratio, springs);
 }
 
-static void add_style(const struct style *style, double t, double g[3]) {
-    double s[3];
-    style_acceleration(style, t, s);
+/* What acts on all nodes alike: the wind, and gravity with style. */
+struct outside {
+    struct vec wind, g;
+};
+
+SPECIALISED void outside_at(const struct surroundings *around, double t, double wind[3],
+                            double g[3]) {
+    double style[3];
+    for (int c = 0; c < 3; c++) {
+        wind[c] = 0;
+        g[c] = around->gravity[c];
+    }
+    if (around->wind.kind != WIND_NONE)
+        wind_velocity(&around->wind, t, wind);
+    if (around->style.knots == 0)
+        return;
+    style_acceleration(&around->style, t, style);
     for (int c = 0; c < 3; c++)
-        g[c] += s[c];
+        g[c] += style[c];
+}
+
+/* In each lane at its own time. */
+static struct outside outside_by_lane(const struct kernel_part *part) {
+    double wind[3], g[3];
+    struct outside out;
+    lane *const to[] = {&out.wind.x, &out.wind.y, &out.wind.z, &out.g.x, &out.g.y, &out.g.z};
+    for (int k = 0; k < LANES; k++) {
+        outside_at(part->surroundings, part->system->times[k], wind, g);
+        for (int c = 0; c < 3; c++) {
+            lane_set(to[c], k, wind[c]);
+            lane_set(to[3 + c], k, g[c]);
+        }
+    }
+    return out;
+}
+
+SPECIALISED struct outside outside(const struct kernel_part *part, double t) {
+    double wind[3], g[3];
+    if (part->system->times)
+        return outside_by_lane(part);
+    outside_at(part->surroundings, t, wind, g);
+    return (struct outside){{lane_all(wind[0]), lane_all(wind[1]), lane_all(wind[2])},
+                            {lane_all(g[0]), lane_all(g[1]), lane_all(g[2])}};
 }
 
 /* Frames along the wisp, and with them the accelerations of all unknowns. */
 SPECIALISED void walk_nodes(struct kernel_part *part, double t, const double *q, const double *v,
                             double *acceleration, enum wisp_treatment treatment, int samples) {
-    const struct surroundings *around = part->surroundings;
-    double wind[3] = {0}, g[3] = {around->gravity[0], around->gravity[1], around->gravity[2]};
-    if (around->wind.kind != WIND_NONE)
-        wind_velocity(&around->wind, t, wind);
-    if (around->style.knots > 0)
-        add_style(&around->style, t, g);
+    const struct outside out = outside(part, t);
+    const struct vec wind = out.wind, g = out.g;
     if (samples > 0)
         plane_normals(part, part->frames);
 
     for (int i = 2; i < part->nodes; i++) {
         const int at = (i - 2) * part->node_unknowns * LANES;
         const struct vec pv = vec_load(v + at, 0);
-        const struct vec G = {g[0] + part->drag * (wind[0] - pv.x),
-                              g[1] + part->drag * (wind[1] - pv.y),
-                              g[2] + part->drag * (wind[2] - pv.z)};
+        const struct vec G = add_scaled(g, part->drag, sub(wind, pv));
         struct vec a = add_scaled(G, part->inverse_mass[i], part->force[i]);
         if (samples > 0) {
             const lane ratio = part->sample_mass[i] * part->inverse_mass[i];

@@ -49,23 +49,24 @@ SPECIALISED struct vec place(const struct kernel_part *part, const double *q, in
     return i < 2 ? part->p[i] : vec_load(q, (i - 2) * part->node_unknowns);
 }
 
-/* Adds s B to the block of nodes row and column, row >= column. */
+/* Adds s B, symmetric, to the block of nodes row and column, row >= column: of a node's own what is
+ * not above its diagonal. */
 SPECIALISED void add_to(struct panel *panels, int row, int column, lane s, const struct block *b) {
     if (column < 2)
         return;
     struct panel *panel = &panels[column - 2];
     EACH (c, 0, 3)
-        EACH (r, 0, 3)
+        EACH (r, row == column ? c : 0, 3)
             panel->m[c][3 * (row - column) + r] += s * b->m[r][c];
 }
 
 /* A spring from node a to node b > a: (c alpha + k beta) nn' + s P, and its part of gamma K g. */
 SPECIALISED void add_spring(struct kernel_part *part, const struct part_equation *e,
-                            const struct coefficients *by, int a, int b, struct vec n, lane rest,
-                            lane k, lane c) {
+                            const struct coefficients *by, int transverse, int pulls, int a, int b,
+                            struct vec n, lane rest, lane k, lane c) {
     struct kernel_panels *to = part->panels;
     lane sideways = lane_all(0);
-    if (e->part == FORCES_SPD) {
+    if (transverse) {
         const struct vec between = sub(place(part, e->q, b), place(part, e->q, a));
         const lane longer = k * (1 - rest / lane_sqrt(dot(between, between)));
         sideways = lane_select(longer > 0, longer, sideways);
@@ -75,11 +76,11 @@ SPECIALISED void add_spring(struct kernel_part *part, const struct part_equation
     struct block B;
     EACH (r, 0, 3)
         EACH (j, 0, 3)
-            B.m[r][j] = x[r] * y[j] + (r == j ? across : lane_all(0));
+            B.m[r][j] = r == j && transverse ? x[r] * y[j] + across : x[r] * y[j];
     add_to(to->panel, b, b, lane_all(1), &B);
     add_to(to->panel, a, a, lane_all(1), &B);
     add_to(to->panel, b, a, lane_all(-1), &B);
-    if (!by->pulls)
+    if (!pulls)
         return;
     const struct vec d = sub(of_node(part, e->g, b), of_node(part, e->g, a));
     const struct vec pull =
@@ -154,8 +155,9 @@ SPECIALISED void add_hinge(struct kernel_part *part, const struct part_equation 
     to->force[r] = sub(to->force[r], on_b);
 }
 
-static void add_springs(struct kernel_part *part, const struct part_equation *e,
-                        const struct coefficients *by) {
+/* `transverse` and `pulls` are constants where this is inlined. */
+SPECIALISED void walk(struct kernel_part *part, const struct part_equation *e,
+                      const struct coefficients *by, int transverse, int pulls) {
     struct kernel_panels *to = part->panels;
     const size_t f = (size_t)free_nodes(part);
     memset(to->panel, 0, f * sizeof *to->panel);
@@ -164,15 +166,28 @@ static void add_springs(struct kernel_part *part, const struct part_equation *e,
     for (int i = 2; i < part->nodes; i++) {
         const struct reach segment = {part->t[i - 1], part->spacing, part->inverse_length[i],
                                       part->v[0]};
-        add_spring(part, e, by, i - 1, i, segment.n, part->spacing, part->stretch_k,
-                   part->stretch_c);
+        add_spring(part, e, by, transverse, pulls, i - 1, i, segment.n, part->spacing,
+                   part->stretch_k, part->stretch_c);
         if (part->bending == BENDING_SKIP)
-            add_spring(part, e, by, i - 2, i, part->chord[i], part->skip_length, part->bend_k,
-                       part->bend_c);
+            add_spring(part, e, by, transverse, pulls, i - 2, i, part->chord[i], part->skip_length,
+                       part->bend_k, part->bend_c);
         if (part->bending == BENDING_HINGE)
             add_hinge(part, e, by, i - 2, &before, &segment);
         before = segment;
     }
+}
+
+static void add_springs(struct kernel_part *part, const struct part_equation *e,
+                        const struct coefficients *by) {
+    const int transverse = e->part == FORCES_SPD;
+    if (transverse && by->pulls)
+        walk(part, e, by, 1, 1);
+    else if (transverse)
+        walk(part, e, by, 1, 0);
+    else if (by->pulls)
+        walk(part, e, by, 0, 1);
+    else
+        walk(part, e, by, 0, 0);
 }
 
 /* M r + gamma K g, into `right` for the samples and `x` for the nodes. */

@@ -21,11 +21,42 @@ struct kernel_matrix *LANED(kernel_matrix_create)(const struct kernel_part *part
     matrix->frames = (struct frame *)(matrix->stiffness_above + f);
     matrix->panel = (struct panel *)(matrix->frames + f + 2);
     matrix->x = (lane *)(matrix->panel + f + 2);
+    matrix->jacobian_numbers = f * block * 8 + frames;
     return matrix;
 }
 
 void LANED(kernel_matrix_free)(struct kernel_matrix *matrix) {
+    if (matrix)
+        free(matrix->kept);
     free(matrix);
+}
+
+/* Lanes that wait. */
+static unsigned waiting(const struct kernel_part *part) {
+    return part->system->waiting & ((1u << LANES) - 1);
+}
+
+/* What lanes that wait have of the Jacobians is kept while those of others are written, */
+static int keep(struct kernel_part *part) {
+    struct kernel_matrix *m = part->matrix;
+    const size_t bytes = m->jacobian_numbers * sizeof(lane);
+    if (!waiting(part))
+        return 0;
+    if (!m->kept)
+        m->kept = aligned_alloc(64, (bytes + 63) / 64 * 64);
+    if (!m->kept)
+        return system_fail(part->system, -OUT_OF_MEMORY, "no memory for the Jacobians");
+    memcpy(m->kept, m->stiffness, bytes);
+    return 0;
+}
+
+/* and put back. */
+static void put_back(struct kernel_part *part) {
+    const mask wait = mask_of_bits(waiting(part));
+    struct kernel_matrix *m = part->matrix;
+    lane *numbers = (lane *)m->stiffness;
+    for (size_t i = 0; i < m->jacobian_numbers && !mask_none(wait); i++)
+        numbers[i] = lane_select(wait, m->kept[i], numbers[i]);
 }
 
 /* --- blocks --- */
@@ -286,6 +317,8 @@ int LANED(kernel_linearise)(void *ctx, enum jacobian kind, double t, const doubl
     if (!part->matrix)
         return system_fail(part->system, -OUT_OF_MEMORY, "no memory for the Jacobians");
     struct kernel_matrix *m = part->matrix;
+    if (keep(part))
+        return -OUT_OF_MEMORY;
     m->kind = kind;
     if (part->bending == BENDING_SKIP)
         clear_diagonals(m, free_nodes(part));
@@ -294,6 +327,7 @@ int LANED(kernel_linearise)(void *ctx, enum jacobian kind, double t, const doubl
     mask sound = walk(part, q, v);
     if (part->samples > 0)
         sound &= LANED(kernel_frames)(part, q, m->frames);
+    put_back(part);
     if (!mask_all(sound))
         return LANED(kernel_refuse_state)(part, q, v);
     return 0;

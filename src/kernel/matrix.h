@@ -45,6 +45,10 @@ struct kernel_matrix {
     /* The matrix of the nodes after the samples are eliminated, factorised as L D L': 1 / D on the
      * diagonal, L below; two panels of zeros behind the last */
     struct panel *panel;
+    size_t jacobian_numbers; /* from `stiffness` on to the panels */
+
+    lane *kept; /* of these, while they are written anew for some lanes; or NULL */
+
     lane *x; /* right side and solution, 3 for each free node, and two nodes of zeros */
 };
 

@@ -79,9 +79,35 @@ static void place_head(struct kernel_part *part, double t) {
     part->normal = turned(&part->head, 0, part->rest_normal);
 }
 
+static void copy_lane(struct vec *to, const struct vec *from, int k) {
+    lane_set(&to->x, k, lane_get(from->x, k));
+    lane_set(&to->y, k, lane_get(from->y, k));
+    lane_set(&to->z, k, lane_get(from->z, k));
+}
+
+/* Each lane has the head where it is at a time of its own: nobody else can use that place. */
+static void place_heads(struct kernel_part *part, const double *times) {
+    struct vec *const of_head[] = {&part->p[0], &part->p[1],    &part->v[0],
+                                   &part->v[1], &part->tangent, &part->normal};
+    enum { COUNT = sizeof of_head / sizeof *of_head };
+    struct vec placed[COUNT];
+    for (int k = 0; k < LANES; k++) {
+        place_head(part, times[k]);
+        for (int i = 0; i < COUNT; i++)
+            copy_lane(&placed[i], of_head[i], k);
+    }
+    for (int i = 0; i < COUNT; i++)
+        *of_head[i] = placed[i];
+    part->head_time = NAN;
+}
+
 void LANED(kernel_prescribe)(void *ctx, double t) {
     struct kernel_part *part = ctx;
-    if (part->surroundings->head.knots > 0 && t != part->head_time)
+    if (part->surroundings->head.knots == 0)
+        return;
+    if (part->system->times)
+        place_heads(part, part->system->times);
+    else if (t != part->head_time)
         place_head(part, t);
 }
 

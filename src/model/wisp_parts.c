@@ -48,8 +48,7 @@ int wisp_part_create(struct wisp_model *m, int i) {
                                    .size = size,
                                    .lanes = lanes,
                                    .wisps = batch->count,
-                                   .numbers = batch->wisp,
-                                   .bdf_order = 2};
+                                   .numbers = batch->wisp};
     if (rigid)
         part->system.no_jacobians = "rigid segments have none: take an explicit method or cvode, "
                                     "or set material.stretch to \"spring\"";

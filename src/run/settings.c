@@ -103,6 +103,7 @@ static int resolve_steps(const struct scene *scene, const struct run_request *re
     settings->frame_interval = !adaptive                      ? settings->step
                                : settings->method->checked_by ? scene->run.step
                                                               : 0;
+    settings->every_step = scene->frame_rate == 0 && settings->frame_interval == 0;
     return 0;
 }
 
@@ -123,8 +124,7 @@ static int refuse_combination(const struct scene *scene, struct settings *settin
         if (code)
             snprintf(reason, REASON_SIZE, "%s", system->reason);
     }
-    if (!code && scene->frame_rate == 0 && settings->frame_interval == 0 &&
-        model->part_count + model->parts_to_come > 1) {
+    if (!code && settings->every_step && model->part_count + model->parts_to_come > 1) {
         snprintf(reason, REASON_SIZE,
                  "scene %s needs a frame_rate: its parts choose their own steps", scene->name);
         code = REFUSED;
@@ -207,11 +207,15 @@ int settings_second_opinion(const struct scene *scene, const struct settings *se
         request.option_count++;
     const int code = settings_resolve(scene, &request, second, reason);
     second->frame_interval = settings->frame_interval;
+    second->every_step = settings->every_step;
     return code;
 }
 
+/* Wisps at times of their own cannot be looked at together; alone they have the same bits. */
 int settings_lanes(const struct settings *settings) {
-    return stepper_lanes(settings->method, settings->stepper.linear);
+    if (stepper_steps_by_lane(settings->method) && (settings->diagnostics || settings->every_step))
+        return 1;
+    return stepper_lanes(settings->method, settings->stepper.linear, &settings->stepper.options);
 }
 
 static json_t *options_to_json(const struct option_spec *specs, const struct options *given) {

@@ -33,6 +33,7 @@ struct settings {
     int treatment;         /* index into the problem's list */
     double step;           /* s, of fixed-step methods */
     double frame_interval; /* s, where the scene has no frame rate; 0: every accepted step */
+    int every_step;        /* that is so: every accepted step is a frame */
     double strain_limit;   /* beyond which a finite state has diverged; infinite: never */
     int unprojected;       /* steps leave states off a constraint that could be kept */
     double perturbation;   /* rms displacement of each node's start, m */

@@ -213,11 +213,10 @@ static void count_evaluations(struct simulation *sim) {
     sim->evaluations_left = left;
 }
 
-/* Part i has taken a step of h. */
-static void note_step(struct simulation *sim, int i, double h) {
-    struct part *part = &sim->model->parts[i];
-    part->system.counters.steps += part->system.wisps;
+/* So many wisps of part i have taken a step of h. */
+static void note_step(struct simulation *sim, int i, int wisps, double h) {
     struct step_range *steps = &sim->progress[i].steps;
+    sim->model->parts[i].system.counters.steps += wisps;
     if (steps->largest == 0 || h < steps->least || h > steps->largest)
         add_steps(steps, &(struct step_range){h, h});
 }
@@ -252,7 +251,7 @@ static int advance_fixed(struct simulation *sim, int i, double *t, double to) {
         code = sim->settings->method->step(sim->steppers[i], *t, h, part->q, part->v);
         if (code)
             return code;
-        note_step(sim, i, h);
+        note_step(sim, i, part->system.wisps, h);
         *t = k + 1 == steps ? to : from + (double)(k + 1) * h;
         if (part->account)
             account_step(part, *t);
@@ -261,19 +260,36 @@ static int advance_fixed(struct simulation *sim, int i, double *t, double to) {
     return code;
 }
 
-/* Steps of the method's own choice, or just one of them. */
+/* Lanes have come from some times to others; returns the earliest of these. */
+static double note_lanes(struct simulation *sim, int i, const double *from, const double *t) {
+    const struct system *system = &sim->model->parts[i].system;
+    double least = t[0];
+    for (int k = 0; k < system->lanes; k++) {
+        if (t[k] > from[k] && k < system->wisps)
+            note_step(sim, i, 1, t[k] - from[k]);
+        least = fmin(least, t[k]);
+    }
+    return least;
+}
+
+/* Steps of the method's own choice, or just one of them. Lanes may be at times of their own. */
 static int advance_adaptive(struct simulation *sim, int i, double *t, double to, int once) {
     struct part *part = &sim->model->parts[i];
+    double times[LANES_MOST] = {0}, from[LANES_MOST];
     int code;
+    for (int k = 0; k < part->system.lanes; k++)
+        times[k] = *t;
     do {
-        const double from = *t;
-        code = sim->settings->method->advance(sim->steppers[i], t, to, part->q, part->v);
+        memcpy(from, times, sizeof from);
+        code = sim->settings->method->advance(sim->steppers[i], times, to, part->q, part->v);
+        *t = note_lanes(sim, i, from, times);
         if (code)
             return code;
-        note_step(sim, i, *t - from);
         if (part->account)
             account_step(part, *t);
+        part->system.times = times;
         code = check_strain(sim, i, *t);
+        part->system.times = NULL;
     } while (*t < to && !code && !once && !interrupted(sim, i, *t));
     return code;
 }
@@ -347,8 +363,7 @@ static void check_limits(struct simulation *sim) {
 /* The smooth advance of every part to the stop at `to`, or by one step of the only part where
  * every accepted step is a frame. Parts do not see each other: threads share them out. */
 static void advance_parts(struct simulation *sim, double to, int alone) {
-    const int every_step = sim->scene->frame_rate == 0 && sim->settings->frame_interval == 0;
-    struct interval interval = {sim, to, every_step, alone};
+    struct interval interval = {sim, to, sim->settings->every_step, alone};
     double reached = to;
 
     workers_run(sim->workers, advance_part, &interval, sim->model->part_count);

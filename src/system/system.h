@@ -67,7 +67,8 @@ struct system_ops {
     int (*project)(void *ctx, double t, double *q, double *v);
 
     /* Computes M, D = df/dv and K = df/dq at (t, q, v). They, and what factor makes of them, hold
-     * until the next linearise, whatever else is asked for in between. */
+     * until the next linearise, whatever else is asked for in between. Lanes that wait keep what
+     * they have. */
     int (*linearise)(void *ctx, enum jacobian kind, double t, const double *q, const double *v);
 
     /* y <- (m M + d D + k K) x, after linearise. */
@@ -108,19 +109,27 @@ struct profile {
 #undef X
 };
 
+/* The most wisps that any system has side by side. */
+enum { LANES_MOST = 4 };
+
 struct system {
     const struct system_ops *ops;
-    void *ctx;                       /* owned by the model */
-    const char *name;                /* for messages: "circle (free)" */
-    int size;                        /* doubles in q, in v, in a */
-    int lanes;                       /* wisps side by side, padding included */
-    int wisps;                       /* wisps that count: lanes without the padding */
-    const int *numbers;              /* of the wisps in the lanes, for messages; or NULL */
+    void *ctx;          /* owned by the model */
+    const char *name;   /* for messages: "circle (free)" */
+    int size;           /* doubles in q, in v, in a */
+    int lanes;          /* wisps side by side, padding included */
+    int wisps;          /* wisps that count: lanes without the padding */
+    const int *numbers; /* of the wisps in the lanes, for messages; or NULL */
+
+    /* Of a method whose lanes have steps of their own, while it asks for something: */
+    const double *times; /* by lane, in place of the t that is given; NULL: all are at t */
+    unsigned waiting;    /* lanes that it does not ask about, and that are not counted; their
+                            numbers are those of a state that was reached */
+
     unsigned matrix[JACOBIAN_COUNT]; /* enum matrix_property, by kind of Jacobian */
     const char *matrix_note;         /* why the matrix is not symmetric, or NULL */
     unsigned force_parts;            /* that solve_part takes, bit k for part k; 0: none */
     enum force_part stiff_part;      /* the least of them that has all that may be stiff */
-    int bdf_order;                   /* highest order of BDF where nothing is said; 0: no opinion */
     int unprojected;                 /* steps leave the state off the constraint that there is */
     double from, until;              /* of the smooth motion being advanced over, s: prescribed
                                         functions of time with a jump at an end have there what they
