@@ -594,7 +594,7 @@ const struct stepper_method bdf = {
     .reference = "Hairer, Norsett & Wanner, Solving ODEs I, sections III.5 and III.7; Soderlind "
                  "2003, doi:10.1145/641876.641877",
     .order = 2,
-    .capabilities = STEPPER_IMPLICIT | STEPPER_ADAPTIVE,
+    .capabilities = STEPPER_IMPLICIT | STEPPER_ADAPTIVE | STEPPER_MULTISTEP,
     .options = options,
     .lanes = LANES_MOST,
     .refuse = semi_implicit_refuse,

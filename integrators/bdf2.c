@@ -13,7 +13,7 @@ const struct stepper_method bdf2 = {
         "Choi & Ko 2002, doi:10.1145/566654.566624; Hairer, Norsett & Wanner, Solving ODEs "
         "I, section III.5",
     .order = 2,
-    .capabilities = STEPPER_IMPLICIT,
+    .capabilities = STEPPER_IMPLICIT | STEPPER_MULTISTEP,
     .options = options,
     .usual_rate = 180, /* 1 mm on `swing` */
     .refuse = semi_implicit_refuse,

@@ -12,7 +12,7 @@ const struct stepper_method bdf3 = {
     .reference = "Hairer, Norsett & Wanner, Solving ODEs I, section III.5; Choi & Ko 2002, "
                  "doi:10.1145/566654.566624",
     .order = 3,
-    .capabilities = STEPPER_IMPLICIT,
+    .capabilities = STEPPER_IMPLICIT | STEPPER_MULTISTEP,
     .options = options,
     .usual_rate = 300, /* 1 mm on `swing` */
     .refuse = semi_implicit_refuse,

@@ -24,11 +24,11 @@ enum {
     LANES
 };
 enum { BDF, ADAMS };
-enum { NEWTON, FIXED_POINT };
+enum { NEWTON, FIXED_POINT, AUTO };
 
 static const char *const methods[] = {[BDF] = "bdf", [ADAMS] = "adams", NULL};
 static const char *const nonlinear_solvers[] = {
-    [NEWTON] = "newton", [FIXED_POINT] = "fixed-point", NULL};
+    [NEWTON] = "newton", [FIXED_POINT] = "fixed-point", [AUTO] = "auto", NULL};
 static const char *const sharing[] = {"1", "4", NULL};
 
 /* Order 5, with the damping of the scenes that are here: at rtol 1e-3, 1e-5 and 1e-7 it takes 0.85,
@@ -54,9 +54,9 @@ static const struct option_spec options[] = {
          .least = 0,
          .most = 12},
     [NONLINEAR] = {.name = "nonlinear",
-                   .help = "iteration of the implicit step",
+                   .help = "iteration of the implicit step; auto: newton where there are Jacobians",
                    .kind = OPTION_CHOICE,
-                   .initial = NEWTON,
+                   .initial = AUTO,
                    .choices = nonlinear_solvers},
     [ITERATIONS] = {.name = "newton.iterations",
                     .help = "iterations of either kind at most, then the step is halved twice",
@@ -92,6 +92,12 @@ static const struct option_spec options[] = {
 
 static double value(const struct stepper_settings *settings, int option) {
     return option_value(&settings->options, &options[option]);
+}
+
+/* Whether the implicit step is Newton's. */
+static int is_newton(const struct stepper_settings *settings, const struct system *system) {
+    const double choice = value(settings, NONLINEAR);
+    return choice == NEWTON || (choice == AUTO && !system->no_jacobians);
 }
 
 struct multistep {
@@ -262,9 +268,8 @@ static int set_up(struct multistep *s, const struct stepper_settings *settings,
     const double max_order = value(settings, MAX_ORDER);
     if (max_order > 0 && CVodeSetMaxOrd(s->cvode, (int)max_order) < 0)
         return -1;
-    const int nonlinear = value(settings, NONLINEAR) == FIXED_POINT
-                              ? use_fixed_point(s)
-                              : use_newton(s, settings, system);
+    const int nonlinear =
+        is_newton(settings, system) ? use_newton(s, settings, system) : use_fixed_point(s);
     if (nonlinear < 0 || CVodeSetMaxNonlinIters(s->cvode, (int)value(settings, ITERATIONS)) < 0)
         return -1;
     if (system_has_projection(system) &&
@@ -299,7 +304,7 @@ static int cvode_refuse(const struct stepper_settings *settings, struct system *
                            "cvode: method adams cannot keep the constraint of %s: SUNDIALS "
                            "projects steps of bdf only",
                            system->name);
-    if (value(settings, NONLINEAR) == FIXED_POINT)
+    if (!is_newton(settings, system))
         return 0;
     if (value(settings, LANES) > 0 && settings->linear->max_lanes < LANES_MOST)
         return system_fail(system, REFUSED, "cvode: lanes=4: linear solver %s takes one wisp only",
@@ -423,7 +428,8 @@ const struct stepper_method cvode = {
     .summary = "BDF or Adams of variable order and step (SUNDIALS CVODE)",
     .reference = "Hindmarsh et al. 2005, ACM Trans. Math. Softw. 31, 363",
     .order = 12,
-    .capabilities = STEPPER_IMPLICIT | STEPPER_ADAPTIVE | STEPPER_SOLVES | STEPPER_PROJECTS,
+    .capabilities = STEPPER_IMPLICIT | STEPPER_ADAPTIVE | STEPPER_SOLVES | STEPPER_PROJECTS |
+                    STEPPER_MULTISTEP | STEPPER_JACOBIAN_FREE,
     .options = options,
     .shared_steps = &options[LANES],
     .refuse = cvode_refuse,

@@ -115,18 +115,26 @@ static int reference_advance(struct stepper *stepper, double *t, double stop, do
     struct reference *r = (struct reference *)stepper;
     struct system *system = stepper->system;
     const size_t n = (size_t)system->size;
-    double *new_q = r->y, *new_v = r->y + n, reached = *t;
+    double *new_q = r->y, *new_v = r->y + n, reached;
+    int code, again;
 
-    memcpy(new_q, q, n * sizeof(double));
-    memcpy(new_v, v, n * sizeof(double));
     r->cause = 0;
-    int code = r->h == 0 ? propose_first_step(r, reached) : 0;
-    if (!code)
-        code = take_step(r, &reached, stop);
-    if (!code && system_has_projection(system)) {
-        code = system_project(system, reached, new_q, new_v);
-        forget_rate(r);
-    }
+    do {
+        reached = *t;
+        memcpy(new_q, q, n * sizeof(double));
+        memcpy(new_v, v, n * sizeof(double));
+        code = r->h == 0 ? propose_first_step(r, reached) : 0;
+        if (!code)
+            code = take_step(r, &reached, stop);
+        again = 0;
+        if (!code && system_has_projection(system)) {
+            code = system_project(system, reached, new_q, new_v);
+            forget_rate(r);
+            r->h = code ? (reached - *t) / 2 : r->h;
+            again = code > 0 && !step_is_lost(fmax(fabs(*t), stop - *t), r->h);
+            system->counters.rejected_steps += again * system->wisps;
+        }
+    } while (again);
     if (code)
         return -abs(code); /* smaller steps were tried */
 

@@ -40,6 +40,10 @@ double complex stepper_amplification(const struct stepper_method *method, double
 
 int stepper_refuse(const struct stepper_method *method, const struct stepper_settings *settings,
                    struct system *system) {
+    if (system->no_jacobians && method->capabilities & STEPPER_IMPLICIT &&
+        !(method->capabilities & STEPPER_JACOBIAN_FREE))
+        return system_fail(system, REFUSED, "%s needs Jacobians, and %s", method->name,
+                           system->no_jacobians);
     if (system_has_projection(system) && !(method->capabilities & STEPPER_PROJECTS))
         return system_fail(system, REFUSED, "%s does not keep the constraint of %s", method->name,
                            system->name);

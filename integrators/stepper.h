@@ -12,10 +12,12 @@
 #include "system/system.h"
 
 enum stepper_capability {
-    STEPPER_IMPLICIT = 1, /* its steps are not bounded by stiffness: needs Jacobians */
-    STEPPER_ADAPTIVE = 2, /* chooses its own steps: takes tolerances instead of a step */
-    STEPPER_PROJECTS = 4, /* puts the state back onto a system's constraint after each step */
-    STEPPER_SOLVES = 8,   /* solves M - alpha D - beta K by a solver that the user may choose */
+    STEPPER_IMPLICIT = 1,   /* its steps are not bounded by stiffness: needs Jacobians */
+    STEPPER_ADAPTIVE = 2,   /* chooses its own steps: takes tolerances instead of a step */
+    STEPPER_PROJECTS = 4,   /* puts the state back onto a system's constraint after each step */
+    STEPPER_SOLVES = 8,     /* solves M - alpha D - beta K by a solver that the user may choose */
+    STEPPER_MULTISTEP = 16, /* its steps make use of states before the last */
+    STEPPER_JACOBIAN_FREE = 32, /* implicit, and can do without Jacobians where there are none */
 };
 
 /* What a stepper is made with. */

@@ -3,29 +3,47 @@
 #include "stepper.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 struct symplectic_euler {
     struct stepper base;
-    double a[];
+    double *a, *q, *v; /* the state of the end before it is projected */
+    double memory[];
 };
 
 static struct stepper *symplectic_euler_create(const struct stepper_settings *settings,
                                                struct system *system) {
     (void)settings;
-    struct symplectic_euler *self = malloc(sizeof *self + (size_t)system->size * sizeof(double));
-    return self ? &self->base : NULL;
+    const size_t n = (size_t)system->size;
+    struct symplectic_euler *self = malloc(sizeof *self + 3 * n * sizeof(double));
+    if (!self)
+        return NULL;
+    self->a = self->memory;
+    self->q = self->a + n;
+    self->v = self->q + n;
+    return &self->base;
 }
 
 static int symplectic_euler_step(struct stepper *stepper, double t, double h, double *q,
                                  double *v) {
     struct symplectic_euler *self = (struct symplectic_euler *)stepper;
     struct system *system = stepper->system;
-    const int code = system_acceleration(system, t, q, v, self->a);
+    const size_t bytes = (size_t)system->size * sizeof(double);
+    const int projects = system_has_projection(system);
+    double *new_q = projects ? self->q : q, *new_v = projects ? self->v : v;
+    int code = system_acceleration(system, t, q, v, self->a);
     for (int i = 0; i < system->size && !code; i++) {
-        v[i] += h * self->a[i];
-        q[i] += h * v[i];
+        new_v[i] = v[i] + h * self->a[i];
+        new_q[i] = q[i] + h * new_v[i];
     }
-    return code;
+    if (code || !projects)
+        return code;
+    code = system_project(system, t + h, new_q, new_v);
+    if (code)
+        return code;
+    memcpy(q, new_q, bytes);
+    memcpy(v, new_v, bytes);
+    return 0;
 }
 
 /* (q, h v) is multiplied by ( 1 + k h^2, 1 + d h; k h^2, 1 + d h ): its determinant is 1 + d h. */
@@ -44,6 +62,7 @@ const struct stepper_method symplectic_euler = {
     .summary = "Euler with the new velocity in the position",
     .reference = "Hairer, Lubich & Wanner, Geometric Numerical Integration, section VI.3",
     .order = 1,
+    .capabilities = STEPPER_PROJECTS,
     .usual_rate = 9000,
     .amplification = amplification,
     .create = symplectic_euler_create,

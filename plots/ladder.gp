@@ -9,17 +9,23 @@ EA = 1; NAME = 3; CPU = 8; LEAST = 9; GREATEST = 10; STATUS = 13; LIMIT = 14; HA
 figures = ''; names = ''; main_hair = ''
 first = 1e300; last = 0; lowest = 1e300; highest = 0
 is_row(x) = strcol(STATUS) eq 'reached' || strcol(STATUS) eq 'never'
+# Rigid segments, of stiffness `inf`, stand beyond the stiffest hair of the first panel.
+is_rigid(x) = strcol(EA) eq 'inf'
+has_rigid = 0
 in_all(x) = strcol(STATUS) eq 'reached' ? (lowest = column(LEAST) < lowest ? column(LEAST) : lowest, \
     highest = column(GREATEST) > highest ? column(GREATEST) : highest, 0) : 0
 take(x) = (figures = with_name(figures, strcol(FIGURE)), names = with_name(names, strcol(NAME)), \
-    main_hair = main_hair eq '' ? strcol(HAIR) : main_hair, \
-    first = column(EA) < first ? column(EA) : first, last = column(EA) > last ? column(EA) : last, \
-    in_all(0))
+    in_all(0), is_rigid(0) ? (has_rigid = 1, 0) \
+    : (main_hair = main_hair eq '' ? strcol(HAIR) : main_hair, \
+       first = column(EA) < first ? column(EA) : first, \
+       last = column(EA) > last ? column(EA) : last, 0))
 stats table('ladder') using (is_row(0) ? take(0) : 0, 0) nooutput
-if (last == 0) { exit error 'ladder: no method has a row' }
+if (last == 0 && !has_rigid) { exit error 'ladder: no method has a row' }
+if (last == 0) { first = 1; last = 1 }
+RIGID = 6. * last
 if (highest == 0) { lowest = 1e-3; highest = 1 }
 
-# What the thesis took has a name, the cheapest where the first hair is stiffest, what becomes of it
+# What the thesis took has a name, the cheapest of rigid segments and where the first hair is stiffest, what becomes of it
 # when its matrix has stretching alone, and then the best of each other method.
 array cost[words(names)]
 do for [m = 1:words(names)] {
@@ -34,6 +40,10 @@ before(m) = sum [k = 1:words(names)] cheaper(m, k)
 best_of_method(m) = 0 == sum [k = 1:words(names)] \
     (method(word(names, k)) eq method(word(names, m)) && cheaper(m, k))
 chosen = place(names, 'euler') ? quoted('euler') : ''
+best = 1e300; best_rigid = ''
+stats table('ladder') using (is_rigid(0) && strcol(STATUS) eq 'reached' && column(CPU) < best \
+    ? (best = column(CPU), best_rigid = strcol(NAME), 0) : 0, 0) nooutput
+if (best_rigid ne '') { chosen = named(chosen, best_rigid) }
 do for [b = 0:words(names) - 1] {
     do for [m = 1:words(names)] {
         if (before(m) == b && best_of_method(m)) {
@@ -47,11 +57,13 @@ eval part_names
 
 is_here(hair, name) = strcol(HAIR) eq hair && strcol(NAME) eq name
 cpu_at(hair, name, status) = is_here(hair, name) && strcol(STATUS) eq status ? column(EA) : NaN
+cpu_of_rigid(name, status) = is_rigid(0) && strcol(NAME) eq name && strcol(STATUS) eq status \
+    ? RIGID : NaN
 
 do for [f = 1:words(figures)] {
     hairs = ''; in_band = ''
     stats table('ladder') using (is_row(0) && strcol(FIGURE) eq word(figures, f) \
-        ? (hairs = with_name(hairs, strcol(HAIR)), strcol(STATUS) eq 'never' \
+        ? (hairs = is_rigid(0) ? hairs : with_name(hairs, strcol(HAIR)), strcol(STATUS) eq 'never' \
         ? (in_band = with_name(in_band, strcol(NAME)), 0) : 0) : 0, 0) nooutput
     # Above the scale each method with a name that does not get there has a row of its own.
     band = ''
@@ -78,9 +90,14 @@ do for [f = 1:words(figures)] {
         eval powers('x'); eval powers('y')
         set title '{/:Bold '.escaped(hair eq main_hair ? "the scene's own bending and damping" : hair).'}' \
             offset 0, -0.6
-        set xrange [0.6 * first:1.7 * last]
+        with_rigid = has_rigid && hair eq main_hair
+        set xrange [0.6 * first:1.7 * (with_rigid ? RIGID : last)]
         set yrange [0.6 * lowest:top * 10 ** (0.16 * (words(band) + 0.6))]
-        set xtics offset 0, 0.3
+        set xtics autofreq offset 0, 0.3
+        if (with_rigid) {
+            set xtics 10. ** ceil(log10(first)), 10, last
+            set xtics add ('rigid' RIGID)
+        }
         set xlabel 'stretch stiffness EA (N)' offset 0, 0.4
         set ylabel p == 1 ? 'CPU time (s): median, least to greatest' : '' offset 0, 0
         if (p > 1) { set format y '' }
@@ -102,6 +119,15 @@ do for [f = 1:words(figures)] {
                 :(column(CPU)) with points pt FAILED ps 0.5 lw 1.2 lc rgb '#000000', \
              for [m = 1:words(names)] '' \
                 using (cpu_at(hair, word(names, m), 'never')):(row_of(word(names, m))) \
+                with points pt FAILED ps 0.8 lw 1.6 lc rgb colour_of(word(names, m)), \
+             for [m = 1:with_rigid ? words(rest) : 0] '' \
+                using (cpu_of_rigid(word(rest, m), 'reached')):(column(CPU)) \
+                with points pt 7 ps 0.4 lc rgb GREY, \
+             for [m = 1:with_rigid ? words(names) : 0] '' \
+                using (cpu_of_rigid(word(names, m), 'reached')):(column(CPU)) \
+                with points lt style_of(word(names, m)), \
+             for [m = 1:with_rigid ? words(names) : 0] '' \
+                using (cpu_of_rigid(word(names, m), 'never')):(row_of(word(names, m))) \
                 with points pt FAILED ps 0.8 lw 1.6 lc rgb colour_of(word(names, m))
         eval heading_done
     }

@@ -9,7 +9,7 @@ scenes = ''
 do for [n in names] { if (n ne 'scene') { scenes = with_name(scenes, n) } }
 
 # Of the row `smallest` of a scene: what perturbed starts change, m; how much is compared, s.
-PERTURBED = 21; SCATTERED = 22; COMPARED = 12
+PERTURBED = 22; SCATTERED = 23; COMPARED = 13
 NEEDED = '#D55E00'; ENOUGH = '#0072B2'; UNKNOWN = '#7F7F7F'
 colour_for(v) = v eq 'needed' || v eq 'failed' ? NEEDED : v eq 'not needed' ? ENOUGH : UNKNOWN
 mark_for(v) = v eq 'needed' ? 7 : v eq 'not needed' ? 6 : v eq 'failed' ? FAILED : 4

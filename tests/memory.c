@@ -280,19 +280,22 @@ static int split_once(const void *what) {
     return made ? MADE : NOT_MADE;
 }
 
-static struct scene *splitting_scene(void) {
+static struct scene *splitting_scene(int rigid) {
     char reason[REASON_SIZE];
-    const char *const sets[] = {"subdivision={ ratio = 0.99; }", "duration=0.17", "run.step=2e-4"};
-    struct scene *scene = scene_load("swing-envelope", sets, 3, reason);
+    const char *const sets[] = {"subdivision={ ratio = 0.99; }", "duration=0.17", "run.step=2e-4",
+                                "material.stretch=rigid"};
+    struct scene *scene = scene_load("swing-envelope", sets, rigid ? 4 : 3, reason);
     cr_assert(scene, "%s", reason);
     return scene;
 }
 
 Test(memory, wisps_split_or_not) {
-    struct scene *scene = splitting_scene();
-    for (int lanes = 1; lanes <= 4; lanes += 3)
-        try_all(scene->name, split_once, &(struct splitting){scene, lanes});
-    scene_free(scene);
+    for (int rigid = 0; rigid < 2; rigid++) {
+        struct scene *scene = splitting_scene(rigid);
+        for (int lanes = 1; lanes <= 4; lanes += 3)
+            try_all(scene->name, split_once, &(struct splitting){scene, lanes});
+        scene_free(scene);
+    }
 }
 
 /* A run in which a wisp splits, and its child gets a stepper. */
@@ -301,7 +304,7 @@ static int run_and_split(const void *what) {
     char reason[REASON_SIZE];
     struct settings settings;
     struct run_result result;
-    struct scene *scene = splitting_scene();
+    struct scene *scene = splitting_scene(0);
     if (settings_resolve(scene, request, &settings, reason))
         _exit(78);
     failing = 1;
@@ -358,7 +361,7 @@ static long asked_for_in_steps(const struct scene *scene, const struct run_reque
 Test(memory, steps_ask_for_none) {
     static const char *const options[] = {NULL,      "matrix=full",         "matrix=spd",
                                           "order=3", "newton.iterations=9", "newton.reuse=5"};
-    struct scene *scene = splitting_scene();
+    struct scene *scene = splitting_scene(0);
     int tried = 0;
     for (int m = 0; stepper_methods[m]; m++) {
         const struct stepper_method *method = stepper_methods[m];

@@ -148,11 +148,13 @@ void lab_part_make(struct lab_part *part, int lanes, const struct wisp *wisps, i
     head_placement(&around->head, 0, &head);
     for (int k = 0; k < LAB_LANES; k++)
         placed_point(&head, 0, lane[k]->root, part->origin[k]);
-    part->system = (struct system){.ops = kernel_of(lanes)->ops,
-                                   .name = "the laboratory's wisps",
-                                   .size = size * lanes,
-                                   .lanes = lanes,
-                                   .wisps = count};
+    const int rigid = wisps->stretch == STRETCH_RIGID;
+    part->system =
+        (struct system){.ops = rigid ? kernel_of(lanes)->rigid_ops : kernel_of(lanes)->ops,
+                        .name = "the laboratory's wisps",
+                        .size = size * lanes,
+                        .lanes = lanes,
+                        .wisps = count};
     part->system.ctx = kernel_of(lanes)->create(lane, around, treatment, &part->system);
     cr_assert(part->system.ctx, "no memory for a part");
     part->pattern = kernel_of(lanes)->pattern(part->system.ctx);
@@ -196,7 +198,7 @@ struct scene *lab_scene(const struct wisp *wisps, int count, const struct surrou
     cr_assert(scene, "no memory for a scene");
     scene->problem = &wisp_problem;
     scene->around = *around;
-    scene->run = (struct run_defaults){1e-4, 1e-6, 1e-9, 0};
+    scene->run = (struct run_defaults){1e-4, 1e-6, 1e-9, 0, -1};
     scene->wisp_count = count;
     scene->collision_rate = 300;
     scene->source = json_object();

@@ -415,6 +415,94 @@ static void accelerations(const struct wisp_twin *twin, const double w[3], const
     }
 }
 
+/* ---- Rigid segments: all accelerations and all tensions from one dense system */
+
+enum { DENSE_MAX = 4 * WISP_TWIN_NODES_MAX };
+
+/* Solves A x = b, n equations, x in b's place, by elimination with the largest pivot. */
+static int solve_dense(int n, double (*A)[DENSE_MAX], double *b) {
+    for (int c = 0; c < n; c++) {
+        int best = c;
+        for (int r = c + 1; r < n; r++)
+            if (fabs(A[r][c]) > fabs(A[best][c]))
+                best = r;
+        if (!(fabs(A[best][c]) > 0))
+            return -1;
+        for (int k = 0; k < n && best != c; k++) {
+            const double kept = A[c][k];
+            A[c][k] = A[best][k];
+            A[best][k] = kept;
+        }
+        const double kept = b[c];
+        b[c] = b[best];
+        b[best] = kept;
+        for (int r = c + 1; r < n; r++) {
+            const double factor = A[r][c] / A[c][c];
+            for (int k = c; k < n; k++)
+                A[r][k] -= factor * A[c][k];
+            b[r] -= factor * b[c];
+        }
+    }
+    for (int c = n - 1; c >= 0; c--) {
+        for (int k = c + 1; k < n; k++)
+            b[c] -= A[c][k] * b[k];
+        b[c] /= A[c][c];
+    }
+    return 0;
+}
+
+/* Entry of a node's mass: m, or m along w and across it with the samples that go along. */
+static double mass_entry(const struct wisp_twin *twin, int i, int r, int c) {
+    if (twin->samples == 0 || twin->treatment != WISP_GENERALISED)
+        return r == c ? twin->mass[i] : 0;
+    const double *w = twin->frame_w[i], across_w = 1 / twin->inverse_mass_across[i];
+    return (r == c ? across_w : 0) + (1 / twin->inverse_mass_along[i] - across_w) * w[r] * w[c];
+}
+
+/* Changes accelerations without tensions by b_i = B_i^-1 (tension_i t_i - tension_(i-1) t_(i-1))
+ * such that t_i.(a_(i+1) - a_i) is what keeps the length of a segment that turns; node 1 rests. In
+ * `generalised` a sample's rate on its line loses what its node gains along it. */
+static int add_tensions(const struct wisp_twin *twin, double *a) {
+    static double A[DENSE_MAX][DENSE_MAX], x[DENSE_MAX];
+    const int free = twin->nodes - 2, places = 3 * free, n = places + free;
+    memset(A, 0, sizeof A);
+    memset(x, 0, sizeof x);
+    for (int i = 0; i < free; i++) /* the equation of node i + 2 */
+        for (int r = 0; r < 3; r++) {
+            for (int c = 0; c < 3; c++)
+                A[3 * i + r][3 * i + c] = mass_entry(twin, i + 2, r, c);
+            A[3 * i + r][places + i] = twin->tangent[i + 1][r];
+            if (i + 1 < free)
+                A[3 * i + r][places + i + 1] = -twin->tangent[i + 2][r];
+        }
+    for (int i = 0; i < free; i++) { /* of the segment that ends there */
+        const double *t = twin->tangent[i + 1], *here = a + i * twin->unknowns;
+        const double *va = twin->velocity[i + 1], *vb = twin->velocity[i + 2];
+        const double apart[3] = {vb[0] - va[0], vb[1] - va[1], vb[2] - va[2]};
+        double turning[3];
+        across(apart, t, turning);
+        x[places + i] = -dot(turning, turning) * twin->inverse_length[i + 1] - dot(t, here);
+        if (i > 0)
+            x[places + i] += dot(t, here - twin->unknowns);
+        for (int k = 0; k < 3; k++) {
+            A[places + i][3 * i + k] = t[k];
+            if (i > 0)
+                A[places + i][3 * (i - 1) + k] = -t[k];
+        }
+    }
+    if (solve_dense(n, A, x) != 0)
+        return -1;
+    for (int i = 0; i < free; i++, a += twin->unknowns) {
+        add(a, 1, &x[3 * i]);
+        for (int j = 0; j < twin->samples && twin->treatment == WISP_GENERALISED; j++) {
+            double line[3];
+            half_line(twin, i + 2, j, line);
+            a[3 + j] -= dot(line, &x[3 * i]);
+        }
+    }
+    return 0;
+}
+
 /* ---- Energy */
 
 static double stretch_energy(const struct wisp_twin *twin) {
@@ -664,6 +752,7 @@ int wisp_twin_init(struct wisp_twin *twin, const struct wisp *wisp,
 
     twin->stretch_constant = wisp->stretch_stiffness / l;
     twin->stretch_damping = wisp->stretch_time * twin->stretch_constant;
+    twin->stretch = wisp->stretch;
     twin->bending = wisp->bending;
     if (wisp->bending == BENDING_SKIP)
         twin->bend_constant = 16 * wisp->bending_stiffness / (l * l * l * theta * theta);
@@ -712,7 +801,7 @@ int wisp_twin_acceleration(struct wisp_twin *twin, double t, const double *q, co
     if (twin->samples > 0)
         frames(twin);
     accelerations(twin, w, q, v, a);
-    return 0;
+    return twin->stretch == STRETCH_RIGID ? add_tensions(twin, a) : 0;
 }
 
 /* Rows 0 and 1 stay the head's: no force depends on them. */

@@ -30,6 +30,7 @@ struct wisp_twin {
     struct wind wind;
     double wind_angular_frequency[WIND_TERMS_MAX]; /* 2 pi f_k */
 
+    enum stretch stretch;
     enum bending bending;
     double stretch_constant, stretch_damping; /* k, c */
     double bend_constant, bend_damping;       /* k, c of a skip spring; kappa, tau_b kappa */
@@ -64,7 +65,8 @@ int wisp_twin_size(const struct wisp_twin *twin);
 /* The start: rest shape, at rest, every sample on its half-line at r = R. */
 void wisp_twin_rest(const struct wisp_twin *twin, double *q, double *v);
 
-/* 0; -1 where a segment has no length, or a skip spring has none: its direction is not defined. */
+/* 0; -1 where a segment has no length, or a skip spring has none: its direction is not defined; or
+ * where no tensions keep rigid segments at their length. */
 int wisp_twin_acceleration(struct wisp_twin *twin, double t, const double *q, const double *v,
                            double *a);
 

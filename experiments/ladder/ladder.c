@@ -53,10 +53,11 @@ static int is_beyond(struct search *s, const struct scene *scene) {
 }
 
 /* Methods begin at the first octave that is less than four times too long by linear theory: it is
- * surely unstable, and longer ones are no news. */
+ * surely unstable, and longer ones are no news. Of rigid segments that theory knows nothing stiff.
+ */
 static int first_place(const struct scene *scene, const struct configuration *contestant) {
     int place = 0;
-    if (!contestant_is_adaptive(contestant))
+    if (!contestant_is_adaptive(contestant) && stiffest_mode(scene).frequency > 0)
         while (!seems_stable(contestant->method, scene, setting_at(scene, contestant, place) / 4))
             place += STEPS_STRIDE;
     return place;
@@ -250,9 +251,9 @@ static int ladder_tabulate(struct plan *plan, const char *folder) {
     if (statements_open(&statements, folder, plan->subjects[0].scene,
                         plan->quick ? "--quick: coarser brackets" : NULL, plan->reason))
         return -1;
-    const int code = ladder_write(plan, folder, plan->reason);
+    int code = ladder_write(plan, folder, plan->reason);
     if (!code)
-        ladder_state(&statements, plan);
+        code = ladder_state(&statements, plan);
     return statements_close(&statements, code, plan->reason);
 }
 

@@ -15,6 +15,7 @@ struct hair {
     double detail;            /* segments over those of the scene; 0: the same */
     double most;              /* EA, N, beyond which nobody waits for a tight solution; 0: none */
     double damping;           /* of the highest stretch mode; 0: the scene's stretch_time */
+    int rigid;                /* of infinite stiffness: no other has a meaning */
     int quick_from, quick_to; /* of the stiffnesses, those that --quick has */
     const char *figure;       /* without .svg */
 };
@@ -22,8 +23,8 @@ struct hair {
 /* One kind of hair at one stiffness. The cells of a kind follow each other from soft to stiff. */
 struct cell {
     const struct hair *hair;
-    double stiffness; /* EA, N */
-    double damping;   /* of the highest stretch mode */
+    double stiffness; /* EA, N; infinite: the segments are rigid */
+    double damping;   /* of the highest stretch mode; NaN where there is none */
 };
 
 /* What a search waits for: a run at a place, more that confirm it, the timing of the best. */
@@ -65,7 +66,7 @@ enum { JITTERED = 9, JITTERED_QUICK = 3 };
 /* Makes the cells, and their scenes the plan's subjects. Returns 0, or -1 with plan->reason. */
 int ladder_cells(struct plan *plan, struct ladder *ladder);
 
-/* Writes "default, EA 90 N". */
+/* Writes "default, EA 90 N", or of rigid segments their name. */
 void ladder_name_cell(char *name, size_t size, const struct cell *cell);
 
 /* Whether a cell's kind is the one of the cell before it. */
@@ -97,6 +98,7 @@ int ladder_write(const struct plan *plan, const char *folder, char *reason);
 
 /* --- ladder_statements.c --- */
 
-void ladder_state(struct statements *statements, const struct plan *plan);
+/* Returns 0, or -1 with plan->reason. */
+int ladder_state(struct statements *statements, struct plan *plan);
 
 #endif

@@ -18,6 +18,12 @@ static const struct hair hairs[] = {
      .phrase = "hair with the scene's bending and damping",
      .quick_to = 2,
      .figure = "ladder"},
+    {.name = "rigid segments",
+     .phrase = "hair of rigid segments, the limit of stiff springs",
+     .sets = {"material.stretch=rigid"},
+     .rigid = 1,
+     .quick_to = 3,
+     .figure = "ladder"},
     {.name = "skip springs, EI 1e-3",
      .phrase = "hair bent by skip springs of 1e-3 N m2",
      .scene = "swing",
@@ -57,15 +63,22 @@ static const struct hair hairs[] = {
 };
 enum { HAIRS = sizeof hairs / sizeof *hairs };
 
-/* Whoever asks for a scene of his own gets what can be done with that. */
-static int is_in(const struct plan *plan, const struct hair *hair, int stiffness) {
-    return (!hair->scene || plan->scene_count == 0) &&
+/* Whoever asks for a scene of his own gets what can be done with that: of rigid segments nothing
+ * else. They are one cell, beyond the stiffest. */
+static int is_in(const struct plan *plan, const struct scene *asked, const struct hair *hair,
+                 int stiffness) {
+    const int rigid = asked->wisps[0].stretch == STRETCH_RIGID;
+    return (hair->rigid ? stiffness == STIFFNESSES - 1 : !rigid) &&
+           (!hair->scene || plan->scene_count == 0) &&
            !(hair->most > 0 && stiffnesses[stiffness] > hair->most) &&
            (!plan->quick || (hair->quick_from <= stiffness && stiffness <= hair->quick_to));
 }
 
 void ladder_name_cell(char *name, size_t size, const struct cell *cell) {
-    snprintf(name, size, "%s, EA %g N", cell->hair->name, cell->stiffness);
+    if (cell->hair->rigid)
+        snprintf(name, size, "%s", cell->hair->name);
+    else
+        snprintf(name, size, "%s, EA %g N", cell->hair->name, cell->stiffness);
 }
 
 int ladder_goes_on(const struct ladder *ladder, int cell) {
@@ -83,10 +96,12 @@ static int plan_cell(struct plan *plan, const struct subject *subject, struct ce
                      struct subject *to) {
     char rate[64], stiffness[64], time[64];
     const struct hair *hair = cell->hair;
-    const char *source = hair->scene ? hair->scene : subject->source, *sets[8] = {rate, stiffness};
-    int count = 2;
+    const char *source = hair->scene ? hair->scene : subject->source, *sets[8] = {rate};
+    int count = 1;
     snprintf(rate, sizeof rate, "frame_rate=%.17e", subject->scene->frame_rate);
     snprintf(stiffness, sizeof stiffness, "material.stretch_stiffness=%.17e", cell->stiffness);
+    if (!hair->rigid)
+        sets[count++] = stiffness;
     for (int i = 0; hair->sets[i]; i++)
         sets[count++] = hair->sets[i];
     const struct scene *scene = scene_of(plan, source, hair, sets, count);
@@ -99,7 +114,7 @@ static int plan_cell(struct plan *plan, const struct subject *subject, struct ce
     if (!scene)
         return -1;
     const struct mode mode = stiffest_mode(scene);
-    cell->damping = mode.damping_time * mode.frequency / 2;
+    cell->damping = hair->rigid ? NAN : mode.damping_time * mode.frequency / 2;
     *to = (struct subject){.scene = scene, .source = source};
     ladder_name_cell(to->name, sizeof to->name, cell);
     return 0;
@@ -125,10 +140,11 @@ int ladder_cells(struct plan *plan, struct ladder *ladder) {
     plan->subject_count = 0;
     for (int h = 0; h < HAIRS; h++)
         for (int k = 0; k < STIFFNESSES; k++) {
-            if (!is_in(plan, &hairs[h], k))
+            if (!is_in(plan, base.scene, &hairs[h], k))
                 continue;
             struct cell *cell = &ladder->cell[ladder->cell_count++];
-            *cell = (struct cell){.hair = &hairs[h], .stiffness = stiffnesses[k]};
+            *cell = (struct cell){.hair = &hairs[h],
+                                  .stiffness = hairs[h].rigid ? INFINITY : stiffnesses[k]};
             if (plan_cell(plan, &base, cell, &subjects[plan->subject_count++]))
                 return -1;
         }

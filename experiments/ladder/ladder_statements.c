@@ -52,14 +52,23 @@ static void list_tied(const struct ladder *ladder, const struct search *best, ch
     }
 }
 
+/* "At EA = 90 N, for such hair," */
+static void name_place(char text[160], const struct cell *cell) {
+    if (cell->hair->rigid)
+        snprintf(text, 160, "For %s,", cell->hair->phrase);
+    else
+        snprintf(text, 160, "At EA = %g N, for %s,", cell->stiffness, cell->hair->phrase);
+}
+
 /* The cheapest method of a cell, with those that it is tied with, or the next. */
 static void state_cell(struct statements *statements, const struct plan *plan, int at) {
     const struct ladder *ladder = plan->memo;
     const struct cell *cell = &ladder->cell[at];
     const struct search *best = cheapest(ladder, at, ALL, NULL);
     const struct search *next = best ? cheapest(ladder, at, ALL, best) : NULL;
-    char key[96], tied[512] = "", runner_up[128] = "";
+    char key[96], place[160], tied[512] = "", runner_up[128] = "";
     ladder_name_cell(key, sizeof key, cell);
+    name_place(place, cell);
     struct statement row = {
         .key = key, .figure = cell->hair->figure, .tables = "ladder", .unit = "ms"};
     row.value = best ? 1e3 * best->cost.cpu.median : NAN;
@@ -71,20 +80,16 @@ static void state_cell(struct statements *statements, const struct plan *plan, i
                  1e3 * next->cost.cpu.median);
     if (tied[0])
         statements_add(statements, row,
-                       "At EA = %g N, for %s, a millimetre is cheapest with %s (%.3g ms)%s, whose "
-                       "costs are too close to part them.",
-                       cell->stiffness, cell->hair->phrase, best->contestant->name, row.value,
-                       tied);
+                       "%s a millimetre is cheapest with %s (%.3g ms)%s, whose costs are too "
+                       "close to part them.",
+                       place, best->contestant->name, row.value, tied);
     else if (best)
         statements_add(
-            statements, row,
-            "At EA = %g N, for %s, a millimetre is cheapest with %s at %s %.3g: %.3g ms%s.",
-            cell->stiffness, cell->hair->phrase, best->contestant->name,
-            contestant_is_adaptive(best->contestant) ? "rtol" : "h =",
+            statements, row, "%s a millimetre is cheapest with %s at %s %.3g: %.3g ms%s.", place,
+            best->contestant->name, contestant_is_adaptive(best->contestant) ? "rtol" : "h =",
             ladder_setting(plan, best, best->place.reached), row.value, runner_up);
     else
-        statements_add(statements, row, "At EA = %g N, for %s, no method reaches a millimetre.",
-                       cell->stiffness, cell->hair->phrase);
+        statements_add(statements, row, "%s no method reaches a millimetre.", place);
 }
 
 /* --- one kind of hair --- */
@@ -246,14 +251,50 @@ static void state_price(struct statements *statements, const struct plan *plan, 
             stiff->stiffness, row.value, euler);
 }
 
-void ladder_state(struct statements *statements, const struct plan *plan) {
+/* How far rigid segments are from the stiffest hair, of the cell before, by their tight solutions.
+ */
+static int state_rigid(struct statements *statements, struct plan *plan, int at) {
+    const struct ladder *ladder = plan->memo;
+    struct verdict verdict = {NAN, FINISHED, NAN};
+    struct run_files stiffest;
+    if (run_read_states(&stiffest, plan->cases[at - 1].run.folder, plan->trajectories,
+                        plan->reason))
+        return -1;
+    const int code = stiffest.outcome == FINISHED
+                         ? judge_runs(plan, at, 1, plan->subjects[at].scene, &stiffest, &verdict)
+                         : 0;
+    run_free(&stiffest);
+    const double apart = verdict.error;
+    const struct statement row = {.key = "rigid segments, as a model",
+                                  .figure = "ladder",
+                                  .tables = "ladder",
+                                  .unit = "mm",
+                                  .value = 1e3 * apart,
+                                  .verdict = isnan(apart) ? NOT_REACHED
+                                                          : holds_if(apart <= LADDER_TARGET)};
+    if (isnan(apart))
+        statements_add(statements, row,
+                       "What rigid segments make of hair is not known: a tight "
+                       "solution failed.");
+    else
+        statements_add(statements, row,
+                       "Hair of rigid segments moves like hair of EA = %g N: %.2g mm (rms) apart.",
+                       ladder->cell[at - 1].stiffness, row.value);
+    return code;
+}
+
+int ladder_state(struct statements *statements, struct plan *plan) {
     const struct ladder *ladder = plan->memo;
     for (int first = 0, count; first < ladder->cell_count; first += count) {
         for (count = 1;
              first + count < ladder->cell_count && ladder_goes_on(ladder, first + count);)
             count++;
-        state_price(statements, plan, first, count);
-        state_order(statements, ladder, first, count);
+        if (!ladder->cell[first].hair->rigid) {
+            state_price(statements, plan, first, count);
+            state_order(statements, ladder, first, count);
+        } else if (first > 0 && state_rigid(statements, plan, first)) {
+            return -1;
+        }
         for (int cell = first; cell < first + count; cell++)
             state_cell(statements, plan, cell);
     }
@@ -264,4 +305,5 @@ void ladder_state(struct statements *statements, const struct plan *plan) {
             "Real hair (16800 N), hair of 41 nodes, the dampings 0.02, 0.1 and 0.5, converged "
             "Newton "
             "iterations and conjugate gradients are left out of --quick.");
+    return 0;
 }

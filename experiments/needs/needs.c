@@ -72,6 +72,7 @@ static struct choice own_choice(const struct study *study) {
     const double values[THINGS] = {[NODES] = 1,
                                    [ENVELOPE] = own->wisps[0].samples,
                                    [BENDING] = own->wisps[0].bending,
+                                   [STRETCHING] = own->wisps[0].stretch,
                                    [TREATMENT] = WISP_GENERALISED,
                                    [COLLISION_RATE] = own->collision_rate,
                                    [INTERACTION_RATE] = own->interaction.rate};

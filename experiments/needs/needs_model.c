@@ -1,5 +1,6 @@
 #include "needs_model.h"
 
+#include "base/vector.h"
 #include "experiments/common/measure.h"
 #include "model/model.h"
 #include "model/problems.h"
@@ -12,16 +13,10 @@
 
 /* --- what can be chosen --- */
 
-const char *const thing_names[THINGS] = {"nodes",
-                                         "envelope",
-                                         "bending law",
-                                         "treatment",
-                                         "body contact rate",
-                                         "wisp contact rate",
-                                         "wisp contact",
-                                         "bodies",
-                                         "style field",
-                                         "subdivision"};
+const char *const thing_names[THINGS] = {
+    "nodes",     "envelope",          "bending law",       "stretching",
+    "treatment", "body contact rate", "wisp contact rate", "wisp contact",
+    "bodies",    "style field",       "subdivision"};
 
 double value_of(const struct menu *menu, const struct choice *choice, enum thing thing) {
     return menu->option[thing][choice->of[thing]].value;
@@ -74,6 +69,14 @@ static void add_bending(struct menu *menu, const struct scene *scene) {
                 add_option(menu, BENDING, laws[i], "%s", names[i]);
 }
 
+/* Rigid segments are the limit of stiff springs: what hair stretches is left out, and with it the
+ * stiffest thing that steps must follow. */
+static void add_stretching(struct menu *menu, const struct scene *scene) {
+    if (scene->wisps[0].stretch == STRETCH_SPRING)
+        add_option(menu, STRETCHING, STRETCH_SPRING, "springs that stretch");
+    add_option(menu, STRETCHING, STRETCH_RIGID, "rigid segments");
+}
+
 static void add_treatments(struct menu *menu, const struct scene *scene) {
     static const enum wisp_treatment order[] = {WISP_GENERALISED, WISP_PENALTY, WISP_PROJECTION};
     for (int i = 0; i < (scene->wisps[0].samples > 0 ? 3 : 1); i++)
@@ -107,6 +110,7 @@ void make_menu(struct menu *menu, const struct scene *scene, int quick) {
     add_nodes(menu, scene, quick);
     add_envelope(menu, scene);
     add_bending(menu, scene);
+    add_stretching(menu, scene);
     add_treatments(menu, scene);
     add_rates(menu, COLLISION_RATE, scene->collision_rate, scene->body_count > 0 ? 4 : 1);
     add_rates(menu, INTERACTION_RATE, scene->interaction.rate, touches || splits ? 3 : 1);
@@ -170,6 +174,8 @@ const struct scene *choose_scene(struct plan *plan, const struct subject *subjec
     set(&sets, "frame_rate=%.17e", own->frame_rate);
     set(&sets, "duration=%.17e", duration);
     set(&sets, "material.bending=\"%s\"", laws[(int)value_of(menu, choice, BENDING)]);
+    if (value_of(menu, choice, STRETCHING) == STRETCH_RIGID)
+        set(&sets, "material.stretch=rigid");
     set_contacts(&sets, own, menu, choice);
     if (own->around.style.knots > 0 && value_of(menu, choice, STYLE) == 0)
         set(&sets, "style={ times = [0.0]; accelerations = ([0.0, 0.0, 0.0]); }");
@@ -182,10 +188,20 @@ const struct scene *choose_scene(struct plan *plan, const struct subject *subjec
 
 /* --- its steps --- */
 
+/* Of the free part of a wisp, N. */
+static double weight_of(const struct scene *scene, const struct wisp *wisp) {
+    double mass = 0;
+    for (int i = 2; i < wisp->nodes; i++)
+        mass += wisp_node_mass(wisp, i) + wisp->samples * wisp_sample_mass(wisp, i);
+    return mass * vector_length(scene->around.gravity);
+}
+
 /* The longest step that linear theory allows Runge-Kutta 4, times the share, s. The highest mode of
  * a wisp's stretch and bending springs together is below that of both added up: w^2 = 4 k/m for a
  * chain of springs k, also for springs over every second node; a hinge of energy kappa/2 phi^2
- * pulls with at most 16 kappa/l^2. */
+ * pulls with at most 16 kappa/l^2. Rigid segments have no such mode; the stiffest that they leave
+ * is that of nodes across a chain under tension T, w^2 = 4 T/(m l), taken with five times the
+ * weight of the free part: a pendulum let go from the horizontal pulls with three times its own. */
 double recipe_step(const struct scene *scene) {
     const struct stepper_method *rk4 = stepper_find("rk4");
     double step = 1 / scene->frame_rate;
@@ -197,7 +213,9 @@ double recipe_step(const struct scene *scene) {
                                : wisp->bending == BENDING_SKIP
                                    ? 4 * wisp_bending_constant(wisp)
                                    : 16 * wisp_bending_constant(wisp) / (l * l);
-        const double all = stretch + bending;
+        const double tight =
+            wisp->stretch == STRETCH_RIGID ? 4 * 5 * weight_of(scene, wisp) / l : 0;
+        const double all = stretch + bending + tight;
         const struct mode mode = {
             sqrt(all / mass),
             all > 0 ? (stretch * wisp->stretch_time + bending * wisp->bending_time) / all : 0};

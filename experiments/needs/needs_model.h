@@ -9,6 +9,7 @@ enum thing {
     NODES,
     ENVELOPE,
     BENDING,
+    STRETCHING,
     TREATMENT,
     COLLISION_RATE,
     INTERACTION_RATE,
@@ -39,7 +40,8 @@ struct choice {
 };
 
 /* The chosen option's value: a factor of segments, a number of samples, an enum bending, an enum
- * wisp_treatment, a rate in Hz; of the rest 1 where it is there and 0 where it is left out. */
+ * stretch, an enum wisp_treatment, a rate in Hz; of the rest 1 where it is there and 0 where it is
+ * left out. */
 double value_of(const struct menu *menu, const struct choice *choice, enum thing thing);
 
 /* What can be chosen for a scene; with `quick`, fewer numbers of nodes. */

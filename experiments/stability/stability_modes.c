@@ -104,6 +104,8 @@ struct mode_rate *system_modes(struct system *system, double t, const double *q,
     gsl_set_error_handler_off(); /* it would abort */
     struct dense dense;
     const size_t n = (size_t)system->size;
+    if (!system->ops->linearise)
+        return NULL;
     struct mode_rate *modes = malloc(2 * n * sizeof *modes);
     int code = dense_make(&dense, n) || !modes ||
                system_linearise(system, JACOBIAN_EXACT, t, q, v) || fill(system, &dense);

@@ -20,6 +20,9 @@ static enum jacobian preferred(const struct linear_method *method, const struct 
 
 int linear_choose(const struct linear_method *method, struct system *system, int option,
                   enum jacobian *kind) {
+    if (system->no_jacobians)
+        return system_fail(system, REFUSED, "linear solver %s needs Jacobians, and %s",
+                           method->name, system->no_jacobians);
     if (!system->ops->linearise || !system->ops->product)
         return system_fail(system, REFUSED,
                            "linear solver %s has nothing to solve: %s has no Jacobians",

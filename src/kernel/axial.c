@@ -10,15 +10,8 @@
  *
  * one number a spring, where two springs are coupled that have a free node in common. (For chains
  * that cannot be stretched, S^-1 = 0: Han & Harada 2013, doi:10.2312/PE.vriphys.vriphys13.097-105.)
- * Where S is 0, S^-1 is infinite and the tension 0.
- *
- * M^-1 takes a force on a node to its acceleration: 1/m. In `generalised` the samples' equation
- * mu (a.x_node + x_sample) = mu (a.r_node + r_sample) says that a sample's rate changes by -a.
- * times what its node's does, and with that put into the node's equation its mass is that of
- * (m + mu M) 1 - mu sum aa' = m + mu M/2 across w, m + mu M along it. In the other treatments M
- * does not couple them, and the samples keep r. */
-#include "frames.h"
-#include "part.h"
+ * Where S is 0, S^-1 is infinite and the tension 0. M^-1 is in tension.h. */
+#include "tension.h"
 
 #include <stdlib.h>
 
@@ -51,38 +44,6 @@ SPECIALISED lane right_of(const struct softness *soft, int pulls, struct vec n, 
     return pulls ? lane_select(soft->pulled, right + soft->pull * dot(n, g), right) : right;
 }
 
-/* The acceleration of node i by a force. */
-SPECIALISED struct vec moved(const struct kernel_part *part, int i, int coupled, struct vec force) {
-    if (!coupled)
-        return scale(part->inverse_mass[i], force);
-    const lane across = part->inverse_across[i], along = part->inverse_along[i];
-    const struct vec w = part->frames[i].w;
-    return add_scaled(scale(across, force), (along - across) * dot(w, force), w);
-}
-
-/* Of a free node; of the others, which the head moves, 0. */
-SPECIALISED struct vec free_node(const struct kernel_part *part, const double *x, int i) {
-    if (i < 2)
-        return (struct vec){lane_all(0), lane_all(0), lane_all(0)};
-    return vec_load(x, (i - 2) * part->node_unknowns);
-}
-
-/* x of a node from r, and of its samples, by the force on it. */
-SPECIALISED void move(const struct kernel_part *part, int i, int coupled, struct vec force,
-                      const double *r, double *x) {
-    const int at = (i - 2) * part->node_unknowns;
-    const struct vec change = moved(part, i, coupled, force);
-    vec_store(x, at, add(vec_load(r, at), change));
-    if (!coupled) {
-        for (int u = 3; u < part->node_unknowns; u++)
-            store(x, at + u, load(r, at + u));
-        return;
-    }
-    const lane on_u = dot(change, part->frames[i].u), on_v = dot(change, part->frames[i].v);
-    for (int j = 0; j < part->samples; j++)
-        store(x, at + 3 + j, load(r, at + 3 + j) - along(part, j, part->samples, on_u, on_v));
-}
-
 /* --- stretch: a tridiagonal system --- */
 
 SPECIALISED void solve_stretch(struct kernel_part *part, const struct part_equation *e, int coupled,
@@ -90,21 +51,13 @@ SPECIALISED void solve_stretch(struct kernel_part *part, const struct part_equat
     struct tension *row = part->rows;
     const struct softness soft = softness(part->stretch_k, part->stretch_c, load(e->alpha, 0),
                                           load(e->beta, 0), load(e->gamma, 0));
-    struct vec r = free_node(part, e->r, 1), g = r, by_last = r; /* of node i - 1 */
-    lane last = lane_all(0), pivot = last; /* right side and 1 / D of the row before */
+    struct vec r = free_node(part, e->r, 1), g = r; /* of node i - 1 */
+    struct rows rows = first_row();
     for (int i = 2; i < part->nodes; i++) {
         const struct vec ri = free_node(part, e->r, i), gi = free_node(part, e->g, i);
-        const struct vec ni = part->t[i - 1], by = moved(part, i, coupled, ni);
-        lane diagonal = soft.inverse + dot(ni, by);
-        if (i > 2)
-            diagonal += dot(ni, moved(part, i - 1, coupled, ni));
-        const lane beside = -dot(ni, by_last), lower = beside * pivot;
-        const lane right = right_of(&soft, pulls, ni, sub(ri, r), sub(gi, g)) - lower * last;
-        pivot = 1 / (diagonal - beside * lower);
-        row[i].lower[0] = lower;
-        row[i].solution = right * pivot;
-        last = right;
-        r = ri, g = gi, by_last = by;
+        const lane right = right_of(&soft, pulls, part->t[i - 1], sub(ri, r), sub(gi, g));
+        next_row(part, &rows, i, coupled, soft.inverse, right, &row[i].lower[0], &row[i].solution);
+        r = ri, g = gi;
     }
     lane above = lane_all(0), lower = above; /* of spring i + 1 */
     struct vec pull = {above, above, above}; /* that it has on node i */
@@ -248,7 +201,7 @@ int LANED(kernel_solve_part)(void *ctx, const struct part_equation *e, double *x
             return system_fail(part->system, -OUT_OF_MEMORY, "no memory for the springs' tensions");
         memset(part->rows, 0, rows * sizeof(struct tension));
     }
-    const int coupled = part->samples > 0 && part->treatment == WISP_GENERALISED;
+    const int coupled = is_coupled(part);
     const int axial = e->part == FORCES_AXIAL && part->bending == BENDING_SKIP;
     const int pulls = !mask_none(load(e->gamma, 0) != 0);
     switch (4 * axial + 2 * coupled + pulls) { /* constants where they are inlined */

@@ -1,6 +1,7 @@
 /* The accelerations of a part: springs from the root to the tip, then frames and samples. */
 #include "frames.h"
 #include "part.h"
+#include "rigid.h"
 #include "springs.h"
 
 /* Position or velocity of node i >= 2. */
@@ -8,10 +9,16 @@ static inline struct vec node(const struct kernel_part *part, const double *x, i
     return vec_load(x, (i - 2) * part->node_unknowns);
 }
 
-/* Tangents and spring forces on all nodes. `bending` is a constant where this is inlined. Returns
- * the lanes in which no segment and no spring has lost its direction. */
+/* What keeps a segment that turns at its length: |P (v_b - v_a)|^2 / |d|. */
+SPECIALISED lane centripetal(const struct reach *r) {
+    const struct vec across = add_scaled(r->velocity, -dot(r->velocity, r->n), r->n);
+    return dot(across, across) * r->inverse;
+}
+
+/* Tangents and spring forces on all nodes. `stretch` and `bending` are constants where this is
+ * inlined. Returns the lanes in which no segment and no spring has lost its direction. */
 SPECIALISED mask walk_springs(struct kernel_part *part, const double *q, const double *v,
-                              enum bending bending) {
+                              enum stretch stretch, enum bending bending) {
     const struct vec none = {lane_all(0), lane_all(0), lane_all(0)};
     struct vec pa = part->p[0], va = part->v[0], pb = part->p[1], vb = part->v[1];
     struct vec fa = none, fb = none; /* on nodes i - 2 and i - 1 so far */
@@ -22,9 +29,15 @@ SPECIALISED mask walk_springs(struct kernel_part *part, const double *q, const d
     for (int i = 2; i < part->nodes; i++) {
         const struct vec p = node(part, q, i), pv = node(part, v, i);
         const struct reach segment = reach(pb, p, vb, pv, &sound);
-        const struct vec pull = spring(&segment, part->spacing, part->stretch_k, part->stretch_c);
-        struct vec f = scale(lane_all(-1), pull);
-        fb = add(fb, pull);
+        struct vec f = none;
+        if (stretch == STRETCH_RIGID) {
+            part->rigid->turning[i] = centripetal(&segment);
+        } else {
+            const struct vec pull =
+                spring(&segment, part->spacing, part->stretch_k, part->stretch_c);
+            f = scale(lane_all(-1), pull);
+            fb = add(fb, pull);
+        }
 
         if (bending == BENDING_SKIP) {
             const struct reach skip = reach(pa, p, va, pv, &sound);
@@ -244,14 +257,28 @@ int LANED(kernel_refuse_state)(const struct kernel_part *part, const double *q, 
     return system_fail(system, NOT_FINITE, "the state overflowed");
 }
 
+static mask walk(struct kernel_part *part, const double *q, const double *v) {
+    switch ((int)part->bending + 3 * (part->rigid != NULL)) {
+    case BENDING_NONE:
+        return walk_springs(part, q, v, STRETCH_SPRING, BENDING_NONE);
+    case BENDING_SKIP:
+        return walk_springs(part, q, v, STRETCH_SPRING, BENDING_SKIP);
+    case BENDING_HINGE:
+        return walk_springs(part, q, v, STRETCH_SPRING, BENDING_HINGE);
+    case 3 + BENDING_NONE:
+        return walk_springs(part, q, v, STRETCH_RIGID, BENDING_NONE);
+    case 3 + BENDING_SKIP:
+        return walk_springs(part, q, v, STRETCH_RIGID, BENDING_SKIP);
+    default:
+        return walk_springs(part, q, v, STRETCH_RIGID, BENDING_HINGE);
+    }
+}
+
 int LANED(kernel_acceleration)(void *ctx, double t, const double *q, const double *v, double *a) {
     struct kernel_part *part = ctx;
     if (part->surroundings->head.knots > 0)
         LANED(kernel_prescribe)(part, t);
-    const mask sound = part->bending == BENDING_SKIP    ? walk_springs(part, q, v, BENDING_SKIP)
-                       : part->bending == BENDING_HINGE ? walk_springs(part, q, v, BENDING_HINGE)
-                                                        : walk_springs(part, q, v, BENDING_NONE);
-    if (!mask_all(sound))
+    if (!mask_all(walk(part, q, v)))
         return LANED(kernel_refuse_state)(part, q, v);
     if (part->samples == 0)
         walk_nodes(part, t, q, v, a, WISP_PROJECTION, 0);
@@ -263,5 +290,7 @@ int LANED(kernel_acceleration)(void *ctx, double t, const double *q, const doubl
         walk_nodes(part, t, q, v, a, WISP_PENALTY, 4);
     else
         walk_nodes(part, t, q, v, a, part->treatment, part->samples);
+    if (part->rigid)
+        LANED(kernel_tighten)(part, t, a);
     return 0;
 }

@@ -39,6 +39,10 @@ struct strand;
      * rounding, or nearer are put there and no longer move inwards. Returns the lanes that        \
      * changed. */                                                                                 \
     X(unsigned, clamp, (void *part, double *q, double *v))                                         \
+    /* Gives the segments of the lanes, bit k for lane k, of a part with rigid ones their length   \
+     * back, and takes from the velocities at time t what would change it (see rigid.c). Returns   \
+     * 0, or a positive enum outcome where the state is too far from it and is left alone. */               \
+    X(int, project_lanes, (void *part, double t, double *q, double *v, unsigned lanes))            \
     /* Lanes, bit k for lane k, whose free nodes and samples may be in one of `count` boxes (least \
      * x y z, most x y z; `hull` is around them all); none that is in one is missed. Says besides, \
      * looking at samples only once, whether the clamp may find anything. */                       \
@@ -71,8 +75,9 @@ struct strand;
     X(struct sparse_matrix *, pattern, (const void *part))
 
 struct kernel {
-    int lanes;                    /* wisps side by side in a part */
-    const struct system_ops *ops; /* a part as a system; ctx is the part */
+    int lanes;                          /* wisps side by side in a part */
+    const struct system_ops *ops;       /* a part as a system; ctx is the part */
+    const struct system_ops *rigid_ops; /* likewise, of parts whose segments are rigid */
 #define X(type, name, arguments) type(*name) arguments;
     KERNEL_OPERATIONS(X)
 #undef X

@@ -1,5 +1,6 @@
 /* The table of a kernel's operations. */
 #include "part.h"
+#include "rigid.h"
 
 static const struct system_ops ops = {
     .acceleration = LANED(kernel_acceleration),
@@ -13,8 +14,17 @@ static const struct system_ops ops = {
     .powers = LANED(kernel_powers),
 };
 
+/* A segment that is rigid has no stiffness: there are no Jacobians. */
+static const struct system_ops rigid_ops = {
+    .acceleration = LANED(kernel_acceleration),
+    .project = LANED(kernel_project),
+    .energies = LANED(kernel_energies),
+    .powers = LANED(kernel_powers),
+};
+
 const struct kernel LANED(kernel) = {.lanes = LANES,
                                      .ops = &ops,
+                                     .rigid_ops = &rigid_ops,
 #define X(type, name, arguments) .name = LANED(kernel_##name),
                                      KERNEL_OPERATIONS(X)
 #undef X

@@ -2,6 +2,7 @@
 #include "part.h"
 
 #include "frames.h"
+#include "rigid.h"
 
 #include <stdlib.h>
 
@@ -48,6 +49,18 @@ static struct vec from_origin(const struct kernel_part *part, struct vec rest) {
 /* Likewise its velocity (derivative 1) or acceleration (2). */
 static struct vec rate_of(const struct kernel_part *part, int derivative, struct vec rest) {
     return placed(&part->head, derivative, add(part->rest_root, rest));
+}
+
+struct vec LANED(kernel_first_acceleration)(const struct kernel_part *part, double t) {
+    const struct system *system = part->system;
+    const struct head_motion *head = &part->surroundings->head;
+    const struct vec first = rest_node(part, 1);
+    const double inside = system->until > 0 ? (system->from + system->until) / 2 : t;
+    if (head_interval(head, inside) == head_interval(head, t))
+        return rate_of(part, 2, first);
+    struct placement at;
+    head_placement_within(head, inside, t, &at);
+    return placed(&at, 2, add(part->rest_root, first));
 }
 
 static void place_head(struct kernel_part *part, double t) {
@@ -199,6 +212,14 @@ void *LANED(kernel_create)(const struct wisp *const *wisps, const struct surroun
     for (int k = 0; k < LANES; k++)
         fill_lane(part, k, wisps[k]);
     place_head(part, 0);
+    if (first->stretch == STRETCH_RIGID) {
+        part->rigid =
+            LANED(kernel_rigid_create)(part->nodes, (part->nodes - 2) * part->node_unknowns);
+        if (!part->rigid) {
+            free(part);
+            return NULL;
+        }
+    }
     return part;
 }
 
@@ -214,6 +235,7 @@ void LANED(kernel_free)(void *ctx) {
         free(part->spare);
         free(part->rows);
         free(part->panels);
+        free(part->rigid);
     }
     free(part);
 }

@@ -69,6 +69,7 @@ struct kernel_part {
     struct kernel_matrix *matrix; /* Jacobians and factors; made by the first linearisation */
     void *rows;                   /* of solves with a part of the forces; made by the first */
     struct kernel_panels *panels; /* of such solves with all forces, likewise */
+    struct kernel_rigid *rigid;   /* of rigid segments; NULL: they are springs */
 };
 
 /* The operations of a struct system, by the rest of the folder; `ctx` is a struct kernel_part. */
@@ -97,6 +98,10 @@ KERNEL_OPERATIONS(X)
 /* The rate of a direction that turns with the head, where the head was last; `rest`: as it rests.
  */
 struct vec LANED(kernel_turning)(const struct kernel_part *part, struct vec rest);
+
+/* The acceleration of node 1 at time t, where the head was last: it jumps at the head's knots, and
+ * at the end of an interval that is advanced over it is that of the time before. */
+struct vec LANED(kernel_first_acceleration)(const struct kernel_part *part, double t);
 
 /* Where a node or sample is in space whose place from the origin is among the unknowns. */
 static inline struct vec in_space(const struct kernel_part *part, struct vec place) {

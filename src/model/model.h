@@ -35,6 +35,7 @@ struct model {
     int rate_column_count;
     double collision_rate;   /* Hz of ticks at which `tick` has work; 0: never */
     double interaction_rate; /* likewise, of those between wisps */
+    const char *trouble;     /* why the last tick could not be completed, of a part; or NULL */
     int ticks_alone;     /* whether at ticks of the first kind a part needs no other: tick_part */
     const double *kinks; /* times at which the forces have one, s, ascending */
     int kink_count;
@@ -64,6 +65,10 @@ struct problem {
     /* The reverse; NULL where states cannot be loaded. */
     void (*restore)(struct model *model, const double *rows);
 
+    /* Puts the state onto a constraint that it may have been set off from a little; what is too far
+     * from it stays as it is, and steps will say so. NULL: there is none that states can be off. */
+    void (*project)(struct model *model);
+
     /* Writes accelerations, given by part in the layout of v, as row_count rows of
      * rate_column_count numbers. */
     void (*sample_accelerations)(const struct model *model, double *const *a, double *rows);
@@ -76,7 +81,7 @@ struct problem {
      * of part i whose state is no longer what its stepper left. New parts come after the others,
      * which stay where they are; `changed` has room for all to come. The workers, or NULL, share
      * the work; what happens does not depend on them. Returns FINISHED, or why the run cannot go
-     * on. NULL: nothing. */
+     * on: OUT_OF_MEMORY, or what model->trouble tells more of. NULL: nothing. */
     enum outcome (*tick)(struct model *model, struct workers *workers, unsigned events,
                          int *changed);
 

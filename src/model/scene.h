@@ -14,6 +14,7 @@ struct run_defaults {
     double step;         /* s */
     double rtol, atol;   /* atol in m and m/s */
     double strain_limit; /* beyond which a run has diverged; 0: the problem's */
+    int project;         /* of rigid segments, after each step: 1, 0, or -1: as suits the method */
 };
 
 /* A state to start from: rows of frames, as a model of that treatment writes them. */

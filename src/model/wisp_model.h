@@ -14,6 +14,7 @@ enum { LANES_MAX = 4 };
 struct batch {
     int wisp[LANES_MAX];
     int count;
+    int trouble;                   /* the outcome of its projection at the last tick, or 0 */
     struct sparse_matrix *pattern; /* owned; of parts of one wisp */
 };
 
@@ -56,6 +57,11 @@ int wisp_part_create(struct wisp_model *m, int part);
 
 /* Gives a wisp its rows of a frame, after all others'. */
 void wisp_take_rows(struct wisp_model *m, int wisp);
+
+/* Puts rigid segments of a part's lanes, and of the padding that repeats them, back to their
+ * length; of springs nothing is asked. Returns 0, or a positive enum outcome with the system's
+ * reason. */
+int wisp_part_project(struct wisp_model *m, int part, unsigned lanes);
 
 /* Takes a wisp's strand back into its lane and the padding that repeats it, by way of `rows`. */
 void wisp_close(const struct wisp_model *m, int part, int lane, double *rows);

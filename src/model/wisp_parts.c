@@ -41,21 +41,25 @@ int wisp_part_create(struct wisp_model *m, int i) {
     for (int k = 0; k < LANES_MAX; k++)
         wisps[k] = &m->wisps[batch->wisp[k]];
 
-    const int lanes = m->kernel->lanes;
+    const int lanes = m->kernel->lanes, rigid = wisps[0]->stretch == STRETCH_RIGID;
     const int size = (wisps[0]->nodes - 2) * wisp_node_unknowns(wisps[0], m->treatment) * lanes;
-    part->system = (struct system){.ops = m->kernel->ops,
+    part->system = (struct system){.ops = rigid ? m->kernel->rigid_ops : m->kernel->ops,
                                    .name = m->name,
                                    .size = size,
                                    .lanes = lanes,
                                    .wisps = batch->count,
                                    .numbers = batch->wisp};
-    declare_matrix(&part->system, wisps[0], m->treatment);
+    if (rigid)
+        part->system.no_jacobians = "rigid segments have none: take an explicit method or cvode, "
+                                    "or set material.stretch to \"spring\"";
+    else
+        declare_matrix(&part->system, wisps[0], m->treatment);
     part->system.ctx = m->kernel->create(wisps, &m->scene->around, m->treatment, &part->system);
     part->q = aligned_alloc(64, ((size_t)size * sizeof(double) + 63) / 64 * 64);
     part->v = aligned_alloc(64, ((size_t)size * sizeof(double) + 63) / 64 * 64);
     if (!part->system.ctx || !part->q || !part->v)
         return -1;
-    if (lanes == 1) {
+    if (lanes == 1 && !rigid) {
         batch->pattern = kernel_1.pattern(part->system.ctx);
         part->system.pattern = batch->pattern;
         if (!batch->pattern)
@@ -63,6 +67,18 @@ int wisp_part_create(struct wisp_model *m, int i) {
     }
     m->kernel->rest(part->system.ctx, m->model.t, part->q, part->v);
     return 0;
+}
+
+int wisp_part_project(struct wisp_model *m, int i, unsigned lanes) {
+    struct part *part = &m->model.parts[i];
+    const struct batch *batch = &m->batches[i];
+    if (m->wisps[0].stretch != STRETCH_RIGID || !lanes)
+        return 0;
+    for (int k = batch->count; k < m->kernel->lanes && lanes & 1; k++)
+        lanes |= 1u << k;
+    for (int k = 0; k < batch->count; k++)
+        part->system.counters.projections += lanes >> k & 1;
+    return m->kernel->project_lanes(part->system.ctx, m->model.t, part->q, part->v, lanes);
 }
 
 void wisp_take_rows(struct wisp_model *m, int wisp) {

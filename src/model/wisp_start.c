@@ -30,8 +30,10 @@ int wisps_start(struct wisp_model *m) {
     head_placement(&m->scene->around.head, m->model.t, &head);
     for (int i = 0; i < m->scene->wisp_count && !code; i++)
         code = convert(m, &head, i, rows);
-    if (!code)
+    if (!code) {
         m->model.problem->restore(&m->model, rows);
+        m->model.problem->project(&m->model);
+    }
     free(rows);
     return code;
 }

@@ -305,6 +305,28 @@ static int push_out(const struct tick *tick, int i, unsigned near, double *rows)
     return touched;
 }
 
+/* Segments that contacts have stretched, where they are rigid: once a tick, after the last of them.
+ * The energy that this changes is of no kind that parts have accounts of. */
+static void project_part(const struct tick *tick, int i, double *rows) {
+    struct wisp_model *m = tick->m;
+    (void)rows;
+    if (!tick->changed[i] || m->wisps[0].stretch != STRETCH_RIGID)
+        return;
+    m->batches[i].trouble = wisp_part_project(m, i, (unsigned)tick->changed[i]);
+    account_before(&m->model.parts[i], m->model.t);
+}
+
+/* Whether all parts could be put back; else of the first that could not why. */
+static enum outcome look_for_trouble(struct wisp_model *m) {
+    for (int i = 0; i < m->model.part_count; i++) {
+        if (!m->batches[i].trouble)
+            continue;
+        m->model.trouble = m->model.parts[i].system.reason;
+        return (enum outcome)m->batches[i].trouble;
+    }
+    return FINISHED;
+}
+
 /* Body contact, then the clamp. Most parts are far from every body and have nothing to clamp: one
  * look says so. */
 static void collide_part(const struct tick *tick, int i, double *rows) {
@@ -322,6 +344,7 @@ static void collide_part(const struct tick *tick, int i, double *rows) {
     if (near && push_out(tick, i, near, rows))
         clamp = envelope;
     account_after(part, m->model.t, JUMP_BODY_CONTACT);
+    project_part(tick, i, rows);
     const unsigned clamped = clamp ? m->kernel->clamp(ctx, part->q, part->v) : 0;
     if (clamped)
         tick->changed[i] |= (int)clamped;
@@ -353,7 +376,9 @@ enum outcome wisps_tick(struct model *model, struct workers *workers, unsigned e
         outcome = meet(&tick, workers);
     if (events & STOP_COLLISION && outcome == FINISHED)
         collide(&tick, workers);
-    return outcome;
+    else if (events & STOP_INTERACTION && outcome == FINISHED)
+        do_parts(&tick, workers, project_part);
+    return outcome == FINISHED ? look_for_trouble(tick.m) : outcome;
 }
 
 /* --- memory --- */

@@ -100,6 +100,11 @@ static void wisps_restore(struct model *model, const double *rows) {
     }
 }
 
+static void wisps_project(struct model *model) {
+    for (int i = 0; i < model->part_count; i++)
+        wisp_part_project((struct wisp_model *)model, i, ~0u);
+}
+
 static void wisps_sample_accelerations(const struct model *model, double *const *a, double *rows) {
     const struct wisp_model *m = (const struct wisp_model *)model;
     const int stride = model->rate_column_count;
@@ -123,7 +128,9 @@ static int wisps_terms(const struct scene *scene, const char **names, int most) 
         g[0] != 0 || g[1] != 0 || g[2] != 0 ? "gravity" : NULL,
         wisp->drag_rate > 0 ? "air" : NULL,
         wind[windy],
-        wisp->stretch_stiffness > 0 ? "stretch" : NULL,
+        wisp->stretch == STRETCH_RIGID ? "rigid segments"
+        : wisp->stretch_stiffness > 0  ? "stretch"
+                                       : NULL,
         wisp->bending_stiffness > 0 ? bending[wisp->bending] : NULL,
         wisp->samples > 0 ? "envelope" : NULL,
         scene->around.style.knots > 0 ? "style" : NULL,
@@ -162,7 +169,7 @@ static double wisps_strain_limit(const struct scene *scene) {
         for (int i = 2; i < wisp->nodes; i++)
             mass += wisp_node_mass(wisp, i) + wisp->samples * wisp_sample_mass(wisp, i);
         const double weight = mass * sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
-        if (weight > 0)
+        if (weight > 0 && wisp->stretch == STRETCH_SPRING)
             stretch = fmax(stretch, weight / wisp->stretch_stiffness);
     }
     return fmax(0.05, 2 * stretch);
@@ -273,6 +280,7 @@ const struct problem wisp_problem = {
     .free = wisps_free,
     .sample = wisps_sample,
     .restore = wisps_restore,
+    .project = wisps_project,
     .sample_accelerations = wisps_sample_accelerations,
     .terms = wisps_terms,
     .tick = wisps_tick,

@@ -118,6 +118,7 @@ static int refuse_combination(const struct scene *scene, struct settings *settin
     }
     for (int i = 0; i < model->part_count && !code; i++) {
         struct system *system = &model->parts[i].system;
+        system->unprojected = settings->unprojected;
         settings->unknowns += system->size / system->lanes * system->wisps;
         code = stepper_refuse(settings->method, &settings->stepper, system);
         if (code)
@@ -130,6 +131,14 @@ static int refuse_combination(const struct scene *scene, struct settings *settin
     }
     scene->problem->free(model);
     return code ? REFUSED : 0;
+}
+
+/* Steps of one-step methods are projected, those of multistep ones would make less of their
+ * history. On the circle the projection is the treatment. */
+static int leaves_constraint(const struct scene *scene, const struct stepper_method *method) {
+    const int rigid = scene->wisp_count > 0 && scene->wisps[0].stretch == STRETCH_RIGID;
+    const int by_method = !(method->capabilities & STEPPER_MULTISTEP);
+    return rigid && !(scene->run.project >= 0 ? scene->run.project : by_method);
 }
 
 double scene_strain_limit(const struct scene *scene) {
@@ -162,6 +171,7 @@ int settings_resolve(const struct scene *scene, const struct run_request *reques
     if (!settings->method)
         return refuse_name(reason, "stepper", name, "steppers") ? REFUSED : 0;
     settings->stepper.options = (struct options){request->options, request->option_count};
+    settings->unprojected = leaves_constraint(scene, settings->method);
     if (settings->method->checked_by) /* it has error control, and a second opinion */
         settings->strain_limit = INFINITY;
     if (settings->diagnostics && !scene->problem->extremes) {

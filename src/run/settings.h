@@ -35,6 +35,7 @@ struct settings {
     double frame_interval; /* s, where the scene has no frame rate; 0: every accepted step */
     int every_step;        /* that is so: every accepted step is a frame */
     double strain_limit;   /* beyond which a finite state has diverged; infinite: never */
+    int unprojected;       /* steps leave states off a constraint that could be kept */
     double perturbation;   /* rms displacement of each node's start, m */
     int draw;              /* which one: seeds the random numbers */
     int timings;

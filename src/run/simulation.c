@@ -100,6 +100,8 @@ static void perturb_start(struct simulation *sim) {
         for (int k = 2; k < 5; k++) /* x y z, after wisp and node */
             sim->rows[i * columns + k] += gsl_ran_gaussian(random, each);
     problem->restore(sim->model, sim->rows);
+    if (problem->project)
+        problem->project(sim->model);
     gsl_rng_free(random);
 }
 
@@ -108,6 +110,7 @@ static void create_steppers(struct simulation *sim) {
     for (; sim->stepper_count < sim->model->part_count && going(sim); sim->stepper_count++) {
         const int i = sim->stepper_count;
         struct system *system = &sim->model->parts[i].system;
+        system->unprojected = sim->settings->unprojected;
         if (sim->settings->profile)
             system->profile = &sim->progress[i].profile;
         if (sim->settings->diagnostics)
@@ -332,6 +335,8 @@ static void advance_part(void *ctx, int i) {
     struct progress_of_part *part = &sim->progress[i];
     const struct part *state = &sim->model->parts[i];
     part->reached = sim->t;
+    sim->model->parts[i].system.from = sim->t;
+    sim->model->parts[i].system.until = interval->to;
     if (sim->settings->diagnostics)
         account_begin(&sim->model->parts[i], sim->t);
     part->code = sim->settings->method->advance
@@ -398,7 +403,9 @@ static void tick(struct simulation *sim, unsigned events) {
     if (sim->settings->diagnostics)
         sim->other_jumps += unbooked_energy(sim) - booked;
     if (outcome != FINISHED)
-        end_with(sim, outcome, "no memory for what happens at a tick");
+        end_with(sim, outcome,
+                 outcome == OUT_OF_MEMORY ? "no memory for what happens at a tick"
+                                          : sim->model->trouble);
     for (int i = 0; i < sim->stepper_count; i++)
         if ((sim->changed[i] || events & STOP_KINK) && sim->settings->method->reset)
             sim->settings->method->reset(sim->steppers[i],

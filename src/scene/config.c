@@ -26,6 +26,16 @@ void config_fail(struct config_reader *reader, const config_setting_t *setting, 
     va_end(arguments);
 }
 
+/* What --set gave is marked by a hook, which libconfig keeps and never looks at. */
+static void mark_set(config_setting_t *setting) {
+    static char mark;
+    config_setting_set_hook(setting, &mark);
+}
+
+bool config_is_set(const config_setting_t *setting) {
+    return setting && config_setting_get_hook(setting);
+}
+
 static config_setting_t *copy_setting(config_setting_t *parent, const char *name,
                                       const config_setting_t *from);
 
@@ -54,6 +64,8 @@ static int copy_value(config_setting_t *to, const config_setting_t *from) {
 static config_setting_t *copy_setting(config_setting_t *parent, const char *name,
                                       const config_setting_t *from) {
     config_setting_t *to = config_setting_add(parent, name, config_setting_type(from));
+    if (to)
+        mark_set(to);
     return to && copy_value(to, from) ? to : NULL;
 }
 
@@ -82,6 +94,24 @@ static bool read_value(struct config_reader *reader, const char *set, const char
     return false;
 }
 
+static void replace(struct config_reader *reader, const char *set, config_setting_t *parent,
+                    const char *name, const config_setting_t *value) {
+    if (config_setting_get_member(parent, name))
+        config_setting_remove(parent, name);
+    if (!copy_setting(parent, name, value))
+        config_fail(reader, NULL, "--set %.100s: '%.60s' is not a setting's name", set, name);
+}
+
+/* A group takes the place of the scene's, of which the rest may not go with it (wind = { kind =
+ * "gust"; ... }). The material is one thing that every scene has: a group that names some of its
+ * settings changes those. An empty one stands for the defaults. */
+static bool keeps_others(const config_setting_t *parent, const char *name,
+                         const config_setting_t *there, const config_setting_t *value) {
+    return config_setting_is_root(parent) && strcmp(name, "material") == 0 &&
+           config_setting_is_group(there) && config_setting_is_group(value) &&
+           config_setting_length(value) > 0;
+}
+
 /* Puts the value in the place of the setting, which is made if its group exists. */
 static void put_value(struct config_reader *reader, const char *set, char *path,
                       const config_setting_t *value) {
@@ -98,10 +128,15 @@ static void put_value(struct config_reader *reader, const char *set, char *path,
                         : "");
         return;
     }
-    if (config_setting_get_member(parent, name))
-        config_setting_remove(parent, name);
-    if (!copy_setting(parent, name, value))
-        config_fail(reader, NULL, "--set %.100s: '%.60s' is not a setting's name", set, name);
+    config_setting_t *there = config_setting_get_member(parent, name);
+    if (there && keeps_others(parent, name, there, value)) {
+        for (int i = 0; i < config_setting_length(value); i++) {
+            const config_setting_t *member = config_setting_get_elem(value, (unsigned)i);
+            replace(reader, set, there, config_setting_name(member), member);
+        }
+        return;
+    }
+    replace(reader, set, parent, name, value);
 }
 
 /* path.to.setting=value; the value is a number, "text", true, or a [list], (list), {group}. */

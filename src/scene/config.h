@@ -74,6 +74,9 @@ void config_known(struct config_reader *reader, config_setting_t *group, const c
 void config_fail(struct config_reader *reader, const config_setting_t *setting, const char *format,
                  ...) __attribute__((format(printf, 3, 4)));
 
+/* Whether --set gave the setting, which may be NULL. */
+bool config_is_set(const config_setting_t *setting);
+
 /* The whole setting as JSON, every number a real: equal scenes give equal texts. New reference. */
 json_t *config_to_json(const config_setting_t *setting);
 

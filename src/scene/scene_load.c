@@ -31,14 +31,21 @@ static void stem(const char *path, char *name, size_t size) {
 
 static void read_run(struct config_reader *reader, config_setting_t *top,
                      const struct problem *problem, struct run_defaults *run) {
-    const char *const known[] = {"step", "rtol", "atol",
-                                 problem->strain_limit ? "strain_limit" : NULL, NULL};
+    const char *const known[] = {"step",
+                                 "rtol",
+                                 "atol",
+                                 problem->strain_limit ? "strain_limit" : NULL,
+                                 problem->strain_limit ? "project" : NULL,
+                                 NULL};
     config_setting_t *group = config_group(reader, top, "run");
     config_known(reader, group, known);
     run->step = config_number(reader, group, "step", POSITIVE, 1e-4);
     run->rtol = config_number(reader, group, "rtol", POSITIVE, 1e-6);
     run->atol = config_number(reader, group, "atol", POSITIVE, 1e-9);
     run->strain_limit = config_number(reader, group, "strain_limit", POSITIVE, 0);
+    run->project = -1;
+    if (group && config_setting_get_member(group, "project"))
+        run->project = config_switch(reader, group, "project", true);
 }
 
 /* Such ticks are lost in the rounding of the time, and the run would never end. */
@@ -60,6 +67,16 @@ static void check_rates(struct config_reader *reader, config_setting_t *top,
                         "%s: %g Hz up to %g s: is more than 1e15 times", rates[i].name,
                         rates[i].rate, end);
     }
+}
+
+/* What a setting cannot change is refused. */
+static void check_projection(struct config_reader *reader, config_setting_t *top,
+                             const struct scene *scene) {
+    if (scene->run.project >= 0 && scene->wisp_count > 0 &&
+        scene->wisps[0].stretch != STRETCH_RIGID)
+        config_fail(reader, config_setting_get_member(config_group(reader, top, "run"), "project"),
+                    "project: only rigid segments are put back to their length, material.stretch = "
+                    "\"rigid\"");
 }
 
 static void read_circle(struct config_reader *reader, config_setting_t *top) {
@@ -96,6 +113,7 @@ static void read_scene(struct config_reader *reader, struct scene *scene) {
         read_circle(reader, top);
     else
         scene_read_wisps(reader, top, scene);
+    check_projection(reader, top, scene);
     check_rates(reader, top, scene);
     scene->source = config_to_json(top);
     scene_note_start(scene);

@@ -3,6 +3,7 @@
 #include "base/files.h"
 #include "base/hash.h"
 #include "base/table.h"
+#include "base/vector.h"
 #include "model/state.h"
 
 #include <errno.h>
@@ -45,6 +46,30 @@ static void check_head(struct config_reader *reader, const config_setting_t *set
     }
 }
 
+/* Rigid segments are put back to their length, if they are near it. */
+static const double most_stretched = 1e-2;
+
+static void check_lengths(struct config_reader *reader, const config_setting_t *setting,
+                          const struct scene *scene, const double *rows, const double *expected,
+                          int columns) {
+    for (int w = 0; w < scene->wisp_count; w++) {
+        const struct wisp *wisp = &scene->wisps[w];
+        for (int i = 2; i < wisp->nodes && wisp->stretch == STRETCH_RIGID; i++) {
+            const double *p = rows + i * columns + 2;
+            const double *before = (i == 2 ? expected : rows) + (i - 1) * columns + 2;
+            const double d[3] = {p[0] - before[0], p[1] - before[1], p[2] - before[2]};
+            const double off = vector_length(d) / wisp_spacing(wisp) - 1;
+            if (!(fabs(off) <= most_stretched))
+                config_fail(reader, setting,
+                            "start: the segment before node %d of wisp %d is %.3g of its length "
+                            "away from it: segments are rigid here, and may be %g",
+                            i, w, off, most_stretched);
+        }
+        rows += wisp->nodes * columns;
+        expected += wisp->nodes * columns;
+    }
+}
+
 static void fail(struct config_reader *reader, const config_setting_t *setting,
                  const char *reason) {
     reader->out_of_memory |= errno == ENOMEM;
@@ -75,6 +100,7 @@ static void take_states(struct config_reader *reader, const config_setting_t *se
     } else {
         model->problem->sample(model, expected);
         check_head(reader, setting, model, start.rows, expected);
+        check_lengths(reader, setting, scene, start.rows, expected, model->column_count);
     }
     free(expected);
     scene->problem->free(model);

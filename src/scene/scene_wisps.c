@@ -8,32 +8,68 @@
 #include <math.h>
 #include <string.h>
 
+/* The index of a text in a list, which ends with NULL; refused where it is not in it. */
+static int read_choice(struct config_reader *reader, config_setting_t *group, const char *name,
+                       const char *const *choices, const char *absent) {
+    const char *text = config_text(reader, group, name, absent);
+    char list[REASON_SIZE] = "";
+    for (int i = 0; choices[i]; i++) {
+        if (strcmp(choices[i], text) == 0)
+            return i;
+        strncat(list, i ? ", " : "", sizeof list - strlen(list) - 1);
+        strncat(list, choices[i], sizeof list - strlen(list) - 1);
+    }
+    config_fail(reader, config_setting_get_member(group, name), "%s: '%.60s' is not one of %s",
+                name, text, list);
+    return 0;
+}
+
+/* Rigid segments have neither stiffness nor damping. Where it is --set that makes them rigid, the
+ * springs of the file are what it overrides: they go, and are refused only if --set gives them too.
+ */
+static void read_stretch(struct config_reader *reader, config_setting_t *group, struct wisp *wisp) {
+    static const char *const kinds[] = {
+        [STRETCH_SPRING] = "spring", [STRETCH_RIGID] = "rigid", NULL};
+    static const char *const of_springs[] = {"stretch_stiffness", "stretch_time"};
+    wisp->stretch = (enum stretch)read_choice(reader, group, "stretch", kinds, "spring");
+    if (wisp->stretch == STRETCH_SPRING) {
+        wisp->stretch_stiffness =
+            config_number(reader, group, "stretch_stiffness", NOT_NEGATIVE, 90);
+        wisp->stretch_time = config_number(reader, group, "stretch_time", NOT_NEGATIVE, 1.2e-4);
+        return;
+    }
+    const int overridden = config_is_set(config_setting_get_member(group, "stretch"));
+    for (int i = 0; i < 2; i++) {
+        const config_setting_t *setting = config_setting_get_member(group, of_springs[i]);
+        if (setting && overridden && !config_is_set(setting))
+            config_setting_remove(group, of_springs[i]);
+        else if (setting)
+            config_fail(reader, setting,
+                        "%s: rigid segments have none; leave it out, or write stretch = "
+                        "\"spring\"",
+                        of_springs[i]);
+    }
+}
+
 static void read_material(struct config_reader *reader, config_setting_t *top, struct wisp *wisp) {
     static const char *const known[] = {
-        "hair_count", "hair_density",      "stretch_stiffness", "stretch_time", "bending",
-        "drag_rate",  "bending_stiffness", "bending_angle",     "bending_time", NULL};
-    static const char *const laws[] = {"none", "skip", "hinge"};
+        "hair_count",    "hair_density", "stretch",   "stretch_stiffness",
+        "stretch_time",  "bending",      "drag_rate", "bending_stiffness",
+        "bending_angle", "bending_time", NULL};
+    static const char *const laws[] = {
+        [BENDING_NONE] = "none", [BENDING_SKIP] = "skip", [BENDING_HINGE] = "hinge", NULL};
     config_setting_t *group = config_group(reader, top, "material");
     if (!group)
         config_fail(reader, NULL, "material: missing; write material = { }; for the defaults");
     config_known(reader, group, known);
     wisp->hair_count = config_number(reader, group, "hair_count", POSITIVE, 1000);
     wisp->hair_density = config_number(reader, group, "hair_density", POSITIVE, 5.7e-6);
-    wisp->stretch_stiffness = config_number(reader, group, "stretch_stiffness", NOT_NEGATIVE, 90);
-    wisp->stretch_time = config_number(reader, group, "stretch_time", NOT_NEGATIVE, 1.2e-4);
+    read_stretch(reader, group, wisp);
     wisp->bending_stiffness = config_number(reader, group, "bending_stiffness", NOT_NEGATIVE, 1e-5);
     wisp->bending_angle = config_number(reader, group, "bending_angle", POSITIVE, 0.3);
     wisp->bending_time = config_number(reader, group, "bending_time", NOT_NEGATIVE, 1e-3);
     wisp->drag_rate = config_number(reader, group, "drag_rate", NOT_NEGATIVE, 4);
-
-    const char *law = config_text(reader, group, "bending", "skip");
-    int i = 0;
-    while (i < 3 && strcmp(laws[i], law) != 0)
-        i++;
-    wisp->bending = (enum bending)i;
-    if (i == 3)
-        config_fail(reader, config_setting_get_member(group, "bending"),
-                    "bending: '%.60s' is not one of skip, hinge, none", law);
+    wisp->bending = (enum bending)read_choice(reader, group, "bending", laws, "skip");
 }
 
 static void read_envelope(struct config_reader *reader, config_setting_t *top, struct wisp *wisp) {

@@ -27,7 +27,7 @@ int system_acceleration(struct system *s, double t, const double *q, const doubl
 }
 
 int system_has_projection(const struct system *s) {
-    return s->ops->project != NULL;
+    return s->ops->project && !s->unprojected;
 }
 
 int system_project(struct system *s, double t, double *q, double *v) {

@@ -114,12 +114,12 @@ enum { LANES_MOST = 4 };
 
 struct system {
     const struct system_ops *ops;
-    void *ctx;                       /* owned by the model */
-    const char *name;                /* for messages: "circle (free)" */
-    int size;                        /* doubles in q, in v, in a */
-    int lanes;                       /* wisps side by side, padding included */
-    int wisps;                       /* wisps that count: lanes without the padding */
-    const int *numbers;              /* of the wisps in the lanes, for messages; or NULL */
+    void *ctx;          /* owned by the model */
+    const char *name;   /* for messages: "circle (free)" */
+    int size;           /* doubles in q, in v, in a */
+    int lanes;          /* wisps side by side, padding included */
+    int wisps;          /* wisps that count: lanes without the padding */
+    const int *numbers; /* of the wisps in the lanes, for messages; or NULL */
 
     /* Of a method whose lanes have steps of their own, while it asks for something: */
     const double *times; /* by lane, in place of the t that is given; NULL: all are at t */
@@ -130,6 +130,11 @@ struct system {
     const char *matrix_note;         /* why the matrix is not symmetric, or NULL */
     unsigned force_parts;            /* that solve_part takes, bit k for part k; 0: none */
     enum force_part stiff_part;      /* the least of them that has all that may be stiff */
+    int unprojected;                 /* steps leave the state off the constraint that there is */
+    double from, until;              /* of the smooth motion being advanced over, s: prescribed
+                                        functions of time with a jump at an end have there what they
+                                        have inside; until 0: none is */
+    const char *no_jacobians;        /* that something has none, and what to do; NULL: not said */
     const struct sparse_matrix *pattern; /* of assemble; NULL without it */
     struct counters counters;
     struct profile *profile; /* NULL: none is kept */

@@ -21,10 +21,10 @@ static double slope(const double *time, const double (*x)[3], int knots, int k, 
     return (x[k + 1][component] - x[k - 1][component]) / (time[k + 1] - time[k - 1]);
 }
 
-/* Cubic Hermite (value, first and second derivative) of one component. */
-static void hermite(const double *time, const double (*x)[3], int knots, double t, int component,
-                    double result[3]) {
-    const int k = interval(time, knots, t);
+/* Cubic Hermite (value, first and second derivative) of one component, between knots k and k + 1.
+ */
+static void hermite(const double *time, const double (*x)[3], int knots, int k, double t,
+                    int component, double result[3]) {
     result[1] = result[2] = 0;
     if (k < 0 || k >= knots - 1) {
         result[0] = x[k < 0 ? 0 : knots - 1][component];
@@ -117,12 +117,22 @@ static void rotation_matrix(double r[3][3], double turn[3][3][3]) {
     }
 }
 
+int head_interval(const struct head_motion *head, double t) {
+    return interval(head->time, head->knots, t);
+}
+
 void head_placement(const struct head_motion *head, double t, struct placement *placement) {
+    head_placement_within(head, t, t, placement);
+}
+
+void head_placement_within(const struct head_motion *head, double inside, double t,
+                           struct placement *placement) {
+    const int k = head_interval(head, inside);
     double r[3][3] = {{0}}, p[3];
     memset(placement, 0, sizeof *placement);
     for (int c = 0; c < 3 && head->knots > 0; c++) {
-        hermite(head->time, head->position, head->knots, t, c, p);
-        hermite(head->time, head->rotation, head->knots, t, c, r[c]);
+        hermite(head->time, head->position, head->knots, k, t, c, p);
+        hermite(head->time, head->rotation, head->knots, k, t, c, r[c]);
         for (int d = 0; d < 3; d++)
             placement->position[d][c] = p[d];
     }

@@ -24,6 +24,14 @@ struct placement {
 
 void head_placement(const struct head_motion *head, double t, struct placement *placement);
 
+/* The interval between knots that holds t: -1 before the first, knots - 1 after the last one. */
+int head_interval(const struct head_motion *head, double t);
+
+/* The same as head_placement by the cubic that holds at time `inside`, for t in that interval or at
+ * one of its ends, to rounding. */
+void head_placement_within(const struct head_motion *head, double inside, double t,
+                           struct placement *placement);
+
 /* Where a point of the head is (derivative 0), its velocity (1) or acceleration (2); a direction is
  * only turned. */
 void placed_point(const struct placement *placement, int derivative, const double rest[3],

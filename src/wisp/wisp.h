@@ -9,6 +9,10 @@ enum { SAMPLES_MAX = 16 };
 
 enum bending { BENDING_NONE, BENDING_SKIP, BENDING_HINGE };
 
+/* What keeps neighbours at their distance: spring-dampers, or a constraint that keeps it exactly.
+ */
+enum stretch { STRETCH_SPRING, STRETCH_RIGID };
+
 /* How a sample of the envelope is kept on its half-line. */
 enum wisp_treatment { WISP_PROJECTION, WISP_PENALTY, WISP_GENERALISED };
 
@@ -22,6 +26,7 @@ struct wisp {
     double hair_count;
     int splits;               /* subdivisions behind it: it has 2^-splits of the hairs at first */
     double hair_density;      /* kg/m of one hair */
+    enum stretch stretch;     /* where it is rigid, the next two are 0 */
     double stretch_stiffness; /* EA, N */
     double stretch_time;      /* damping over stiffness, s */
     enum bending bending;
