@@ -1,6 +1,7 @@
 /* wisplab eval: the accelerations at one state, to be compared with another program's. */
 #include "base/complain.h"
 #include "base/files.h"
+#include "base/vector.h"
 #include "cli.h"
 #include "model/state.h"
 #include "run/record.h"
@@ -65,7 +66,11 @@ static int print_accelerations(const struct scene *scene, struct model *model) {
     }
     if (!code) {
         model->problem->sample_accelerations(model, a, rows);
-        print_rows(scene, model, rows);
+        if (all_finite(rows, model->row_count * model->rate_column_count))
+            print_rows(scene, model, rows);
+        else
+            code = complain(3, "%s: the accelerations at this state are not finite, its numbers are too large",
+                            scene->name);
     }
     for (size_t i = 0; a && i < parts; i++)
         free(a[i]);

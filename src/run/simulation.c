@@ -2,6 +2,7 @@
 
 #include "base/files.h"
 #include "base/progress.h"
+#include "base/vector.h"
 #include "base/workers.h"
 #include "model/clock.h"
 
@@ -269,16 +270,6 @@ static int advance_adaptive(struct simulation *sim, int i, double *t, double to,
         code = check_strain(sim, i, *t);
     } while (*t < to && !code && !once && !interrupted(sim, i, *t));
     return code;
-}
-
-static int all_finite(const double *x, int n) {
-    double sum[8] = {
-        0}; /* 0 * x is NaN where x is not finite; eight chains of additions, not one */
-    for (int i = 0; i < n; i++)
-        sum[i % 8] += 0 * x[i];
-    for (int k = 1; k < 8; k++)
-        sum[0] += sum[k];
-    return sum[0] == 0;
 }
 
 /* An interval to be advanced over, and how far each part has come. */
