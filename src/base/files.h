@@ -46,6 +46,10 @@ void atomic_discard(struct atomic_file *file);
 /* Removes temporary files of that name whose writers were on this host and are gone. */
 void atomic_remove_leftovers(const char *path);
 
+/* Makes a folder for what a tool draws, inside another one, into `path` (PATH_SIZE), and removes
+ * such folders whose makers are gone. Returns 0, or -1 with one line in `reason`. */
+int temporary_folder(const char *folder, char *path, char *reason);
+
 /* Gives a complete file its name, as atomic_commit does. Returns 0, or -1 with errno. */
 int file_put(const char *from, const char *to);
 

@@ -285,9 +285,7 @@ static void write_picture(void *ctx, int i) {
     if (failed)
         return;
     picture_name(task, task->frames[i], name);
-    int code = runs_interrupted() ? 3 : 0;
-    if (!code)
-        code = strip_write(task->strip, &task->frames[i], 1, task->out, name, task->format, reason);
+    int code = strip_write(task->strip, &task->frames[i], 1, task->out, name, task->format, reason);
     if (code && runs_interrupted()) { /* so may gnuplot have been */
         code = 3;
         snprintf(reason, sizeof reason, "interrupted");

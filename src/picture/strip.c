@@ -385,13 +385,10 @@ int strip_write(const struct strip *strip, const int *frames, int count, const c
     int code = check_frames(strip, frames, count, reason);
     if (code)
         return code;
-    if (path_format(drawing, "%s/.drawing-%ld-%.100s", folder, (long)getpid(), name) ||
-        path_format(drawn, "%s/picture.%s", drawing, format) ||
-        path_format(file, "%s/%s.%s", folder, name, format) || make_folder(drawing, reason)) {
-        if (strlen(folder) + 200 > PATH_SIZE)
-            snprintf(reason, REASON_SIZE, "%.60s...: the path is too long", folder);
+    if (temporary_folder(folder, drawing, reason))
         return 2;
-    }
+    path_format(drawn, "%s/picture.%s", drawing, format);
+    path_format(file, "%s/%s.%s", folder, name, format);
     code = write_page(strip, frames, count, drawing, reason);
     if (!code && plot_draw("pictures", drawing, drawing, format, reason))
         code = 2;

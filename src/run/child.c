@@ -18,7 +18,7 @@
 
 /* A run that is to end has this long to do so by itself and keep what it has: of CPU time after its
  * limit, of wall time after the user's word. */
-static const double grace_seconds = 1;
+static const double grace_seconds = 1, user_grace_seconds = 0.3;
 
 /* What a child tells its parent. How it ended stands here, not in its exit code: whoever calls
  * exit() inside a library says nothing by that. */
@@ -131,6 +131,7 @@ static void be_child(const struct run_case *run, const struct run_limits *limits
     prctl(PR_SET_PDEATHSIG, SIGKILL); /* nothing goes on when the parent is killed, */
     if (getppid() != parent)          /* and it was */
         _exit(0);
+    runs_leave_signals_to_parent();
     sigprocmask(SIG_SETMASK, &mask_before, NULL);
     watch_fatal_signals();
     if (limits->bytes > 0)
@@ -274,7 +275,7 @@ enum child_state child_poll(struct child *child, enum outcome *outcome, char *re
     if (stop_request && !child->asked) {
         child->asked = 1;
         signal_process(child->pid, SIGTERM);
-        child->deadline = fmin(child->deadline, monotonic_seconds() + grace_seconds);
+        child->deadline = fmin(child->deadline, monotonic_seconds() + user_grace_seconds);
     }
     if (monotonic_seconds() > child->deadline && !child->killed) {
         child->killed = 1;
