@@ -3,14 +3,14 @@
 # missing.  --ci adds what .ci/run needs besides.
 set -eu
 
-# The compiler and the build; the libraries (README says what each is for); the tests; the figures,
-# and a font for their texts.
-packages="build-essential cmake ninja-build pkg-config
+# The compiler and the build, with git for the commit that results name; the libraries (README says
+# what each is for); the tests; the figures, and a font for their texts.
+packages="build-essential cmake ninja-build pkg-config git
           libsundials-dev libsuitesparse-dev libgsl-dev libconfig-dev libjansson-dev
           libcriterion-dev gnuplot-nox fonts-dejavu-core"
 case ${1-} in
 '') ;;
---ci) packages="$packages git clang libclang-rt-dev clang-format valgrind" ;;
+--ci) packages="$packages clang libclang-rt-dev clang-format valgrind" ;;
 *) echo "usage: $0 [--ci]" >&2 && exit 1 ;;
 esac
 

@@ -432,3 +432,18 @@ Test(eval, a_state_without_direction_exits_3, .init = open_folder, .fini = close
     cr_assert(f.code == 3 && strstr(f.err, "wisp 8: nodes "), "'%s'", f.err);
     free(text);
 }
+
+/* Numbers whose squares are none, and then accelerations of which some are NaN: no table. */
+Test(eval, a_huge_state_exits_3, .init = open_folder, .fini = close_folder) {
+    char path[PATH_SIZE];
+    static struct finished f;
+    char *text = states_of("swing", "generalised", "0.05");
+    char *huge = with_field(text, line_from_end(text, 8), 3, "1e308");
+    file_write(folder, "huge.tsv", huge, path);
+    PROGRAM(&f, NULL, "eval", "swing", "--state", path);
+    cr_expect_eq(f.code, 3, "exit code %d, '%s'", f.code, f.err);
+    cr_expect(count_lines(f.err) == 1 && strstr(f.err, "not finite"), "'%s'", f.err);
+    cr_expect_eq(f.out[0], '\0', "prints '%.60s'", f.out);
+    free(huge);
+    free(text);
+}

@@ -1,8 +1,12 @@
 /* What others have named or written: names that are commands elsewhere, files that are not ours and
  * files without an end. */
+#include "base/visible.h"
+#include "report/html.h"
+#include "scene/config.h"
 #include "support.h"
 
 #include <criterion/criterion.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -87,4 +91,140 @@ Test(foreign, a_gnuplot_that_draws_nothing_has_failed, .init = open_folder, .fin
     setenv("PATH", path, 1);
     PROGRAM(&f, NULL, "experiment", "circle", "--quick", "--stepper", "euler", "--out", folder);
     cr_expect(f.code == 2 && strstr(f.err, "has drawn no svg"), "%d: '%s'", f.code, f.err);
+}
+
+/* --- names that a terminal would obey --- */
+
+/* Whether a text has control characters besides newlines, or bytes that are not UTF-8. */
+static int has_controls(const char *text) {
+    for (; *text; text += utf8_length(text))
+        if (utf8_length(text) == 0 || (is_control(text) && *text != '\n'))
+            return 1;
+    return 0;
+}
+
+/* Each kind of name through each kind of message. */
+Test(foreign, names_do_not_command_the_terminal, .init = open_folder, .fini = close_folder) {
+    static const char scene[] =
+        "name = \"\xc2\x9b\\x1b[31mred\"; duration = 0.01; frame_rate = 100.0;\n"
+        "gravity = [0.0, -9.81, 0.0]; material = { }; contacts = { interpenetration = false;\n"
+        "collision = false; }; wisps = ( { root = [0.0, 0.0, 0.0]; direction = [1.0, 0.0, 0.0];\n"
+        "length = 0.1; nodes = 4; } );\n"
+        "body = ( { name = \"\xc2\x9d\\x1b]0;\"; center = [9.0, 0.0, 0.0];\n"
+        "radii = [0.001, 0.001, 0.001]; friction = 0.0; elasticity = 0.0; offset = 0.0; } );\n";
+    char path[PATH_SIZE], out[PATH_SIZE];
+    static struct finished f;
+    file_write(folder, "\x1b\xc2\x9b\xff.cfg", scene, path);
+    path_format(out, "%s/\x1b\xc2\x9b\xff", folder);
+    PROGRAM(&f, NULL, "run", path, "--out", out);
+    cr_expect(f.code == 0 && strstr(f.out, "\\u009b\\u001b[31mred: finished"), "%s%s", f.out,
+              f.err);
+    cr_expect(strstr(f.out, "/\\u001b\\u009b\\xff/states.tsv"), "%s", f.out);
+    cr_expect(strstr(f.err, "body '\\u009d\\u001b]0;' can pass"), "%s", f.err);
+    cr_expect(!has_controls(f.out) && !has_controls(f.err), "'%s' '%s'", f.out, f.err);
+    PROGRAM(&f, NULL, "run", path, "--out", out, "--set", "wisps.[0].scalp=\"\xc2\x9b\"");
+    cr_expect(f.code == 1 && !has_controls(f.err), "%d: '%s'", f.code, f.err);
+    PROGRAM(&f, NULL, "experiment", "\x1b\xc2\x9b");
+    cr_expect(f.code == 1 && !has_controls(f.err), "%d: '%s'", f.code, f.err);
+}
+
+Test(foreign, names_do_not_command_a_page) {
+    char *text = NULL;
+    size_t size;
+    FILE *stream = open_memstream(&text, &size);
+    html_text(stream, "\xc2\x9b<\x1b\x7f\xff\xc3\xa9");
+    fclose(stream);
+    cr_expect_str_eq(text, "\\u009b&lt;\\u001b\\u007f\\xff\xc3\xa9");
+    free(text);
+}
+
+/* The stepper's name in a run.json, which anybody can have written, becomes a label, and that
+ * stands in a script of gnuplot's. */
+Test(foreign, names_do_not_command_a_picture, .init = open_folder, .fini = close_folder) {
+    const struct launch here = {.folder = folder};
+    char made[PATH_SIZE], json[PATH_SIZE], figure[PATH_SIZE];
+    static struct finished f;
+    path_format(made, "%s/made", folder);
+    path_format(json, "%s/run.json", folder);
+    PROGRAM(&f, &here, "run", "swing-envelope", "--duration", "0.05", "--out", ".");
+    cr_assert_eq(f.code, 0, "%s", f.err);
+    char *text = file_read(json), *name = strstr(text, "\"stepper\": \"rk4\""), other[8192];
+    cr_assert(name, "%s", text);
+    snprintf(other, sizeof other, "%.*s\"stepper\": \"a'\\n!touch made #\\n\\u009b\"%s",
+             (int)(name - text), text, name + strlen("\"stepper\": \"rk4\""));
+    file_write(folder, "run.json", other, NULL);
+    free(text);
+    PROGRAM(&f, &here, "render", "./states.tsv", "./states.tsv", "--frames", "1,2", "--strip",
+            "--format", "svg", "--out", ".");
+    cr_expect_eq(f.code, 0, "%d: %s", f.code, f.err);
+    cr_assert(access(made, F_OK) != 0, "the command has run");
+    path_format(figure, "%s/%s", folder, strtok(f.out, "\n"));
+    char *svg = file_read(figure);
+    cr_assert(svg, "no %s", figure);
+    cr_expect(strstr(svg, "\\u009b") && !strstr(svg, "\xc2\x9b"), "%s", figure);
+    free(svg);
+}
+
+/* --- what is not there --- */
+
+/* What is missing in a group is missed at the group, what is missing in a scene at its end. */
+Test(foreign, what_is_missing_is_missed_at_a_line, .init = open_folder, .fini = close_folder) {
+    static const struct {
+        const char *text, *says;
+    } cases[] = {
+        {"gravity = [0.0, 0.0, 0.0];\nmaterial = { };\nwisps = ( );\n", ":3: duration: missing"},
+        {"duration = 1.0;\nmaterial = { };\n\n", ":3: gravity: missing"},
+        {"duration = 1.0;\ngravity = [0.0, 0.0, 0.0];", ":2: material: missing"},
+        {"duration = 1.0;\ngravity = [0.0, 0.0, 0.0];\nmaterial = { };\nwind = {\n"
+         "kind = \"gust\"; velocity = [1.0, 0.0, 0.0]; };\n",
+         ":4: hold: missing"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char path[PATH_SIZE];
+        struct finished f;
+        file_write(folder, "scene.cfg", cases[i].text, path);
+        PROGRAM(&f, NULL, "run", path, "--out", folder);
+        cr_expect(f.code == 1 && count_lines(f.err) == 1 && strstr(f.err, cases[i].says),
+                  "%d, not '%s': '%s'", f.code, cases[i].says, f.err);
+    }
+}
+
+/* A number that is refused is one that all further reading can stand: none is converted that an
+ * integer cannot hold. */
+Test(foreign, what_is_refused_reads_as_a_number_in_range, .init = open_folder,
+     .fini = close_folder) {
+    static const char *const values[] = {"\"x\"", "-1", "1e999", "0.5", "true", "{ }"};
+    for (size_t i = 0; i < sizeof values / sizeof *values; i++) {
+        char path[PATH_SIZE], text[64], reason[REASON_SIZE];
+        struct config_reader reader;
+        double list[1] = {-1};
+        snprintf(text, sizeof text, "limit = %s; list = ( %s );", values[i], values[i]);
+        file_write(folder, "scene.cfg", text, path);
+        config_open(&reader, path, NULL, 0, reason);
+        cr_assert_not(reader.failed, "%s", reason);
+        const double limit = config_number(&reader, config_top(&reader), "limit", WHOLE, 400);
+        cr_expect(reader.failed && limit == 400, "%s reads as %g", values[i], limit);
+        config_numbers(&reader, config_top(&reader), "list", 1, 1, list);
+        cr_expect(isfinite(list[0]), "%s reads as %g", values[i], list[0]);
+        config_close(&reader);
+    }
+}
+
+Test(foreign, turns_of_more_than_half_a_turn_warn, .init = open_folder, .fini = close_folder) {
+    for (int more = 0; more <= 1; more++) {
+        char text[512], path[PATH_SIZE];
+        static struct finished f;
+        snprintf(text, sizeof text,
+                 "duration = 0.01; frame_rate = 100.0; gravity = [0.0, 0.0, 0.0]; material = { };\n"
+                 "head = { times = [0.0, 1.0]; positions = ([0.0, 0.0, 0.0], [0.0, 0.0, 0.0]);\n"
+                 "rotations = ([0.0, 3.0, 0.0], [0.0, %s, 0.0]); };\n"
+                 "wisps = ( { root = [0.0, 0.0, 0.0]; direction = [1.0, 0.0, 0.0];\n"
+                 "length = 0.1; nodes = 4; } );\n",
+                 more ? "-0.15" : "-0.14");
+        file_write(folder, "scene.cfg", text, path);
+        PROGRAM(&f, NULL, "run", path, "--out", folder);
+        cr_expect_eq(f.code, 0, "%s", f.err);
+        cr_expect_eq(strstr(f.err, "rad apart, more than half a turn") != NULL, more, "'%s'",
+                     f.err);
+    }
 }

@@ -5,6 +5,7 @@
 #include <criterion/criterion.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 /* --- man page --- */
 
@@ -165,5 +166,23 @@ Test(installed, library_is_position_independent) {
                        "! nm -D whole.so | grep -e ptrace -e __executable_start",
                        WISPLAB_BUILD_DIR, out),
                  0, "%s", out);
+    folder_remove(folder);
+}
+
+/* README's first command is to name the commit, so it brings git where there is none. */
+Test(installed, bootstrap_brings_git) {
+    char folder[PATH_SIZE], script[PATH_SIZE], path[PATH_SIZE + 8], text[4096] = "";
+    folder_make(folder);
+    file_write(folder, "dpkg-query", "#!/bin/sh\nexit 0\n", script);
+    chmod(script, 0755);
+    snprintf(path, sizeof path, "PATH=%s", folder);
+    path_format(script, "%s/../bootstrap.sh", WISPLAB_TESTS_DIR);
+    const struct launch shell = {.program = "/usr/bin/env"};
+    static struct finished f;
+    PROGRAM(&f, &shell, path, "/bin/sh", script);
+    snprintf(text, sizeof text, "%.4000s ", f.err);
+    text[strcspn(text, "\n")] = ' ';
+    cr_expect(f.code == 1 && strstr(text, "would install") && strstr(text, " git "), "%d: '%s'",
+              f.code, f.err);
     folder_remove(folder);
 }

@@ -571,7 +571,7 @@ Test(render, an_interruption_leaves_whole_pictures) {
     const char *const words[] = {"render",  folder,  "--frames", "all", "--size",
                                  "100x100", "--out", out,        NULL};
     const struct process process = program_start(NULL, words);
-    for (int i = 0; i < 1000 && count_files(out, ".png") < 1; i++)
+    for (int i = 0; i < 1000 && count_files(out, "-0001.png") < 1; i++)
         usleep(10000);
     kill(process.pid, SIGTERM);
     program_wait(&process, &f);

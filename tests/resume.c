@@ -182,7 +182,7 @@ Test(resume, a_gnuplot_that_fails_exits_2) {
         const char *action, *says;
     } cases[] = {
         {"exit 1", "gnuplot failed"},
-        {"kill -9 $$", "gnuplot failed"},
+        {"kill -9 $$", "gnuplot died of signal 9"},
         /* the folder to draw into is in the variables, which are of gnuplot's language */
         {"d=${3#*out=\\'}; : >\"${d%%\\'*}/half.svg\"", "drawn no png"},
     };

@@ -179,7 +179,7 @@ void program_wait(const struct process *process, struct finished *finished) {
 static char stub[PATH_SIZE];
 
 void gnuplot_stub(const char *action) {
-    char path[PATH_SIZE], text[200], all[2 * PATH_SIZE];
+    char path[PATH_SIZE], text[4 * PATH_SIZE], all[2 * PATH_SIZE];
     const char *before = getenv("PATH");
     folder_make(stub);
     snprintf(text, sizeof text, "#!/bin/sh\n%s\n", action);

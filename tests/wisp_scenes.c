@@ -55,10 +55,10 @@ static const struct wrong {
     const char *says[3];
 } wrongs[] = {
     /* missing */
-    {"duration", "", 0, {"duration", "missing"}},
-    {"gravity", "", 0, {"gravity", "missing"}},
-    {"material", "", 0, {"material", "missing"}},
-    {"wisps", "", 0, {"wisps", "list of groups"}},
+    {"duration", "", 6, {"duration", "missing"}},
+    {"gravity", "", 6, {"gravity", "missing"}},
+    {"material", "", 6, {"material", "missing"}},
+    {"wisps", "", 6, {"wisps", "list of groups"}},
     {"wisps", BODY("", DIRECTION, LENGTH), 7, {"root", "missing"}},
     {"wisps", BODY(ROOT, "", LENGTH), 7, {"direction", "missing"}},
     {"wisps", BODY(ROOT, DIRECTION, ""), 7, {"length", "missing"}},

@@ -7,6 +7,7 @@
 #include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <ftw.h>
 #include <pthread.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -71,7 +72,7 @@ int files_like(const char *folder, const char *pattern, glob_t *found) {
 }
 
 char *file_text(const char *path) {
-    FILE *file = fopen(path, "r");
+    FILE *file = open_regular(path);
     char *text = NULL;
     size_t size = 0;
     if (!file)
@@ -84,6 +85,19 @@ char *file_text(const char *path) {
     fclose(file);
     errno = error;
     return text;
+}
+
+json_t *json_of_file(const char *path, json_error_t *error) {
+    FILE *file = open_regular(path);
+    if (!file) {
+        *error = (json_error_t){.line = -1};
+        snprintf(error->text, sizeof error->text, "cannot be opened: %s",
+                 errno == EINVAL ? "it is no regular file of at most a gibibyte" : strerror(errno));
+        return NULL;
+    }
+    json_t *json = json_loadf(file, 0, error);
+    fclose(file);
+    return json;
 }
 
 int path_beside_program(const char *name, char *path) {
@@ -171,6 +185,12 @@ static int is_leftover(const char *temporary, const char *rest, time_t now) {
     return now > 0 && lstat(temporary, &status) == 0 && now - status.st_mtime > HOUR;
 }
 
+static int remove_one(const char *path, const struct stat *status, int kind, struct FTW *place) {
+    (void)status, (void)kind, (void)place;
+    remove(path);
+    return 0;
+}
+
 static void remove_leftovers(const char *path, time_t now) {
     const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
     char folder[PATH_SIZE], pattern[PATH_SIZE];
@@ -181,7 +201,7 @@ static void remove_leftovers(const char *path, time_t now) {
     files_like(folder, pattern, &found);
     for (size_t i = 0; i < found.gl_pathc; i++)
         if (is_leftover(found.gl_pathv[i], strrchr(found.gl_pathv[i], '/') + 1 + strlen(name), now))
-            unlink(found.gl_pathv[i]);
+            nftw(found.gl_pathv[i], remove_one, 8, FTW_DEPTH | FTW_PHYS);
     globfree(&found);
 }
 
@@ -189,10 +209,36 @@ void atomic_remove_leftovers(const char *path) {
     remove_leftovers(path, 0);
 }
 
-int atomic_open(struct atomic_file *file, const char *path, char *reason) {
+/* A name that nobody else has, and cannot foresee. */
+static int temporary_name(const char *path, char *name, size_t size) {
     unsigned random = 0;
     char host[9];
     short_host(host);
+    if (getrandom(&random, sizeof random, 0) < 0)
+        return -1;
+    const int length =
+        snprintf(name, size, "%s.%s-%ld-%08x.part", path, host, (long)getpid(), random);
+    errno = ENAMETOOLONG;
+    return length < 0 || (size_t)length >= size ? -1 : 0;
+}
+
+int temporary_folder(const char *folder, char *path, char *reason) {
+    char name[PATH_SIZE];
+    struct stat status;
+    if (make_folder(folder, reason))
+        return -1;
+    if (path_format(name, "%s/.drawing", folder) || temporary_name(name, path, PATH_SIZE) ||
+        mkdir(path, 0777)) {
+        snprintf(reason, REASON_SIZE, "%.150s: cannot make a folder there: %s", folder,
+                 strerror(errno));
+        return -1;
+    }
+    if (stat(path, &status) == 0)
+        remove_leftovers(name, status.st_mtime);
+    return 0;
+}
+
+int atomic_open(struct atomic_file *file, const char *path, char *reason) {
     file->stream = NULL;
     file->temporary[0] = '\0';
     path_format(file->path, "%s", path);
@@ -202,10 +248,8 @@ int atomic_open(struct atomic_file *file, const char *path, char *reason) {
                  path);
         return -1;
     }
-    if (getrandom(&random, sizeof random, 0) < 0)
+    if (temporary_name(path, file->temporary, sizeof file->temporary))
         return fail(file, reason);
-    snprintf(file->temporary, sizeof file->temporary, "%s.%s-%ld-%08x.part", path, host,
-             (long)getpid(), random);
     const int descriptor =
         open(file->temporary, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
     if (descriptor < 0) {

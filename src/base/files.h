@@ -3,6 +3,7 @@
 #define WISPLAB_FILES_H
 
 #include <glob.h>
+#include <jansson.h>
 #include <stdio.h>
 
 enum { PATH_SIZE = 1024, REASON_SIZE = 400 };
@@ -46,6 +47,10 @@ void atomic_discard(struct atomic_file *file);
 /* Removes temporary files of that name whose writers were on this host and are gone. */
 void atomic_remove_leftovers(const char *path);
 
+/* Makes a folder for what a tool draws, inside another one, into `path` (PATH_SIZE), and removes
+ * such folders whose makers are gone. Returns 0, or -1 with one line in `reason`. */
+int temporary_folder(const char *folder, char *path, char *reason);
+
 /* Gives a complete file its name, as atomic_commit does. Returns 0, or -1 with errno. */
 int file_put(const char *from, const char *to);
 
@@ -61,7 +66,11 @@ FILE *open_regular(const char *path);
  * no memory. */
 int files_like(const char *folder, const char *pattern, glob_t *found);
 
-/* The whole of a file up to a zero byte, for free; NULL, with errno, where it cannot be had. */
+/* The whole of a file, which open_regular takes, up to a zero byte, for free; NULL, with errno,
+ * where it cannot be had. */
 char *file_text(const char *path);
+
+/* The JSON in a file. New reference, or NULL with what is wrong. */
+json_t *json_of_file(const char *path, json_error_t *error);
 
 #endif

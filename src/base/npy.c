@@ -110,16 +110,26 @@ static long long read_rows(const char *header) {
     return end && (strncmp(end, ",)", 2) == 0) ? rows : -1;
 }
 
+static double bytes_left(FILE *file) {
+    const long at = ftell(file);
+    const int bad = at < 0 || fseek(file, 0, SEEK_END);
+    const long end = ftell(file);
+    return bad || fseek(file, at, SEEK_SET) ? -1 : (double)(end - at);
+}
+
 static const char *read_values(struct table *table, FILE *file, long long rows) {
     const size_t columns = (size_t)table->column_count;
     if (rows < 0 || rows > INT32_MAX)
         return "has no rows of numbers";
     const size_t count = (size_t)rows * columns;
+    const double bytes = (double)(count * sizeof *table->value);
+    if (bytes_left(file) != bytes) /* before there is room made for them */
+        return "has not as many rows as it says";
     table->value = malloc((count + 1) * sizeof *table->value);
     if (!table->value)
         return "out of memory";
-    if (fread(table->value, sizeof *table->value, count, file) != count || fgetc(file) != EOF)
-        return "has not as many rows as it says";
+    if (fread(table->value, sizeof *table->value, count, file) != count)
+        return "cannot be read";
     for (size_t i = 0; i < count; i++)
         table->value[i] = little_endian(table->value[i]);
     table->row_count = (int)rows;

@@ -24,4 +24,19 @@ static inline double vector_length(const double a[3]) {
     return sqrt(vector_dot(a, a));
 }
 
+/* Whether all of n numbers are finite. */
+static inline int all_finite(const double *x, int n) {
+    double sum[8] = {
+        0}; /* 0 * x is NaN where x is not finite; eight chains of additions, not one */
+    int i = 0;
+    for (; i + 8 <= n; i += 8)
+        for (int k = 0; k < 8; k++)
+            sum[k] += 0 * x[i + k];
+    for (; i < n; i++)
+        sum[0] += 0 * x[i];
+    for (int k = 1; k < 8; k++)
+        sum[0] += sum[k];
+    return sum[0] == 0;
+}
+
 #endif

@@ -2,6 +2,7 @@
 #include "base/complain.h"
 #include "base/digits.h"
 #include "base/files.h"
+#include "base/vector.h"
 #include "cli.h"
 #include "model/state.h"
 #include "run/record.h"
@@ -67,7 +68,12 @@ static int print_accelerations(const struct scene *scene, struct model *model) {
     }
     if (!code) {
         model->problem->sample_accelerations(model, a, rows);
-        print_rows(scene, model, rows);
+        if (all_finite(rows, model->row_count * model->rate_column_count))
+            print_rows(scene, model, rows);
+        else
+            code = complain(
+                3, "%s: accelerations at this state are not finite: its numbers are too large",
+                scene->name);
     }
     for (size_t i = 0; a && i < parts; i++)
         free(a[i]);

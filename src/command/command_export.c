@@ -28,7 +28,7 @@ static int export(const struct arguments *arguments) {
     if (code)
         complain(code, "%s", reason);
     else
-        printf("%s/%s.pvd: %d frames of %d wisps\n", folder, name, frames.count, frames.wisp_count);
+        say("%s/%s.pvd: %d frames of %d wisps", folder, name, frames.count, frames.wisp_count);
     frames_close(&frames);
     return code;
 }

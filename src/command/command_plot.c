@@ -37,7 +37,7 @@ static int plot_run(const char *folder) {
                         folder);
     if (plot_diagnostics(folder, reason) < 0)
         return complain(2, "%s", reason);
-    printf("figures in %s\n", folder);
+    say("figures in %s", folder);
     return 0;
 }
 
@@ -63,7 +63,7 @@ static int plot(const struct arguments *arguments) {
             return complain(3, "interrupted");
         if (undrawn)
             return complain(2, "%s", reason);
-        printf("%s: figures in %s\n", experiments[i]->name, folder);
+        say("%s: figures in %s", experiments[i]->name, folder);
         drawn++;
     }
     if (!drawn)

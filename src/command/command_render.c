@@ -153,8 +153,8 @@ static int run_scene(struct task *task, int i) {
         runs_do_all(&run, 1, &limits, 1, !argument_given(task->arguments, "no-progress"), reason);
     if (ran < 0)
         return complain(outcome_exit_code((enum outcome) - ran), "%s", reason);
-    printf("%s with %s: %s %s\n", scene->name, run.settings.method->name,
-           ran ? "run, in" : "has been run, in", run.folder);
+    say("%s with %s: %s %s", scene->name, run.settings.method->name,
+        ran ? "run, in" : "has been run, in", run.folder);
     path_format(task->states[i], "%s/states.tsv", run.folder);
     return 0;
 }
@@ -272,7 +272,7 @@ static int write_strip(struct task *task) {
     const int code = strip_write(task->strip, task->frames, task->count, task->out, name,
                                  task->format, task->reason);
     if (!code)
-        printf("%s/%s.%s\n", task->out, name, task->format);
+        say("%s/%s.%s", task->out, name, task->format);
     return code;
 }
 
@@ -286,9 +286,7 @@ static void write_picture(void *ctx, int i) {
     if (failed)
         return;
     picture_name(task, task->frames[i], name);
-    int code = runs_interrupted() ? 3 : 0;
-    if (!code)
-        code = strip_write(task->strip, &task->frames[i], 1, task->out, name, task->format, reason);
+    int code = strip_write(task->strip, &task->frames[i], 1, task->out, name, task->format, reason);
     if (code && runs_interrupted()) { /* so may gnuplot have been */
         code = 3;
         snprintf(reason, sizeof reason, "interrupted");
@@ -319,8 +317,8 @@ static int write_pictures(struct task *task) {
     picture_name(task, task->frames[0], first);
     picture_name(task, task->frames[task->count - 1], last);
     if (!task->code)
-        printf(task->count > 1 ? "%s/%s.%s to %s.%s, %d pictures\n" : "%s/%s.%s\n", task->out,
-               first, task->format, last, task->format, task->count);
+        say(task->count > 1 ? "%s/%s.%s to %s.%s, %d pictures" : "%s/%s.%s", task->out, first,
+            task->format, last, task->format, task->count);
     return task->code;
 }
 
@@ -341,7 +339,7 @@ static int write_film(struct task *task) {
     if (paths && pictures)
         code = film_write(&film, task->out, task->name, &mp4, task->reason);
     if (!code)
-        printf("%s/%s.gif%s\n", task->out, task->name, mp4 ? " and .mp4" : " (no ffmpeg: no mp4)");
+        say("%s/%s.gif%s", task->out, task->name, mp4 ? " and .mp4" : " (no ffmpeg: no mp4)");
     free(paths);
     free(pictures);
     return code;

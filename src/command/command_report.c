@@ -108,7 +108,7 @@ static int write_page(const struct report *report) {
     const int code = report_write(report, reason);
     if (code)
         return complain(code > 0 ? 3 : 2, "%s", reason);
-    printf("report: %s/report.html\n", report->root);
+    say("report: %s/report.html", report->root);
     return 0;
 }
 
@@ -129,7 +129,7 @@ static int make_report(const struct arguments *arguments) {
         if (report.parts[i].included)
             code = do_part(&report, &report.parts[i], &manner, trajectories);
         else
-            printf("%s: %s\n", report.parts[i].experiment->name, report.parts[i].note);
+            say("%s: %s", report.parts[i].experiment->name, report.parts[i].note);
     }
     trajectories_free(trajectories);
     return code ? code : write_page(&report);

@@ -113,11 +113,14 @@ static struct scene *load(const struct arguments *arguments, char *reason) {
 static void announce(const struct run_case *run) {
     const char *names[16];
     const int count = problem_terms(run->scene, names, 16);
-    printf("%s with %s (%s): %d unknowns;", run->scene->name, run->settings.method->name,
-           run->scene->problem->treatments[run->settings.treatment].name, run->settings.unknowns);
-    for (int i = 0; i < count; i++)
-        printf("%s %s", i ? "," : "", names[i]);
-    putchar('\n');
+    char terms[256] = "";
+    for (int i = 0; i < count; i++) {
+        strncat(terms, i ? ", " : " ", sizeof terms - strlen(terms) - 1);
+        strncat(terms, names[i], sizeof terms - strlen(terms) - 1);
+    }
+    say("%s with %s (%s): %d unknowns;%s", run->scene->name, run->settings.method->name,
+        run->scene->problem->treatments[run->settings.treatment].name, run->settings.unknowns,
+        terms);
     json_t *warnings = scene_warnings(run->scene), *one;
     size_t i;
     json_array_foreach(warnings, i, one) complain(0, "warning: %s", json_string_value(one));
@@ -177,8 +180,8 @@ static void suggest_solver(const struct run_case *run, const struct run_request 
     const struct configuration *dear = all ? with_solver(all, run, used->name) : NULL,
                                *cheap = all ? with_solver(all, run, own) : NULL;
     if (dear && cheap && dear->cost > 2 * cheap->cost)
-        printf("%s: a step with --linear %s takes about 1/%.0f of the time of one with %s\n",
-               run->scene->name, own, dear->cost / cheap->cost, used->name);
+        say("%s: a step with --linear %s takes about 1/%.0f of the time of one with %s",
+            run->scene->name, own, dear->cost / cheap->cost, used->name);
     free(all);
 }
 
@@ -186,10 +189,10 @@ static int report(const struct run_case *run, enum outcome outcome, const char *
     if (outcome == OUTPUT_FAILED)
         return complain(2, "%s", reason);
     if (outcome == FINISHED && run->settings.states == STATES_NONE)
-        printf("%s: finished; results in %s/run.json\n", run->scene->name, run->folder);
+        say("%s: finished; results in %s/run.json", run->scene->name, run->folder);
     else if (outcome == FINISHED)
-        printf("%s: finished; results in %s/states.%s and %s/run.json\n", run->scene->name,
-               run->folder, run->settings.states == STATES_TEXT ? "tsv" : "npy", run->folder);
+        say("%s: finished; results in %s/states.%s and %s/run.json", run->scene->name, run->folder,
+            run->settings.states == STATES_TEXT ? "tsv" : "npy", run->folder);
     else
         say_failure(run, outcome);
     return outcome_exit_code(outcome);

@@ -8,7 +8,9 @@
 int main(int argc, char **argv) {
     gsl_set_error_handler_off(); /* errors are return codes here, never aborts */
     runs_catch_signals();
-    const int code = commands_run(argc, argv);
+    int code = commands_run(argc, argv);
+    if (code == 0 && runs_interrupted())
+        code = complain(outcome_exit_code(INTERRUPTED), "interrupted, when all was done");
     if (fflush(stdout) || ferror(stdout))
         return complain(2, "standard output cannot be written");
     return code;

@@ -1,17 +1,14 @@
 #include "film.h"
 
 #include "plot.h"
+#include "run/program.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
-#include <spawn.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
 #include <unistd.h>
-
-extern char **environ;
 
 static int cannot_write(const char *path, char *reason) {
     snprintf(reason, REASON_SIZE, "%.150s: cannot write: %s", path, strerror(errno));
@@ -59,26 +56,20 @@ static int encode(const struct film *film, const char *drawing, const char *to) 
                                 "yuv420p",
                                 to,
                                 NULL};
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
-    pid_t pid;
-    int status = 0;
-    const int error = posix_spawnp(&pid, argv[0], &actions, NULL, (char *const *)argv, environ);
-    posix_spawn_file_actions_destroy(&actions);
-    if (error)
-        return 0;
-    while (waitpid(pid, &status, 0) < 0 && errno == EINTR)
-        ;
-    return WIFEXITED(status) && WEXITSTATUS(status) == 0 && file_exists(to);
+    const int nothing = open("/dev/null", O_WRONLY | O_CLOEXEC);
+    int status, out_of_time;
+    const int error = program_finish(argv, &(struct run_limits){.seconds = 0},
+                                     &(struct program_words){-1, nothing}, &status, &out_of_time);
+    if (nothing >= 0)
+        close(nothing);
+    return !error && status == 0 && file_exists(to);
 }
 
 int film_write(const struct film *film, const char *folder, const char *name, int *mp4,
                char *reason) {
     char drawing[PATH_SIZE], gif[PATH_SIZE], movie[PATH_SIZE], to[PATH_SIZE], none[REASON_SIZE];
     *mp4 = 0;
-    if (path_format(drawing, "%s/.drawing-%ld-film", folder, (long)getpid()) ||
-        make_folder(drawing, reason))
+    if (temporary_folder(folder, drawing, reason))
         return 2;
     path_format(gif, "%s/film.gif", drawing);
     path_format(movie, "%s/film.mp4", drawing);

@@ -237,7 +237,7 @@ static json_t *read_run(const char *states, char *path, char *reason) {
                "has no run.json beside it, which says of what scene these states are");
         return NULL;
     }
-    json_t *json = json_load_file(path, 0, &error);
+    json_t *json = json_of_file(path, &error);
     if (!json)
         refuse(path, reason, "line %d: %s", error.line, error.text);
     return json;

@@ -1,20 +1,17 @@
 #include "plot.h"
 
 #include "integrators/configurations.h"
+#include "run/program.h"
 
 #include <dirent.h>
 #include <errno.h>
-#include <fcntl.h>
 #include <math.h>
 #include <pthread.h>
-#include <spawn.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-extern char **environ;
 
 /* --- what a script is told --- */
 
@@ -100,16 +97,14 @@ static char *variables_of(const char *plots, const char *folder, const char *to,
 /* --- one drawing --- */
 
 /* gnuplot's own words, the last line of what it said, without the place in the script. */
-static void say_error(const char *errors, const char *name, char *reason) {
+static void say_error(FILE *errors, const char *name, char *reason) {
     char line[512], last[512] = "gnuplot failed";
-    FILE *file = fopen(errors, "r");
-    while (file && fgets(line, sizeof line, file)) {
+    rewind(errors);
+    while (fgets(line, sizeof line, errors)) {
         line[strcspn(line, "\n")] = '\0';
         if (strspn(line, " ^\t") < strlen(line))
             snprintf(last, sizeof last, "%s", line);
     }
-    if (file)
-        fclose(file);
     const char *text = strstr(last, ": ");
     snprintf(reason, REASON_SIZE, "the figures of %s: %.180s", name,
              last[0] == '"' && text ? text + 2 : last);
@@ -135,31 +130,27 @@ int plot_draw(const char *name, const char *folder, const char *to, const char *
         snprintf(reason, REASON_SIZE, "out of memory");
         return -1;
     }
-    char *const argv[] = {(char *)"gnuplot", (char *)"-d", (char *)"-e", variables, script, NULL};
+    const char *const argv[] = {"gnuplot", "-d", "-e", variables, script, NULL};
 
-    char errors[PATH_SIZE];
-    posix_spawn_file_actions_t actions;
-    path_format(errors, "%s/.errors", to);
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, errors, O_WRONLY | O_CREAT | O_TRUNC,
-                                     0666);
-    pid_t pid;
+    FILE *errors = tmpfile();
+    const struct program_words words = {-1, errors ? fileno(errors) : -1};
+    int status = 0, out_of_time;
     pthread_once(&once, set_locale);
-    const int error = posix_spawnp(&pid, argv[0], &actions, NULL, argv, environ);
-    posix_spawn_file_actions_destroy(&actions);
-    free(variables);
-    if (error) {
+    const int error = errors ? program_finish(argv, &(struct run_limits){.seconds = 0}, &words,
+                                              &status, &out_of_time)
+                             : errno;
+    if (error)
         snprintf(reason, REASON_SIZE, "gnuplot cannot be started (%s); Debian: gnuplot-nox",
                  strerror(error));
-        return -1;
-    }
-    int status;
-    while (waitpid(pid, &status, 0) < 0 && errno == EINTR)
-        ;
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 0)
-        return 0;
-    say_error(errors, name, reason);
-    return -1;
+    else if (WIFSIGNALED(status))
+        snprintf(reason, REASON_SIZE, "the figures of %s: gnuplot died of signal %d (%s)", name,
+                 WTERMSIG(status), strsignal(WTERMSIG(status)));
+    else if (status)
+        say_error(errors, name, reason);
+    free(variables);
+    if (errors)
+        fclose(errors);
+    return error || status ? -1 : 0;
 }
 
 int plot_empty_folder(const char *from, const char *to, char *reason) {
@@ -168,8 +159,6 @@ int plot_empty_folder(const char *from, const char *to, char *reason) {
     for (struct dirent *entry; dir && (entry = readdir(dir)) != NULL;) {
         char source[PATH_SIZE], target[PATH_SIZE];
         struct stat status;
-        if (strcmp(entry->d_name, ".errors") == 0 && path_format(source, "%s/.errors", from) == 0)
-            unlink(source);
         if (entry->d_name[0] == '.' || path_format(source, "%s/%s", from, entry->d_name))
             continue;
         if (to && !code && (stat(source, &status) || status.st_size == 0)) {
@@ -204,8 +193,7 @@ static int has_drawn(const char *folder, const char *format) {
 static int plot_script(const char *name, const char *folder, char *reason) {
     static const char *const formats[] = {"svg", "png"};
     char drawing[PATH_SIZE];
-    if (path_format(drawing, "%s/.drawing-%ld", folder, (long)getpid()) ||
-        make_folder(drawing, reason))
+    if (temporary_folder(folder, drawing, reason))
         return -1;
     for (int i = 0; i < 2; i++) {
         int code = plot_draw(name, folder, drawing, formats[i], reason);

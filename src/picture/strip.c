@@ -2,6 +2,7 @@
 
 #include "base/files.h"
 #include "base/vector.h"
+#include "base/visible.h"
 #include "plot.h"
 
 #include <errno.h>
@@ -243,9 +244,11 @@ void strip_size(const struct strip *strip, int count, int *width, int *height) {
 /* A label at a place in pixels from the top left, in gnuplot's words. */
 static void write_label(FILE *file, int number, const struct layout *page, double x, double y,
                         const char *how, const char *text) {
+    char shown[512], *c = shown;
+    visible_text(text, shown, sizeof shown); /* a newline would begin a command */
     fprintf(file, "set label %d '", number);
-    for (; *text; text++)
-        fprintf(file, *text == '\'' ? "''" : "%c", *text);
+    for (; *c; c++)
+        fprintf(file, *c == '\'' ? "''" : "%c", *c);
     fprintf(file, "' at screen %.17g, screen %.17g %s noenhanced\n", x / page->width,
             1 - y / page->height, how);
 }
@@ -382,13 +385,10 @@ int strip_write(const struct strip *strip, const int *frames, int count, const c
     int code = check_frames(strip, frames, count, reason);
     if (code)
         return code;
-    if (path_format(drawing, "%s/.drawing-%ld-%.100s", folder, (long)getpid(), name) ||
-        path_format(drawn, "%s/picture.%s", drawing, format) ||
-        path_format(file, "%s/%s.%s", folder, name, format) || make_folder(drawing, reason)) {
-        if (strlen(folder) + 200 > PATH_SIZE)
-            snprintf(reason, REASON_SIZE, "%.60s...: the path is too long", folder);
+    if (temporary_folder(folder, drawing, reason))
         return 2;
-    }
+    path_format(drawn, "%s/picture.%s", drawing, format);
+    path_format(file, "%s/%s.%s", folder, name, format);
     code = write_page(strip, frames, count, drawing, reason);
     if (!code && plot_draw("pictures", drawing, drawing, format, reason))
         code = 2;

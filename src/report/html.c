@@ -1,10 +1,23 @@
 #include "html.h"
 
 #include "base/files.h"
+#include "base/visible.h"
 
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* One character: what is none of a page's is shown by its number. */
+static void write_visible(FILE *stream, const char **text) {
+    const int length = utf8_length(*text), bytes = length > 0 ? length : 1;
+    char one[8], shown[16];
+    snprintf(one, sizeof one, "%.*s", bytes, *text);
+    if (**text == '\n' || **text == '\t')
+        fputc(**text, stream);
+    else
+        fputs((visible_text(one, shown, sizeof shown), shown), stream);
+    *text += bytes - 1;
+}
 
 void html_text(FILE *stream, const char *text) {
     for (; *text; text++) {
@@ -22,8 +35,7 @@ void html_text(FILE *stream, const char *text) {
             fputs("&quot;", stream);
             break;
         default:
-            if ((unsigned char)*text >= ' ' || *text == '\n' || *text == '\t')
-                fputc(*text, stream);
+            write_visible(stream, &text);
         }
     }
 }

@@ -6,7 +6,9 @@
 #include "html.h"
 #include "model/problems.h"
 #include "run/identity.h"
+#include "run/program.h"
 
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -385,12 +387,21 @@ static void write_object(FILE *stream, json_t *object) {
 
 /* What drew the figures, by its own words. */
 static void gnuplot_version(char *version, int size) {
-    FILE *pipe = popen("gnuplot --version 2>/dev/null", "r");
-    if (!pipe || !fgets(version, size, pipe))
+    const char *const argv[] = {"gnuplot", "--version", NULL};
+    const struct run_limits limits = {.seconds = 10};
+    int status, out_of_time;
+    FILE *words = tmpfile();
+    const int error =
+        words ? program_finish(argv, &limits, &(struct program_words){fileno(words), fileno(words)},
+                               &status, &out_of_time)
+              : errno;
+    if (words)
+        rewind(words);
+    if (error || !fgets(version, size, words))
         snprintf(version, (size_t)size, "unknown");
     version[strcspn(version, "\n")] = '\0';
-    if (pipe)
-        pclose(pipe);
+    if (words)
+        fclose(words);
 }
 
 static void write_machine(FILE *stream) {

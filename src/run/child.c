@@ -1,5 +1,6 @@
 #include "child.h"
 
+#include "base/memory.h"
 #include "base/owner.h"
 #include "base/progress.h"
 #include "record.h"
@@ -19,7 +20,7 @@
 
 /* A run that is to end has this long to do so by itself and keep what it has: of CPU time after its
  * limit, of wall time after the user's word. */
-static const double grace_seconds = 1;
+static const double grace_seconds = 1, user_grace_seconds = 0.3;
 
 /* What a child tells its parent. How it ended stands here, not in its exit code: whoever calls
  * exit() inside a library says nothing by that. */
@@ -27,6 +28,8 @@ struct child_report {
     _Atomic double reached;     /* simulated time, s */
     _Atomic int ended, outcome; /* whether it came to its end, and to which */
     _Atomic int gave_up;        /* it did not come to its end in the grace after its limit */
+    _Atomic int without_memory; /* it could not have some, and that was no limit of ours */
+    _Atomic int short_of_it;    /* it crashed after it had hit ours */
     _Atomic int sent;           /* a signal that is usually a crash, but was sent from outside */
     char reason[REASON_SIZE];   /* of a failure to write */
 };
@@ -46,6 +49,7 @@ static struct sigaction usual[FATAL];
 static void on_fatal(int signal, siginfo_t *info, void *context) {
     (void)context;
     const int was_sent = info->si_code <= 0;
+    own_report->short_of_it = memory_was_short;
     if (was_sent && info->si_pid != getpid())
         own_report->sent = signal;
     for (int i = 0; i < FATAL; i++)
@@ -75,6 +79,7 @@ void limit_memory(double bytes) {
     getrlimit(RLIMIT_AS, &limits);
     limits.rlim_cur = limit < limits.rlim_max ? limit : limits.rlim_max;
     setrlimit(RLIMIT_AS, &limits); /* the soft one: record_run lifts it to say that it was hit */
+    memory_is_limited = limit < limits.rlim_max; /* by us, and not from outside */
 #else
     (void)bytes;
 #endif
@@ -123,6 +128,10 @@ static void limit_cpu_time(double seconds, int threads) {
     wake_after(seconds / threads);
 }
 
+static void note_no_memory(void) {
+    own_report->without_memory = 1;
+}
+
 static sigset_t mask_before; /* children_begin's */
 
 /* Runs and never returns. */
@@ -132,8 +141,10 @@ static void be_child(const struct run_case *run, const struct run_limits *limits
     prctl(PR_SET_PDEATHSIG, SIGKILL); /* nothing goes on when the parent is killed, */
     if (getppid() != parent)          /* and it was */
         _exit(0);
+    runs_leave_signals_to_parent();
     sigprocmask(SIG_SETMASK, &mask_before, NULL);
     watch_fatal_signals();
+    memory_last_word = note_no_memory;
     if (limits->bytes > 0)
         limit_memory(limits->bytes);
     if (limits->seconds > 0)
@@ -245,6 +256,12 @@ static enum child_state judge(const struct child *child, int status, enum outcom
             snprintf(reason, REASON_SIZE, "%s", report->reason);
         return CHILD_ENDED;
     }
+    if (report->without_memory) {
+        run_remove(child->run->folder);
+        snprintf(reason, REASON_SIZE, "out of memory");
+        *outcome = OUTPUT_FAILED;
+        return CHILD_ENDED;
+    }
     snprintf(why, sizeof why, "it did not answer when asked to end, and was ended");
     if (report->gave_up)
         return bury(child, OUT_OF_TIME, why, outcome, reason);
@@ -256,7 +273,7 @@ static enum child_state judge(const struct child *child, int status, enum outcom
         snprintf(why, sizeof why, "its process died of signal %d (%s)", signal, strsignal(signal));
     else
         snprintf(why, sizeof why, "its process left with code %d", WEXITSTATUS(status));
-    return bury(child, CRASHED, why, outcome, reason);
+    return bury(child, report->short_of_it ? OUT_OF_MEMORY : CRASHED, why, outcome, reason);
 }
 
 static void forget(struct child *child) {
@@ -275,7 +292,7 @@ enum child_state child_poll(struct child *child, enum outcome *outcome, char *re
     if (stop_request && !child->asked) {
         child->asked = 1;
         signal_process(child->pid, SIGTERM);
-        child->deadline = fmin(child->deadline, monotonic_seconds() + grace_seconds);
+        child->deadline = fmin(child->deadline, monotonic_seconds() + user_grace_seconds);
     }
     if (monotonic_seconds() > child->deadline && !child->killed) {
         child->killed = 1;

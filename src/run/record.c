@@ -2,6 +2,7 @@
 
 #include "base/files.h"
 #include "base/hash.h"
+#include "base/memory.h"
 #include "base/npy.h"
 #include "build_info.h"
 #include "frame_binary.h"
@@ -280,6 +281,7 @@ static int write_json(json_t *json, const char *folder, char *reason) {
 /* A run that took all the memory it may, or nearly, left none to write that down with. */
 static void lift_memory_limit(void) {
     struct rlimit limit;
+    memory_is_limited = 0;
     getrlimit(RLIMIT_AS, &limit);
     limit.rlim_cur = limit.rlim_max;
     setrlimit(RLIMIT_AS, &limit);

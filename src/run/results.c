@@ -32,7 +32,7 @@ int run_read(struct run_files *run, const char *folder, char *reason) {
     json_error_t error;
     *run = (struct run_files){.states = &no_states};
     path_format(path, "%s/run.json", folder);
-    run->json = json_load_file(path, 0, &error);
+    run->json = json_of_file(path, &error);
     if (!run->json) {
         snprintf(reason, REASON_SIZE, "%.120s:%d: %.100s", path, error.line, error.text);
         return -1;

@@ -35,11 +35,22 @@ int seal_add(json_t *json, const char *folder, char *reason) {
     return 0;
 }
 
+static int is_table(const char *name) {
+    int i = 0;
+    while (run_tables[i] && strcmp(run_tables[i], name) != 0)
+        i++;
+    return run_tables[i] != NULL;
+}
+
 static int files_hold(const json_t *files, const char *folder, char *reason) {
     const char *name;
     json_t *hash;
     json_object_foreach((json_t *)files, name, hash) {
         char path[PATH_SIZE], now[HASH_SIZE];
+        if (!is_table(name)) {
+            snprintf(reason, REASON_SIZE, "%.80s is no table of a run", name);
+            return 0;
+        }
         if (path_format(path, "%s/%s", folder, name) || hash_file(path, now)) {
             snprintf(reason, REASON_SIZE, "%.80s cannot be read", name);
             return 0;
@@ -56,7 +67,7 @@ int seal_holds(const char *folder, char *reason) {
     char path[PATH_SIZE], hash[HASH_SIZE];
     json_error_t error;
     path_format(path, "%s/run.json", folder);
-    json_t *json = json_load_file(path, 0, &error);
+    json_t *json = json_of_file(path, &error);
     if (!json) {
         snprintf(reason, REASON_SIZE, "run.json:%d: %.100s", error.line, error.text);
         return 0;

@@ -2,6 +2,7 @@
 
 #include "base/files.h"
 #include "base/progress.h"
+#include "base/vector.h"
 #include "base/workers.h"
 #include "model/clock.h"
 
@@ -292,20 +293,6 @@ static int advance_adaptive(struct simulation *sim, int i, double *t, double to,
         part->system.times = NULL;
     } while (*t < to && !code && !once && !interrupted(sim, i, *t));
     return code;
-}
-
-static int all_finite(const double *x, int n) {
-    double sum[8] = {
-        0}; /* 0 * x is NaN where x is not finite; eight chains of additions, not one */
-    int i = 0;
-    for (; i + 8 <= n; i += 8)
-        for (int k = 0; k < 8; k++)
-            sum[k] += 0 * x[i + k];
-    for (; i < n; i++)
-        sum[0] += 0 * x[i];
-    for (int k = 1; k < 8; k++)
-        sum[0] += sum[k];
-    return sum[0] == 0;
 }
 
 /* An interval to be advanced over, and how far each part has come. */

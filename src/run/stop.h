@@ -10,8 +10,12 @@
  */
 extern volatile sig_atomic_t stop_request;
 
-/* SIGINT and SIGTERM end runs tidily from here on. Called once by main. */
+/* SIGINT and SIGTERM end the program from here on: tidily where stop_request is looked at, and
+ * within a second wherever it is. Called once by main. */
 void runs_catch_signals(void);
+
+/* In a child: its parent sees to it that it ends in time, and that what it has is kept. */
+void runs_leave_signals_to_parent(void);
 
 /* Whether one of them has come. */
 int runs_interrupted(void);

@@ -84,9 +84,29 @@ static void look_at_clock(const struct scene *scene, json_t *warnings) {
                        "clock begins at 0 s; begin = 0.0 says that this is meant");
 }
 
+/* --- the head --- */
+
+/* A rotation vector is interpolated as three numbers: what it does between two knots is the turn
+ * from one to the other only where they are near. */
+static void look_at_head(const struct scene *scene, json_t *warnings) {
+    const struct head_motion *head = &scene->around.head;
+    const double pi = acos(-1);
+    for (int k = 1; k < head->knots; k++) {
+        double apart[3] = {0};
+        vector_add(apart, 1, head->rotation[k]);
+        vector_add(apart, -1, head->rotation[k - 1]);
+        if (vector_length(apart) > pi)
+            warn(warnings,
+                 "the head's rotations at %g and %g s are %.3g rad apart, more than half a turn: "
+                 "between them it does not turn the short way; knots between them say which way",
+                 head->time[k - 1], head->time[k], vector_length(apart));
+    }
+}
+
 json_t *scene_warnings(const struct scene *scene) {
     json_t *warnings = json_array();
     look_at_clock(scene, warnings);
+    look_at_head(scene, warnings);
     for (int i = 0; i < scene->body_count && scene->collision_rate > 0; i++)
         look_at_body(scene, &scene->bodies[i], warnings);
     return warnings;

@@ -1,5 +1,6 @@
 #include "config.h"
 
+#include "base/visible.h"
 #include "config_text.h"
 
 #include <ctype.h>
@@ -15,15 +16,19 @@ void config_fail(struct config_reader *reader, const config_setting_t *setting, 
         return;
     reader->failed = true;
     const char *file = setting ? config_setting_source_file(setting) : NULL;
-    const unsigned line = setting ? config_setting_source_line(setting) : 0;
-    int used = snprintf(reader->reason, REASON_SIZE, "%.120s:", file ? file : reader->file);
+    const unsigned line = !setting                          ? 0
+                          : config_setting_is_root(setting) ? (unsigned)reader->lines
+                                                            : config_setting_source_line(setting);
+    char why[REASON_SIZE]; /* with texts of the scene, which may have lines */
+    int used = snprintf(why, REASON_SIZE, "%.120s:", file ? file : reader->file);
     if (line > 0)
-        used += snprintf(reader->reason + used, REASON_SIZE - (size_t)used, "%u:", line);
-    reader->reason[used++] = ' ';
+        used += snprintf(why + used, REASON_SIZE - (size_t)used, "%u:", line);
+    why[used++] = ' ';
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(reader->reason + used, REASON_SIZE - (size_t)used, format, arguments);
+    vsnprintf(why + used, REASON_SIZE - (size_t)used, format, arguments);
     va_end(arguments);
+    visible_text(why, reader->reason, REASON_SIZE);
 }
 
 /* What --set gave is marked by a hook, which libconfig keeps and never looks at. */
@@ -175,7 +180,7 @@ static void read_file(struct config_reader *reader, const char *path) {
     folder_of(path, folder);
     if (*folder)
         config_set_include_dir(&reader->config, folder);
-    const int wrong = config_check_file(path, folder, reader->reason);
+    const int wrong = config_check_file(path, folder, &reader->lines, reader->reason);
     reader->failed = wrong != 0;
     reader->out_of_memory = wrong < 0;
     if (wrong || config_read_file(&reader->config, path))
@@ -306,11 +311,13 @@ double config_number(struct config_reader *reader, config_setting_t *group, cons
     if (!setting)
         return absent;
     const double x = number_of(setting);
+    if (config_setting_is_number(setting) && in_range(x, range))
+        return x;
     if (!config_setting_is_number(setting))
         config_fail(reader, setting, "%s: must be %s", name, range_name(range));
-    else if (!in_range(x, range))
+    else
         config_fail(reader, setting, "%s: %g is not %s", name, x, range_name(range));
-    return x;
+    return absent;
 }
 
 int config_numbers_of(struct config_reader *reader, const config_setting_t *setting,
@@ -326,8 +333,10 @@ int config_numbers_of(struct config_reader *reader, const config_setting_t *sett
     }
     for (int i = 0; i < length; i++) {
         values[i] = number_of(config_setting_get_elem(setting, (unsigned)i));
-        if (!isfinite(values[i]))
-            config_fail(reader, setting, "%s: number %d of it is not a finite number", name, i + 1);
+        if (isfinite(values[i]))
+            continue;
+        config_fail(reader, setting, "%s: number %d of it is not a finite number", name, i + 1);
+        values[i] = 0;
     }
     return length;
 }
@@ -354,16 +363,14 @@ void config_vectors(struct config_reader *reader, config_setting_t *group, const
 void config_vector(struct config_reader *reader, config_setting_t *group, const char *name,
                    double vector[3]) {
     if (group && !config_setting_get_member(group, name))
-        config_fail(reader, config_setting_is_root(group) ? NULL : group,
-                    "%s: missing; must be 3 numbers in brackets", name);
+        config_fail(reader, group, "%s: missing; must be 3 numbers in brackets", name);
     config_numbers(reader, group, name, 3, 3, vector);
 }
 
 double config_required(struct config_reader *reader, config_setting_t *group, const char *name,
                        enum config_range range) {
     if (group && !config_setting_get_member(group, name))
-        config_fail(reader, config_setting_is_root(group) ? NULL : group, "%s: missing; must be %s",
-                    name, range_name(range));
+        config_fail(reader, group, "%s: missing; must be %s", name, range_name(range));
     return config_number(reader, group, name, range, 0);
 }
 

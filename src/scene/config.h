@@ -15,6 +15,7 @@ enum config_range { ANY, POSITIVE, NOT_NEGATIVE, WHOLE };
 struct config_reader {
     config_t config;
     char file[PATH_SIZE]; /* for messages */
+    int lines;            /* of it, where what is missing at its top is missed; 0: not known */
     bool failed;
     bool out_of_memory; /* the failure is the machine's */
     char *reason;       /* REASON_SIZE, the caller's */
@@ -38,7 +39,8 @@ config_setting_t *config_top(struct config_reader *reader);
 config_setting_t *config_group(struct config_reader *reader, config_setting_t *group,
                                const char *name);
 
-/* A number or a text; the second form returns `absent` where the setting is absent. */
+/* A number or a text; the second form returns `absent` where the setting is absent, and each a
+ * number that is in the range, or `absent`, where it is wrong. */
 double config_required(struct config_reader *reader, config_setting_t *group, const char *name,
                        enum config_range range);
 double config_number(struct config_reader *reader, config_setting_t *group, const char *name,
@@ -70,7 +72,8 @@ void config_vector(struct config_reader *reader, config_setting_t *group, const 
 /* Refuses settings of `group` whose names are not in `known` (NULL-terminated). */
 void config_known(struct config_reader *reader, config_setting_t *group, const char *const *known);
 
-/* Records an error at `setting` (file and line; the reader's file where it is NULL). */
+/* Records an error at `setting`: file and line, of the root group the last; NULL: the file alone.
+ */
 void config_fail(struct config_reader *reader, const config_setting_t *setting, const char *format,
                  ...) __attribute__((format(printf, 3, 4)));
 

@@ -1,5 +1,7 @@
 #include "config_text.h"
 
+#include "base/visible.h"
+
 #include <ctype.h>
 #include <errno.h>
 #include <limits.h>
@@ -56,19 +58,6 @@ static int check_comment(struct scan *scan) {
 
 /* --- texts in quotes --- */
 
-/* How many bytes the character takes that begins here; 0 where it is none (RFC 3629). */
-static int utf8_length(const char *text) {
-    const unsigned char *c = (const unsigned char *)text;
-    const int more = c[0] < 0x80 ? 0 : c[0] < 0xc2 ? -1 : c[0] < 0xe0 ? 1 : c[0] < 0xf0 ? 2 : 3;
-    if (more < 0 || c[0] > 0xf4 || (c[0] == 0xe0 && c[1] < 0xa0) || (c[0] == 0xed && c[1] > 0x9f) ||
-        (c[0] == 0xf0 && c[1] < 0x90) || (c[0] == 0xf4 && c[1] > 0x8f))
-        return 0;
-    for (int i = 1; i <= more; i++)
-        if ((c[i] & 0xc0) != 0x80)
-            return 0;
-    return more + 1;
-}
-
 /* run.json is UTF-8, and would lose any other text. */
 static int check_quoted(struct scan *scan) {
     const int line = scan->line;
@@ -114,7 +103,7 @@ static int check_number(struct scan *scan) {
 
 /* --- what is included --- */
 
-static int check_file(const char *path, const char *folder, int depth, char *reason);
+static int check_file(const char *path, const char *folder, int depth, int *lines, char *reason);
 
 /* At an '@' that begins a line. */
 static int check_include(struct scan *scan) {
@@ -143,7 +132,8 @@ static int check_include(struct scan *scan) {
                       name, DEEPEST_INCLUDE);
     scan->at += length + 1;
     scan->at += *scan->at == '"';
-    return check_file(path, scan->folder, scan->depth + 1, scan->reason);
+    int lines;
+    return check_file(path, scan->folder, scan->depth + 1, &lines, scan->reason);
 }
 
 /* --- the whole --- */
@@ -180,7 +170,7 @@ static int check(struct scan *scan) {
     return code;
 }
 
-static int check_file(const char *path, const char *folder, int depth, char *reason) {
+static int check_file(const char *path, const char *folder, int depth, int *lines, char *reason) {
     struct stat status;
     struct scan scan = {
         .file = path, .folder = folder, .line = 1, .depth = depth, .reason = reason};
@@ -202,12 +192,15 @@ static int check_file(const char *path, const char *folder, int depth, char *rea
     }
     scan.at = text;
     const int code = check(&scan);
+    *lines =
+        scan.line - (scan.at > text && scan.at[-1] == '\n'); /* the last that holds something */
     free(text);
     return code;
 }
 
-int config_check_file(const char *path, const char *folder, char *reason) {
-    return check_file(path, folder, 0, reason);
+int config_check_file(const char *path, const char *folder, int *lines, char *reason) {
+    *lines = 0;
+    return check_file(path, folder, 0, lines, reason);
 }
 
 int config_check_text(const char *text, char *reason) {

@@ -8,9 +8,9 @@
 
 /* Checks a scene file and what it includes, whose paths libconfig takes from `folder` ("": the
  * current one). What is no regular file, and no folder, is left to libconfig: it can be read only
- * once. Returns 0; 1 with a reason, "file:line: why"; or -1 where memory cannot be had, with one.
- */
-int config_check_file(const char *path, const char *folder, char *reason);
+ * once. Returns 0, with the number of the file's last line, 0: not known; 1 with a reason,
+ * "file:line: why"; or -1 where memory cannot be had, with one. */
+int config_check_file(const char *path, const char *folder, int *lines, char *reason);
 
 /* The same of a text that is in no file: the reason is only why. */
 int config_check_text(const char *text, char *reason);

@@ -1,5 +1,7 @@
 #include "scene_contacts.h"
 
+#include "base/visible.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,7 +16,7 @@ static void read_name(struct config_reader *reader, config_setting_t *entry,
     if (!*name || strlen(name) >= sizeof body->name)
         config_fail(reader, setting, "name: must have 1 to %d characters",
                     (int)sizeof body->name - 1);
-    snprintf(body->name, sizeof body->name, "%s", name);
+    visible_text(name, body->name, sizeof body->name);
     for (int i = 0; i < scene->body_count; i++)
         if (strcmp(scene->bodies[i].name, body->name) == 0)
             config_fail(reader, setting, "name: there is a body '%s' already", body->name);

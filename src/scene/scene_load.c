@@ -1,12 +1,12 @@
 #include "scene_load.h"
 
+#include "base/visible.h"
 #include "config.h"
 #include "model/model.h"
 #include "model/problems.h"
 #include "scene_start.h"
 #include "scene_wisps.h"
 
-#include <ctype.h>
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,7 +23,7 @@ static void scene_path(const char *name, char *path) {
 /* The file's name without folders and ending. */
 static void stem(const char *path, char *name, size_t size) {
     const char *slash = strrchr(path, '/');
-    snprintf(name, size, "%.63s", slash ? slash + 1 : path);
+    snprintf(name, size, "%.*s", (int)size - 1, slash ? slash + 1 : path);
     char *dot = strrchr(name, '.');
     if (dot)
         *dot = '\0';
@@ -88,17 +88,12 @@ static void read_circle(struct config_reader *reader, config_setting_t *top) {
 static void read_scene(struct config_reader *reader, struct scene *scene) {
     config_setting_t *top = config_top(reader);
     const char *problem = config_text(reader, top, "problem", "wisps");
-    char default_name[64];
+    char default_name[PATH_SIZE];
 
     stem(reader->file, default_name, sizeof default_name);
-    snprintf(scene->name, sizeof scene->name, "%.63s",
-             config_text(reader, top, "name", default_name));
+    visible_text(config_text(reader, top, "name", default_name), scene->name, sizeof scene->name);
     if (!*scene->name)
         config_fail(reader, config_setting_get_member(top, "name"), "name: is empty");
-    for (const char *c = scene->name; *c; c++)
-        if (iscntrl((unsigned char)*c))
-            config_fail(reader, config_setting_get_member(top, "name"),
-                        "name: holds a control character; a name is one line of text");
     scene->problem = problem_find(problem);
     if (!scene->problem)
         config_fail(reader, config_setting_get_member(top, "problem"),

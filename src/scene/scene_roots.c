@@ -1,6 +1,7 @@
 #include "scene_roots.h"
 
 #include "base/files.h"
+#include "base/visible.h"
 #include "wisp/scalp.h"
 
 #include <math.h>
@@ -113,7 +114,8 @@ static void read_rooted(struct config_reader *reader, config_setting_t *entry, s
 
 static const struct body *find_body(struct config_reader *reader, config_setting_t *entry,
                                     const struct scene *scene) {
-    const char *name = config_text(reader, entry, "scalp", "");
+    char name[BODY_NAME_SIZE];
+    visible_text(config_text(reader, entry, "scalp", ""), name, sizeof name); /* as the bodies' */
     char names[REASON_SIZE] = "";
     for (int i = 0; i < scene->body_count; i++) {
         if (strcmp(scene->bodies[i].name, name) == 0)
@@ -215,7 +217,8 @@ void scene_read_roots(struct config_reader *reader, config_setting_t *top,
                       const struct wisp *material, struct scene *scene) {
     config_setting_t *wisps = config_setting_get_member(top, "wisps");
     if (!wisps || !config_setting_is_list(wisps) || config_setting_length(wisps) == 0) {
-        config_fail(reader, wisps, "wisps: must be a list of groups, ( { root = ...; }, ... )");
+        config_fail(reader, wisps ? wisps : top,
+                    "wisps: must be a list of groups, ( { root = ...; }, ... )");
         return;
     }
     for (int i = 0; i < config_setting_length(wisps) && !reader->failed; i++)

@@ -60,7 +60,7 @@ static void read_material(struct config_reader *reader, config_setting_t *top, s
         [BENDING_NONE] = "none", [BENDING_SKIP] = "skip", [BENDING_HINGE] = "hinge", NULL};
     config_setting_t *group = config_group(reader, top, "material");
     if (!group)
-        config_fail(reader, NULL, "material: missing; write material = { }; for the defaults");
+        config_fail(reader, top, "material: missing; write material = { }; for the defaults");
     config_known(reader, group, known);
     wisp->hair_count = config_number(reader, group, "hair_count", POSITIVE, 1000);
     wisp->hair_density = config_number(reader, group, "hair_density", POSITIVE, 5.7e-6);
