@@ -94,8 +94,8 @@ void enter_small_costs(struct contest *contest, const struct scene *scene);
 /* --- CVODE as it comes, with its own vectors and KLU (steppers.c) --- */
 
 /* On a part of 1 wisp without envelope, from its state on. `frequency`: for how many steps a
- * factorised system and a Jacobian are kept; 0: CVODE's own. The measurement ends where it cannot be
- * had. */
+ * factorised system and a Jacobian are kept; 0: CVODE's own. The measurement ends where it cannot
+ * be had. */
 struct stock;
 struct stock *stock_create(struct part *part, double rtol, double atol, long frequency);
 void stock_free(struct stock *stock);

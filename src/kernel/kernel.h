@@ -41,7 +41,7 @@ struct strand;
     X(unsigned, clamp, (void *part, double *q, double *v))                                         \
     /* Gives the segments of the lanes, bit k for lane k, of a part with rigid ones their length   \
      * back, and takes from the velocities at time t what would change it (see rigid.c). Returns   \
-     * 0, or a positive enum outcome where the state is too far from it and is left alone. */               \
+     * 0, or a positive enum outcome where the state is too far from it and is left alone. */      \
     X(int, project_lanes, (void *part, double t, double *q, double *v, unsigned lanes))            \
     /* Lanes, bit k for lane k, whose free nodes and samples may be in one of `count` boxes (least \
      * x y z, most x y z; `hull` is around them all); none that is in one is missed. Says besides, \
