@@ -109,6 +109,27 @@ int semi_implicit_solve(struct semi_implicit *self, double t, const double *v,
     return system_solve_part(self->system, equation, x);
 }
 
+/* r <- h r, and the end of a step, lane by lane; compiled for a number of lanes that is a constant
+ * where these are inlined, or each number would be computed by itself. */
+static inline __attribute__((always_inline)) void scale(int lanes, int n, const double *restrict h,
+                                                        double *restrict r) {
+    for (int i = 0; i < n; i += lanes)
+        for (int k = 0; k < lanes; k++)
+            r[i + k] *= h[k];
+}
+
+static inline __attribute__((always_inline)) void move(int lanes, int n, const double *restrict h,
+                                                       const double *restrict change,
+                                                       const double *q, const double *v, double *q1,
+                                                       double *v1) {
+    for (int i = 0; i < n; i += lanes)
+        for (int k = 0; k < lanes; k++) {
+            const double velocity = v[i + k] + change[i + k];
+            v1[i + k] = velocity;
+            q1[i + k] = q[i + k] + h[k] * velocity;
+        }
+}
+
 int semi_implicit_euler_lanes(struct semi_implicit *self, double t1, const double *h,
                               const double *q, const double *v, double *q1, double *v1) {
     struct system *system = self->system;
@@ -124,17 +145,18 @@ int semi_implicit_euler_lanes(struct semi_implicit *self, double t1, const doubl
     int code = system_acceleration(system, t1, q, v, r);
     if (code)
         return code;
-    for (int i = 0; i < system->size; i += lanes)
-        for (int k = 0; k < lanes; k++)
-            r[i + k] *= h[k];
+    if (lanes == LANES_MOST)
+        scale(LANES_MOST, system->size, h, r);
+    else
+        scale(lanes, system->size, h, r);
     code = semi_implicit_solve(self, t1, v, &equation, change);
-    for (int i = 0; i < system->size && !code; i += lanes)
-        for (int k = 0; k < lanes; k++) {
-            const double velocity = v[i + k] + change[i + k];
-            v1[i + k] = velocity;
-            q1[i + k] = q[i + k] + h[k] * velocity;
-        }
-    return code;
+    if (code)
+        return code;
+    if (lanes == LANES_MOST)
+        move(LANES_MOST, system->size, h, change, q, v, q1, v1);
+    else
+        move(lanes, system->size, h, change, q, v, q1, v1);
+    return 0;
 }
 
 int semi_implicit_euler(struct semi_implicit *self, double t, double h, const double *q,
