@@ -148,7 +148,8 @@ static int list_length(const char *const *list) {
 int race_plan(struct plan *plan, const struct race *race) {
     const char *const *own = plan->quick ? race->quick_scenes : race->scenes;
     plan->run_seconds = 60;
-    const unsigned kinds = plan->quick ? race->kinds & ~(unsigned)CONFIGURATION_COSTLY : race->kinds;
+    const unsigned kinds =
+        plan->quick ? race->kinds & ~(unsigned)CONFIGURATION_COSTLY : race->kinds;
     if (plan_configurations(plan, kinds, race->capabilities) ||
         plan_subjects(plan, own, list_length(own)))
         return -1;
