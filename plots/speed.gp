@@ -15,6 +15,7 @@ stats table('scenes') using (strcol(1) eq 'target' ? 0 : (rows = rows + 1, row_l
     sprintf('%g mm, %s, %d thread%s', 1e3 * $1, strcol(3), $7, $7 > 1 ? 's' : ''), 0)) nooutput
 methods = ''
 stats table('steps') using (strcol(1) eq 'scene' ? 0 : (methods = with_name(methods, strcol(2)), 0)) nooutput
+stepped = methods
 who = ''; questions = ''
 stats table('peers') using (strcol(1) eq 'question' ? 0 : (who = with_name(who, strcol(2)), \
     questions = with_name(questions, strcol(1)), 0)) nooutput
@@ -28,7 +29,7 @@ LEFT = 200; PANEL = 290; RIGHT = 720
 TALL = 24
 height_of(n) = TALL * n + 30
 upper = height_of(rows > 9 ? rows : 9); lower = height_of(words(methods) > words(who) ? words(methods) : words(who))
-eval figure('speed', RIGHT + PANEL + 30, upper + lower + 360)
+eval figure('speed', RIGHT + PANEL + 30, upper + lower + 330)
 set multiplot
 eval heading('How fast, and beside whom', 'medians and quartiles of repeated measurements in one process, no frames written')
 
@@ -58,22 +59,26 @@ set xlabel 'wisps' offset 0, 0.4
 set ylabel 'ns a wisp and simulated second'
 set datafile missing NaN # curves go on over other contestants' rows
 is_of(name) = strcol(1) eq 'wisps' && strcol(3) eq name
-plot for [c = 1:words(contestants)] table('sizes') \
-        using (is_of(word(contestants, c)) ? $2 : NaN):4:5:6 \
-        with yerrorlines lt style_of(word(word(contestants, c), 1)) \
-        dt 1 + (word(word(contestants, c), 2) ne '1')
+threads(c) = word(word(contestants, c), 2)
+at_threads(c, n) = is_of(word(contestants, c)) && threads(c) eq n ? column(2) : NaN
+plot for [c = 1:words(contestants)] table('sizes') using (at_threads(c, '1')):4:5:6 \
+        with yerrorlines lt style_of(word(word(contestants, c), 1)) dt solid, \
+     for [c = 1:words(contestants)] '' using (at_threads(c, '2')):4:5:6 \
+        with yerrorlines lt style_of(word(word(contestants, c), 1)) dt (4, 3)
 unset label 3; set datafile missing; set format '%h'; unset logscale; unset mxtics; unset mytics
 
-eval legend(RIGHT, 95 + upper + 64, PANEL, 70, 3)
-plot @BLANK, for [c = 1:words(contestants)] keyentry \
-        with linespoints lt style_of(word(word(contestants, c), 1)) \
-        dt 1 + (word(word(contestants, c), 2) ne '1') \
-        title word(word(contestants, c), 1).(word(word(contestants, c), 2) eq '1' ? '' : ', 2 threads')
+eval legend(RIGHT, 95 + upper + 60, PANEL, 60, 2)
+methods = ''
+do for [c = 1:words(contestants)] { methods = with_name(methods, word(word(contestants, c), 1)) }
+plot @BLANK, for [m = 1:words(methods)] keyentry with linespoints lt style_of(word(methods, m)) \
+        dt solid title word(methods, m), \
+     keyentry with lines lc rgb GREY lw 1.7 dt (4, 3) title '2 threads'
+methods = stepped
 eval page
 
 # --- steps ---
 
-below = 95 + upper + 180
+below = 95 + upper + 150
 eval panel(LEFT, below, PANEL, lower)
 set label 3 '{/:Bold a step, in steps of explicit Euler}' at graph 0, graph 1 offset character 0, 0.7 left
 set logscale x; set xrange [0.5:100]; set xtics (0.5, 1, 2, 5, 10, 20, 50, 100)
