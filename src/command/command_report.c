@@ -140,11 +140,10 @@ const struct command report_command = {
     .usage = "[--quick] [--fresh] [--jobs N] [--out DIR]",
     .summary = "every experiment, and one page of all: report.html",
     .details =
-        "The page is DIR/report.html: figures, tables, methods, machine, in one file that needs "
-        "no\n"
-        "other; its links to data are relative to it. It takes about half an hour on two cores,\n"
-        "with --quick less than 2; what was left out is said there. Runs that are there already\n"
-        "are not run again.\n"
+        "The page is DIR/report.html: figures, tables, methods, machine, in one file that needs\n"
+        "no other; its links to data are relative to it. On two cores it takes the better part\n"
+        "of an hour, with --quick less than two minutes; what was left out is said there. Runs\n"
+        "that are there already are not run again.\n"
         "\n"
         "  wisplab report --quick\n"
         "  wisplab report --out /tmp/everything\n",
