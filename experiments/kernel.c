@@ -3,9 +3,8 @@
 #include "kernel.h"
 
 #include "base/files.h"
-#include "experiments/common/plan.h"
+#include "experiments/common/bench.h"
 #include "model/problems.h"
-#include "run/program.h"
 #include "scene/scene_load.h"
 
 struct scene *kernel_scene(const char *name, char *reason) {
@@ -36,19 +35,7 @@ static int kernel_plan(struct plan *plan) {
 }
 
 static int kernel_tabulate(struct plan *plan, const char *folder) {
-    char program[PATH_SIZE];
-    const char *argv[] = {program, "kernel", scene_of(plan), folder, NULL, NULL, NULL};
-    int argc = 4;
-    if (plan->quick)
-        argv[argc++] = "--quick";
-    if (plan->fresh)
-        argv[argc++] = "--fresh";
-    if (path_beside_program("wisplab-bench", program)) {
-        snprintf(plan->reason, REASON_SIZE, "wisplab-bench: not known where it is");
-        return -1;
-    }
-    const int code = program_run(argv, &plan->limits, plan->reason);
-    return code == 0 ? 0 : code == 3 ? 1 : -1;
+    return bench_run(plan, "kernel", scene_of(plan), folder);
 }
 
 const struct experiment kernel_experiment = {

@@ -5,9 +5,9 @@
  *
  * The runs find the longest step with which a method is exact enough; they write states, and so
  * their times are no one's speed. What they found is choices.tsv, which the measurement reads. */
+#include "experiments/common/bench.h"
 #include "experiments/common/search.h"
 #include "model/problems.h"
-#include "run/program.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -239,30 +239,12 @@ static int write_choices(struct plan *plan, const struct speed *speed, const cha
     return atomic_commit(&file, plan->reason);
 }
 
-/* --- the measurement --- */
-
-static int measure(struct plan *plan, const char *folder) {
-    char program[PATH_SIZE];
-    const char *argv[] = {program, "speed", plan->subjects[0].source, folder, NULL, NULL, NULL};
-    int argc = 4;
-    if (plan->quick)
-        argv[argc++] = "--quick";
-    if (plan->fresh)
-        argv[argc++] = "--fresh";
-    if (path_beside_program("wisplab-bench", program)) {
-        snprintf(plan->reason, REASON_SIZE, "wisplab-bench: not known where it is");
-        return -1;
-    }
-    const int code = program_run(argv, &plan->limits, plan->reason);
-    return code == 0 ? 0 : code == 3 ? 1 : -1;
-}
-
 static int speed_tabulate(struct plan *plan, const char *folder) {
     struct speed *speed = plan->memo;
     if (judge(plan, speed) || write_attempts(plan, speed, folder) ||
         write_choices(plan, speed, folder))
         return -1;
-    return measure(plan, folder);
+    return bench_run(plan, "speed", plan->subjects[0].source, folder);
 }
 
 const struct experiment speed_experiment = {

@@ -1,0 +1,11 @@
+/* Experiments that measure here and now, by a program of its own: wisplab-bench. */
+#ifndef WISPLAB_BENCH_H
+#define WISPLAB_BENCH_H
+
+#include "plan.h"
+
+/* Lets it take a measurement, "kernel" or "speed", on a scene, and write tables into `folder`. As
+ * an experiment's tabulate. */
+int bench_run(struct plan *plan, const char *measurement, const char *scene, const char *folder);
+
+#endif
