@@ -1,7 +1,7 @@
 /* Tables and sentences of `speed`, from the samples alone. */
 #include "base/files.h"
+#include "experiments/common/measure.h"
 #include "experiments/common/statements.h"
-#include "run/record.h"
 #include "speed.h"
 
 #include <math.h>
@@ -19,17 +19,6 @@ struct tables {
     struct statements *statements;
     char *reason;
 };
-
-static int open_table(struct atomic_file *file, const struct tables *tables, const char *name,
-                      const char *what, const char *columns) {
-    char path[PATH_SIZE];
-    path_format(path, "%s/%s.tsv", tables->folder, name);
-    if (atomic_open(file, path, tables->reason))
-        return -1;
-    write_provenance(file->stream, what, tables->scene);
-    fprintf(file->stream, "%s\n", columns);
-    return 0;
-}
 
 static void put(FILE *stream, struct quartiles q) {
     fprintf(stream, "\t%.4g\t%.4g\t%.4g", q.median, q.lower, q.upper);
@@ -55,12 +44,14 @@ static int write_scenes(const struct tables *tables) {
     struct atomic_file file;
     const int is_thesis = strcmp(tables->scene->name, thesis_scene) == 0;
     if (open_table(
-            &file, tables, "scenes",
+            &file, tables->folder, "scenes",
             "the whole scene without frames; real_time: simulated over wall time, median and "
             "quartiles over rounds; over_thesis: the thesis's 28474 s over this; nan: the "
             "scene is not the thesis's",
+            tables->scene,
             "target\twho\tmethod\ttreatment\tstep\terror\tthreads" TRIPLE(
-                "real_time") "\tover_thesis"))
+                "real_time") "\tover_thesis",
+            tables->reason))
         return -1;
     for (int i = 0; i < tables->choices->count; i++)
         for (int threads = 1; threads <= THREADS; threads++) {
@@ -133,10 +124,11 @@ static void state_targets(const struct tables *tables) {
 
 static int write_steps(const struct tables *tables) {
     struct atomic_file file;
-    if (open_table(&file, tables, "steps",
+    if (open_table(&file, tables->folder, "steps",
                    "a step of one wisp, ns, in parts of four full lanes, and over one of explicit "
                    "Euler, round by round; median and quartiles",
-                   "scene\tmethod" TRIPLE("ns") TRIPLE("euler_steps")))
+                   tables->scene, "scene\tmethod" TRIPLE("ns") TRIPLE("euler_steps"),
+                   tables->reason))
         return -1;
     for (int i = 0; i < tables->samples->count; i++) {
         const struct series *s = &tables->samples->series[i];
@@ -170,11 +162,11 @@ static void state_step(const struct tables *tables, const char *method) {
 static int write_sizes(const struct tables *tables) {
     static const char *const groups[] = {"wisps", "nodes", "samples"};
     struct atomic_file file;
-    if (open_table(&file, tables, "sizes",
+    if (open_table(&file, tables->folder, "sizes",
                    "along wisps: ns of wall time for a simulated second of a wisp at the method's "
                    "usual rate, contestant: method and threads; along nodes and samples: ns for a "
                    "step of a wisp; median and quartiles",
-                   "along\tnumber\tcontestant" TRIPLE("ns")))
+                   tables->scene, "along\tnumber\tcontestant" TRIPLE("ns"), tables->reason))
         return -1;
     for (size_t g = 0; g < sizeof groups / sizeof *groups; g++) {
         for (int i = 0; i < tables->samples->count; i++) {
@@ -192,8 +184,9 @@ static int write_sizes(const struct tables *tables) {
 
 static int write_memory(const struct tables *tables) {
     struct atomic_file file;
-    if (open_table(&file, tables, "memory", "bytes of a wisp, of the model and of its stepper",
-                   "scene\tmethod\tbytes"))
+    if (open_table(&file, tables->folder, "memory",
+                   "bytes of a wisp, of the model and of its stepper", tables->scene,
+                   "scene\tmethod\tbytes", tables->reason))
         return -1;
     for (int s = 0; s < STEP_SETS; s++)
         for (int m = 0; m < SIZED_METHODS; m++)
@@ -223,11 +216,12 @@ static const struct series *cheapest(const struct tables *tables, const char *qu
 
 static int write_peers(const struct tables *tables) {
     struct atomic_file file;
-    if (open_table(&file, tables, "peers",
+    if (open_table(&file, tables->folder, "peers",
                    "swing, exact enough: the longest step, s, or loosest rtol that is (setting), "
                    "its error, m, ns for a simulated second of a wisp, and that over the cheapest "
                    "of the program's own methods, round by round; median and quartiles",
-                   "question\twho\tsetting\terror" TRIPLE("ns") TRIPLE("over_own")))
+                   tables->scene, "question\twho\tsetting\terror" TRIPLE("ns") TRIPLE("over_own"),
+                   tables->reason))
         return -1;
     for (int k = 0; k < PEER_QUESTIONS; k++) {
         const char *question = peer_questions[k].name;

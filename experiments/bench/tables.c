@@ -1,8 +1,8 @@
 /* Tables, and the answer in a few lines, from the samples alone. */
 #include "base/files.h"
+#include "experiments/common/measure.h"
 #include "experiments/common/statements.h"
 #include "measure.h"
-#include "run/record.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -18,17 +18,6 @@ struct tables {
     struct statements *statements;
     char *reason;
 };
-
-static int open_table(struct atomic_file *file, const struct tables *tables, const char *name,
-                      const char *what, const char *columns) {
-    char path[PATH_SIZE];
-    path_format(path, "%s/%s.tsv", tables->folder, name);
-    if (atomic_open(file, path, tables->reason))
-        return -1;
-    write_provenance(file->stream, what, tables->scene);
-    fprintf(file->stream, "%s\n", columns);
-    return 0;
-}
 
 static void put(FILE *stream, struct quartiles q) {
     fprintf(stream, "\t%.17g\t%.17g\t%.17g", q.median, q.lower, q.upper);
@@ -84,12 +73,14 @@ static void write_evaluation(FILE *stream, const struct wisp_set *set, const str
 static int write_evaluations(const struct tables *tables) {
     struct atomic_file file;
     struct wisp_set sets[WISP_SETS_MAX];
-    if (open_table(&file, tables, "evaluation",
+    if (open_table(&file, tables->folder, "evaluation",
                    "ns per free node and evaluation of one wisp, median and quartiles over rounds; "
                    "ratios formed round by round",
+                   tables->scene,
                    "treatment\tbending\tsamples\twisps" TRIPLE("kernel4") TRIPLE("kernel1")
                        TRIPLE("twin") TRIPLE("floor") TRIPLE("twin_over_kernel4")
-                           TRIPLE("kernel1_over_kernel4") TRIPLE("kernel4_over_floor")))
+                           TRIPLE("kernel1_over_kernel4") TRIPLE("kernel4_over_floor"),
+                   tables->reason))
         return -1;
     printf("  evaluation, batch of %d: ns per free node\n  %-12s %-6s %3s %8s %8s %8s %8s %8s %8s"
            "   %s\n",
@@ -142,13 +133,15 @@ static int write_operations(const struct tables *tables) {
     struct wisp_set sets[WISP_SETS_MAX];
     const int count = wisp_sets(SHOWN_BATCH, sets);
     int doubts = 0;
-    if (open_table(&file, tables, "operations",
+    if (open_table(&file, tables->folder, "operations",
                    "operations per free node and wisp: what the model needs, and what the kernel "
                    "executes with 4 lanes and with 1 (of the first three kinds, results per lane; "
                    "of the others, instructions; nan: not counted)",
+                   tables->scene,
                    "treatment\tbending\tsamples\troots\tdivisions\tadditions\troots4\tdivisions4\t"
                    "additions4\tlogic4\tarranging4\tmoves4\tother4\tlibrary4\troots1\tdivisions1\t"
-                   "additions1\tlogic1\tarranging1\tmoves1\tother1\tlibrary1"))
+                   "additions1\tlogic1\tarranging1\tmoves1\tother1\tlibrary1",
+                   tables->reason))
         return -1;
     for (int i = 0; i < count; i++) {
         const struct operations need = needed_operations(&sets[i]);
@@ -171,9 +164,9 @@ static int write_operations(const struct tables *tables) {
 static int write_rates(const struct tables *tables) {
     static const char *const names[] = {"division", "square root", "add or multiply"};
     struct atomic_file file;
-    if (open_table(&file, tables, "rates",
-                   "ns per operation on 4 doubles, independent of each other",
-                   "operation" TRIPLE("ns")))
+    if (open_table(&file, tables->folder, "rates",
+                   "ns per operation on 4 doubles, independent of each other", tables->scene,
+                   "operation" TRIPLE("ns"), tables->reason))
         return -1;
     printf("  the machine, per 4 doubles:");
     for (int i = 0; i < 3; i++) {
@@ -279,14 +272,16 @@ static void write_solver(FILE *stream, const struct samples *samples, const stru
 
 static int write_solvers(const struct tables *tables) {
     struct atomic_file file;
-    if (open_table(&file, tables, "solvers",
+    if (open_table(&file, tables->folder, "solvers",
                    "ns per wisp of 12 nodes with skip springs; factor of klu and cholmod with the "
                    "assembly of their matrix; multiples: over one evaluation of a wisp's skeleton "
                    "among 200 with 4 lanes; nan: the solver has no such stage",
+                   tables->scene,
                    "system\tsamples\twisps\tsolver\tlanes\tstep\titerations" TRIPLE("linearise")
                        TRIPLE("factor") TRIPLE("solve") TRIPLE("linearise_evaluations")
                            TRIPLE("factor_evaluations") TRIPLE("solve_evaluations")
-                               TRIPLE("factor_solve_evaluations") TRIPLE("assemble")))
+                               TRIPLE("factor_solve_evaluations") TRIPLE("assemble"),
+                   tables->reason))
         return -1;
     printf("  linear solvers, ns per wisp; factor + solve in skeleton evaluations (4 lanes)\n"
            "  %-11s %5s  %-8s %s %6s %10s %9s %9s %9s %11s\n",
@@ -325,13 +320,15 @@ static int write_steppers(const struct tables *tables) {
     const struct samples *s = tables->samples;
     struct atomic_file file;
     if (open_table(
-            &file, tables, "steppers",
+            &file, tables->folder, "steppers",
             "ns per step and wisp, and their ratio round by round; seam: rk4 of the "
             "registry against one by hand; cvode: as it comes against ours; digits: ns a "
             "number as text; stops: a step with the clamp after it, and nine of ten without; "
             "nan: steps are as long, and not counted",
+            tables->scene,
             "group\tsubject\tname\tthan\tsteps\tsteps_than" TRIPLE("ns") TRIPLE("ns_than")
-                TRIPLE("ratio")))
+                TRIPLE("ratio"),
+            tables->reason))
         return -1;
     write_pair(file.stream, s, "seam", "skeleton skip 0 64", "stepper", "by hand");
     write_pair(file.stream, s, "seam", "generalised skip 4 64", "stepper", "by hand");
@@ -376,12 +373,14 @@ static void write_contact(FILE *stream, const struct samples *s, const struct ma
 
 static int write_contacts(const struct tables *tables) {
     struct atomic_file file;
-    if (open_table(&file, tables, "contacts",
+    if (open_table(&file, tables->folder, "contacts",
                    "wisp contact on mats of equal density, ns per point and tick, laying open and "
                    "putting back included; its ratio to an evaluation of one free node in the same "
                    "model (4 lanes), and to the smallest mat's; all round by round",
+                   tables->scene,
                    "mat\twisps\tcontacts_per_point" TRIPLE("tick") TRIPLE("evaluation")
-                       TRIPLE("tick_over_evaluation") TRIPLE("growth")))
+                       TRIPLE("tick_over_evaluation") TRIPLE("growth"),
+                   tables->reason))
         return -1;
     printf("  contact, ns per point and tick\n  %-16s %6s %9s %8s %8s   %s\n", "mat", "wisps",
            "contacts", "tick", "eval", "tick/evaluation (quartiles), growth");
@@ -413,10 +412,10 @@ static struct quartiles gain_over_registers(const struct samples *s, const char 
 
 static int write_threads(const struct tables *tables) {
     struct atomic_file file;
-    if (open_table(&file, tables, "threads",
+    if (open_table(&file, tables->folder, "threads",
                    "gain of a second thread (wall time of one over that of two), on arithmetic in "
                    "registers and on a mat of 100 touching wisps; and over that of registers",
-                   "work" TRIPLE("gain") TRIPLE("over_registers")))
+                   tables->scene, "work" TRIPLE("gain") TRIPLE("over_registers"), tables->reason))
         return -1;
     for (int i = 0; i < 3; i++) {
         double gain[KERNEL_ROUNDS_MAX];
@@ -459,8 +458,8 @@ static void write_contact_goals(FILE *stream, const struct tables *tables) {
 static int write_goals(const struct tables *tables) {
     const struct samples *s = tables->samples;
     struct atomic_file file;
-    if (open_table(&file, tables, "goals", "ratios that have a bound to keep",
-                   "what\tsense\tbound" TRIPLE("ratio") "\tresult"))
+    if (open_table(&file, tables->folder, "goals", "ratios that have a bound to keep",
+                   tables->scene, "what\tsense\tbound" TRIPLE("ratio") "\tresult", tables->reason))
         return -1;
     const struct solver_row *direct = &solver_rows[0];
     const char *bare = "skeleton skip 0 200";
