@@ -7,10 +7,11 @@ set -eu
 # what each is for); the tests; the figures, and a font for their texts.
 packages="build-essential cmake ninja-build pkg-config git
           libsundials-dev libsuitesparse-dev libgsl-dev libconfig-dev libjansson-dev
-          libcriterion-dev gnuplot-nox fonts-dejavu-core"
+          libcairo2-dev libwebp-dev libcriterion-dev gnuplot-nox fonts-dejavu-core"
 case ${1-} in
 '') ;;
---ci) packages="$packages clang libclang-rt-dev clang-format valgrind" ;;
+--ci) packages="$packages clang libclang-rt-dev clang-format valgrind
+                         python3-pandas python3-scipy python3-vtk9 librsvg2-bin" ;;
 *) echo "usage: $0 [--ci]" >&2 && exit 1 ;;
 esac
 

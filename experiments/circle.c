@@ -14,14 +14,14 @@
 
 /* --- the runs --- */
 
-/* The step or the tolerance of a contestant's k-th point. Steps divide the 20 s between frames;
+/* The step or the tolerance of a configuration's k-th point. Steps divide the 20 s between frames;
  * the coarsest, 20 s, is 0.7 of a turn. */
-static double setting(const struct configuration *contestant, int k) {
-    return contestant_is_adaptive(contestant) ? pow(10, -2 - k) : ldexp(20, -k);
+static double setting(const struct configuration *configuration, int k) {
+    return configuration_is_adaptive(configuration) ? pow(10, -2 - k) : ldexp(20, -k);
 }
 
-static int points(const struct plan *plan, const struct configuration *contestant) {
-    return plan->quick ? 6 : contestant_is_adaptive(contestant) ? 11 : 14;
+static int points(const struct plan *plan, const struct configuration *configuration) {
+    return plan->quick ? 6 : configuration_is_adaptive(configuration) ? 11 : 14;
 }
 
 static int plan_work(struct plan *plan) {
@@ -30,9 +30,10 @@ static int plan_work(struct plan *plan) {
     if (!scene)
         return -1;
     for (int c = 0; c < plan->configuration_count; c++) {
-        const struct configuration *contestant = &plan->configurations[c];
-        for (int k = 0; k < points(plan, contestant); k++) {
-            struct run_request request = contestant_request(contestant, setting(contestant, k), 1);
+        const struct configuration *configuration = &plan->configurations[c];
+        for (int k = 0; k < points(plan, configuration); k++) {
+            struct run_request request =
+                configuration_request(configuration, setting(configuration, k), 1);
             char reason[REASON_SIZE];
             request.timings = 9;
             if (plan_takes(plan, scene, &request, reason) &&
@@ -44,22 +45,19 @@ static int plan_work(struct plan *plan) {
 }
 
 static int circle_plan(struct plan *plan) {
-    if (plan->scene_count > 0) {
-        snprintf(plan->reason, REASON_SIZE,
-                 "experiment circle has a scene of its own; leave out --scene");
-        return -1;
-    }
-    return plan_configurations(
-               plan, CONFIGURATION_PLAIN | CONFIGURATION_ITERATED | CONFIGURATION_FORMULA, 0) ||
+    return plan_has_no_scenes(plan) ||
+                   plan_configurations(
+                       plan, CONFIGURATION_PLAIN | CONFIGURATION_ITERATED | CONFIGURATION_FORMULA,
+                       0) ||
                    circle_plan_panels(plan) || plan_work(plan)
                ? -1
                : 0;
 }
 
-/* --- error against cost, and the radius that the stability function foretells --- */
+/* --- error against cost, and the radius that the stability function predicts --- */
 
 struct point {
-    int contestant, k;
+    int configuration, k;
     double setting, error, last_radius;
     struct cost cost;
 };
@@ -67,8 +65,8 @@ struct point {
 static struct point read_point(const struct plan *plan, const struct labelled_case *labelled,
                                const struct run_files *run) {
     struct point p = {.error = NAN, .last_radius = NAN, .cost = run_cost(run)};
-    sscanf(labelled->label, "%d %d", &p.contestant, &p.k);
-    p.setting = setting(&plan->configurations[p.contestant], p.k);
+    sscanf(labelled->label, "%d %d", &p.configuration, &p.k);
+    p.setting = setting(&plan->configurations[p.configuration], p.k);
     const struct trajectory *states = run->states;
     if (run->outcome == FINISHED) {
         p.error = 0;
@@ -86,24 +84,24 @@ static void add_to_slope(struct slope *slope, const struct point *p) {
         slope_add(slope, p->cost.evaluations, p->error);
 }
 
-/* Of all curves of the chart. */
+/* What is known of all curves of the chart. */
 struct work_summary {
     struct statements *statements;
     int finished, failed;
     double least; /* error, m */
     char best[64];
-    int foretold, within; /* radii that there is a prediction for; within a millionth of it */
-    double apart;         /* the largest relative distance from it, and whose */
+    int predicted, within; /* radii that there is a prediction for; within a millionth of it */
+    double apart;          /* the largest relative distance from it, and whose */
     char farthest[80];
     char unsloped[256]; /* methods of fixed steps with too few errors for a slope */
 };
 
 /* The error of a method of order p with steps of h is proportional to h^p, its cost to 1 / h. */
-static void state_slope(struct work_summary *summary, const struct configuration *contestant,
+static void state_slope(struct work_summary *summary, const struct configuration *configuration,
                         const struct fit *fit) {
-    const int order = contestant->method->order;
+    const int order = configuration->method->order;
     char key[80];
-    snprintf(key, sizeof key, "slope, %.60s", contestant->name);
+    snprintf(key, sizeof key, "slope, %.60s", configuration->name);
     statements_add(summary->statements,
                    (struct statement){.key = key,
                                       .figure = "work-precision",
@@ -111,70 +109,76 @@ static void state_slope(struct work_summary *summary, const struct configuration
                                       .verdict = holds_if(fabs(-fit->slope - order) < 0.1),
                                       .value = -fit->slope,
                                       .unit = "1"},
-                   "The error of %s falls with the power %.2f of its cost; its order is %d.",
-                   contestant->name, -fit->slope, order);
+                   "The error of %s falls with the power %.2f of its cost, and its order is %d.",
+                   configuration->name, -fit->slope, order);
 }
 
-static void write_slope(FILE *stream, const struct configuration *contestant,
+#define SLOPE_COLUMNS(X)                                   \
+    CONFIGURATION_COLUMN(X, "method", configuration->name) \
+    FIT_COLUMNS(X, fixed, &fit)
+
+static void write_slope(FILE *stream, const struct configuration *configuration,
                         const struct slope *slope, struct work_summary *summary) {
-    const struct fit fit = slope_fit(slope, contestant);
-    const int fixed = !contestant_is_adaptive(contestant);
+    const struct fit fit = slope_fit(slope, configuration);
+    const int fixed = !configuration_is_adaptive(configuration);
     const size_t used = strlen(summary->unsloped);
     if (fit.points > 0)
-        fprintf(stream, "%s\t%s\t%.3f\t%.3f\t%d\n", contestant->name, fixed ? "fixed" : "adaptive",
-                fit.slope, fit.spread, fit.points);
+        WRITE_ROW(stream, SLOPE_COLUMNS);
     if (fit.points > 0 && fixed)
-        state_slope(summary, contestant, &fit);
+        state_slope(summary, configuration, &fit);
     else if (fixed)
         snprintf(summary->unsloped + used, sizeof summary->unsloped - used, "%s%s",
-                 used ? ", " : "", contestant->name);
+                 used ? ", " : "", configuration->name);
 }
 
 /* |R(-i omega h)|^n, the radius after n steps over the first, where there is a table. */
-static double predicted_radius(const struct configuration *contestant, double h, double steps) {
-    const struct butcher_table *table = contestant->method->table;
+static double predicted_radius(const struct configuration *configuration, double h, double steps) {
+    const struct butcher_table *table = configuration->method->table;
     const double growth = cabs(butcher_stability(table, -I * CIRCLE_RATE * h));
     return CIRCLE_RADIUS * pow(growth, steps);
 }
 
-struct work_tables {
-    struct atomic_file work, slopes, radius;
-};
+#define WORK_COLUMNS(X)                                                                            \
+    METHOD_COLUMNS(X, c)                                                                           \
+    X("setting", "s or 1", "step, s, or rtol = atol", "%.17g", p->setting)                         \
+    X("error", "m", "largest distance from the exact position at the 9 frames", "%.17g", p->error) \
+    EVALUATIONS_COLUMN(X, cost)                                                                    \
+    STEPS_COLUMN(X, cost)                                                                          \
+    CPU_COLUMNS(X, cost)                                                                           \
+    STATUS_COLUMNS(X, cost)
 
-static int open_work_tables(struct work_tables *tables, struct plan *plan, const char *folder) {
-    if (circle_open_table(
-            &tables->work, plan, folder, "work-precision",
-            "largest position error at the 9 frames of 160 s, m, against force evaluations "
-            "and CPU time, s, of 9 repeated runs; setting: step, s, or rtol = atol; nan: "
-            "there is no number, see status",
-            "method\tstepper\tsetting\terror\tforce_evaluations\tsteps\tcpu_median\tcpu_least\t"
-            "cpu_greatest\tstatus\tfailure_time"))
-        return -1;
-    if (circle_open_table(
-            &tables->slopes, plan, folder, "work-precision-slopes",
-            "slopes of log error over log evaluations, between 1e-10 and 0.05 m, " SLOPE_RULE,
-            "method\tkind\tslope\tspread\tpoints")) {
-        atomic_discard(&tables->work);
-        return -1;
-    }
-    if (circle_open_table(
-            &tables->radius, plan, folder, "radius",
-            "radius after 160 s, m, measured and as |R(-i omega h)|^n predicts it (no "
-            "prediction: the method has no stability function)",
-            "method\tstepper\tstep\tomega_h\tradius\tpredicted\tsteps")) {
-        atomic_discard(&tables->work);
-        atomic_discard(&tables->slopes);
-        return -1;
-    }
-    return 0;
-}
+#define RADIUS_COLUMNS(X)                                                                 \
+    METHOD_COLUMNS(X, c)                                                                  \
+    X("step", "s", "length of a step", "%.17g", p->setting)                               \
+    X("omega_h", "rad", "angle by which the particle turns in a step", "%.17g",           \
+      CIRCLE_RATE * p->setting)                                                           \
+    X("radius", "m", "distance from the centre after 160 s", "%.17g", p->last_radius)     \
+    X("predicted", "m", "radius after 160 s as the stability function predicts it", "%s", \
+      predicted)                                                                          \
+    STEPS_COLUMN(X, cost)
+
+enum { WORK, SLOPES, RADIUS, TABLES };
+static const struct table_form tables[TABLES] = {
+    [WORK] = {"work-precision",
+              "largest position error at the 9 frames of 160 s, m, against force evaluations "
+              "and CPU time, s, of 9 repeated runs; setting: step, s, or rtol = atol; nan: "
+              "there is no number, see status",
+              COLUMNS(WORK_COLUMNS)},
+    [SLOPES] = {"work-precision-slopes",
+                "slopes of log error over log evaluations, between 1e-10 and 0.05 m, " SLOPE_RULE,
+                COLUMNS(SLOPE_COLUMNS)},
+    [RADIUS] = {"radius",
+                "radius after 160 s, m, measured and as |R(-i omega h)|^n predicts it (no "
+                "prediction: the method has no stability function)",
+                COLUMNS(RADIUS_COLUMNS)},
+};
 
 static void add_radius(struct work_summary *summary, const struct configuration *c,
                        const struct point *p, double predicted) {
     const double apart = fabs(p->last_radius / predicted - 1);
     if (isnan(apart))
         return;
-    summary->foretold++;
+    summary->predicted++;
     summary->within += apart < 1e-6;
     if (apart < summary->apart)
         return;
@@ -192,15 +196,12 @@ static void add_point(struct work_summary *summary, const struct configuration *
     snprintf(summary->best, sizeof summary->best, "%s", c->name);
 }
 
-static void write_point(const struct work_tables *tables, const struct configuration *c,
+static void write_point(const struct atomic_file *files, const struct configuration *c,
                         const struct point *p, struct work_summary *summary) {
     const struct cost *cost = &p->cost;
     add_point(summary, c, p);
-    fprintf(tables->work.stream,
-            "%s\t%s\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%s\t%.17g\n", c->name,
-            c->stepper, p->setting, p->error, cost->evaluations, cost->steps, cost->cpu.median,
-            cost->cpu.least, cost->cpu.greatest, outcome_name(cost->outcome), cost->failure_time);
-    if (contestant_is_adaptive(c) || cost->outcome != FINISHED)
+    WRITE_ROW(files[WORK].stream, WORK_COLUMNS);
+    if (configuration_is_adaptive(c) || cost->outcome != FINISHED)
         return;
     char predicted[32] = "no prediction";
     if (c->method->table) {
@@ -208,30 +209,30 @@ static void write_point(const struct work_tables *tables, const struct configura
         snprintf(predicted, sizeof predicted, "%.17g", radius);
         add_radius(summary, c, p, radius);
     }
-    fprintf(tables->radius.stream, "%s\t%s\t%.17g\t%.17g\t%.17g\t%s\t%.17g\n", c->name, c->stepper,
-            p->setting, CIRCLE_RATE * p->setting, p->last_radius, predicted, cost->steps);
+    WRITE_ROW(files[RADIUS].stream, RADIUS_COLUMNS);
 }
 
-/* Rows of one contestant, in the order of its settings; blocks are parted by two blank lines. */
-static int write_contestant(struct plan *plan, int c, const struct work_tables *tables,
-                            struct work_summary *summary) {
+/* Rows of one configuration, in the order of its settings; blocks are separated by two blank lines.
+ */
+static int write_configuration(struct plan *plan, int c, const struct atomic_file *files,
+                               struct work_summary *summary) {
     struct slope slope = {.count = 0};
     for (int i = 0; i < plan->case_count; i++) {
         struct run_files run;
-        int contestant;
+        int configuration;
         if (strcmp(plan->cases[i].group, "work") != 0 ||
-            sscanf(plan->cases[i].label, "%d", &contestant) != 1 || contestant != c)
+            sscanf(plan->cases[i].label, "%d", &configuration) != 1 || configuration != c)
             continue;
         if (run_read_states(&run, plan->cases[i].run.folder, plan->trajectories, plan->reason))
             return -1;
         const struct point point = read_point(plan, &plan->cases[i], &run);
-        write_point(tables, &plan->configurations[c], &point, summary);
+        write_point(files, &plan->configurations[c], &point, summary);
         add_to_slope(&slope, &point);
         run_free(&run);
     }
-    write_slope(tables->slopes.stream, &plan->configurations[c], &slope, summary);
-    fprintf(tables->work.stream, "\n\n");
-    fprintf(tables->radius.stream, "\n\n");
+    write_slope(files[SLOPES].stream, &plan->configurations[c], &slope, summary);
+    fprintf(files[WORK].stream, "\n\n");
+    fprintf(files[RADIUS].stream, "\n\n");
     return 0;
 }
 
@@ -242,8 +243,8 @@ static void state_work(const struct work_summary *summary) {
         row.key = "no slope";
         row.verdict = NOT_REACHED;
         statements_add(summary->statements, row,
-                       "Fewer than three errors between 1e-10 and 0.05 m, and so no slope, have: "
-                       "%s.",
+                       "No slope is given where fewer than three errors lie between 1e-10 and 0.05 "
+                       "m, as with %s.",
                        summary->unsloped);
     }
     row = chart;
@@ -257,7 +258,7 @@ static void state_work(const struct work_summary *summary) {
         row.key = "smallest error";
         row.value = summary->least;
         row.unit = "m";
-        statements_add(summary->statements, row, "The smallest error is %s's, %.2g m.",
+        statements_add(summary->statements, row, "The smallest error is that of %s, %.2g m.",
                        summary->best, summary->least);
     }
 }
@@ -266,14 +267,14 @@ static void state_radius(const struct work_summary *summary) {
     struct statement row = {.key = "radius",
                             .figure = "radius",
                             .tables = "radius radius-predicted",
-                            .verdict = holds_if(summary->within == summary->foretold),
+                            .verdict = holds_if(summary->within == summary->predicted),
                             .value = summary->apart,
                             .unit = "1"};
-    if (summary->foretold > 0) {
+    if (summary->predicted > 0) {
         statements_add(summary->statements, row,
-                       "The radius is the stability function's to one part in a million in %d of "
-                       "%d runs; the largest relative difference is %.2g, of %s.",
-                       summary->within, summary->foretold, summary->apart, summary->farthest);
+                       "In %d of %d runs the radius is that of the stability function to one part "
+                       "in a million; the largest relative difference is %.2g, of %s.",
+                       summary->within, summary->predicted, summary->apart, summary->farthest);
         return;
     }
     row.verdict = summary->finished > 0 ? NOT_ASKED : NOT_REACHED;
@@ -284,20 +285,13 @@ static void state_radius(const struct work_summary *summary) {
 
 static int write_work(struct plan *plan, const char *folder, struct statements *statements) {
     struct work_summary summary = {.statements = statements};
-    struct work_tables tables;
+    struct atomic_file files[TABLES];
     int code = 0;
-    if (open_work_tables(&tables, plan, folder))
+    if (tables_open(files, tables, TABLES, folder, "", circle_table_scene(plan), plan->reason))
         return -1;
     for (int c = 0; c < plan->configuration_count && !code; c++)
-        code = write_contestant(plan, c, &tables, &summary);
-    struct atomic_file *const files[] = {&tables.work, &tables.slopes, &tables.radius};
-    for (int i = 0; i < 3; i++) {
-        if (code)
-            atomic_discard(files[i]);
-        else
-            code = atomic_commit(files[i], plan->reason);
-    }
-    if (code)
+        code = write_configuration(plan, c, files, &summary);
+    if (tables_close(files, TABLES, code, plan->reason))
         return -1;
     state_work(&summary);
     state_radius(&summary);
@@ -305,20 +299,25 @@ static int write_work(struct plan *plan, const char *folder, struct statements *
 }
 
 /* The prediction as a curve: radius after 160 s with steps of h, for every method with a table. */
+#define PREDICTION_COLUMNS(X)                                                                   \
+    METHOD_COLUMNS(X, configuration)                                                            \
+    X("step", "s", "length of a step", "%.17g", h)                                              \
+    X("radius", "m", "distance from the centre after 160 s by the stability function", "%.17g", \
+      predicted_radius(configuration, h, 160 / h))
+
 static int write_prediction(struct plan *plan, const char *folder) {
     struct atomic_file file;
-    if (circle_open_table(&file, plan, folder, "radius-predicted",
-                          "0.9 |R(-i omega h)|^(160 s / h), m, from the stability function",
-                          "method\tstepper\tstep\tradius"))
+    if (open_table(&file, folder, "radius-predicted",
+                   "0.9 |R(-i omega h)|^(160 s / h), m, from the stability function",
+                   circle_table_scene(plan), COLUMNS(PREDICTION_COLUMNS), plan->reason))
         return -1;
     for (int c = 0; c < plan->configuration_count; c++) {
-        const struct configuration *contestant = &plan->configurations[c];
-        if (!contestant->method->table || contestant->kind != CONFIGURATION_PLAIN)
+        const struct configuration *configuration = &plan->configurations[c];
+        if (!configuration->method->table || configuration->kind != CONFIGURATION_PLAIN)
             continue;
         for (int k = 0; k <= 400; k++) {
             const double h = 2e-3 * pow(1e4, k / 400.);
-            fprintf(file.stream, "%s\t%s\t%.17g\t%.17g\n", contestant->name, contestant->stepper, h,
-                    predicted_radius(contestant, h, 160 / h));
+            WRITE_ROW(file.stream, PREDICTION_COLUMNS);
         }
         fprintf(file.stream, "\n\n");
     }
@@ -335,8 +334,8 @@ static int write_tables(struct plan *plan, const char *folder, struct statements
 static int circle_tabulate(struct plan *plan, const char *folder) {
     struct statements statements;
     const char *cut = "--quick: six points a curve";
-    if (statements_open(&statements, folder, plan->case_count ? plan->cases[0].run.scene : NULL,
-                        plan->quick ? cut : NULL, plan->reason))
+    if (statements_open(&statements, folder, circle_table_scene(plan), plan->quick ? cut : NULL,
+                        plan->reason))
         return -1;
     return statements_close(&statements, write_tables(plan, folder, &statements), plan->reason);
 }
@@ -345,7 +344,9 @@ const struct experiment circle_experiment = {
     .name = "circle",
     .question = "how far does each method carry a particle off its circle?",
     .thesis = "section 2.3.3",
+    .chapter = CHAPTER_THESIS,
     .place = 4,
+    .headline = "explicit Euler",
     .quick_seconds = 4,
     .full_seconds = 10,
     .plan = circle_plan,

@@ -60,10 +60,8 @@ double circle_radius(const double *row) {
     return hypot(row[STATE_X], row[STATE_X + 1]);
 }
 
-int circle_open_table(struct atomic_file *file, struct plan *plan, const char *folder,
-                      const char *name, const char *what, const char *columns) {
-    return open_table(file, folder, name, what, plan->case_count ? plan->cases[0].run.scene : NULL,
-                      columns, plan->reason);
+const struct scene *circle_table_scene(const struct plan *plan) {
+    return plan->case_count ? plan->cases[0].run.scene : NULL;
 }
 
 /* Calls `row` for each panel's run of a group with its files. */
@@ -86,13 +84,22 @@ static int each_panel(struct plan *plan, const char *group, FILE *stream,
 
 /* --- figures 2.4 and 2.5, error against time --- */
 
+#define ORBIT_COLUMNS(X)                                                            \
+    X("panel", "1", "number of the panel", "%d", panel + 1)                         \
+    X("title", "-", "title of the panel", "%s", panels[panel].title)                \
+    X("stepper", "-", "stepper of the panel", "%s", panels[panel].stepper)          \
+    X("step", "s", "length of a step", "%g", panels[panel].step)                    \
+    X("t", "s", "time", "%.17g", row[STATE_T])                                      \
+    X("x", "m", "position", "%.17g", row[STATE_X])                                  \
+    X("y", "m", "position", "%.17g", row[STATE_X + 1])                              \
+    X("error", "m", "distance from the exact position", "%.17g", circle_error(row)) \
+    X("force_evaluations", "1", "evaluations of the forces in the run", "%.17g", evaluations)
+
 static void orbit_rows(FILE *stream, int panel, const struct run_files *run) {
     const double evaluations = run_number(run, "counters.force_evaluations");
     for (int i = 0; i < run->states->table.row_count; i++) {
         const double *row = trajectory_row(run->states, i);
-        fprintf(stream, "%d\t%s\t%s\t%g\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\n", panel + 1,
-                panels[panel].title, panels[panel].stepper, panels[panel].step, row[STATE_T],
-                row[STATE_X], row[STATE_X + 1], circle_error(row), evaluations);
+        WRITE_ROW(stream, ORBIT_COLUMNS);
     }
     fprintf(stream, "\n\n");
 }
@@ -101,11 +108,11 @@ static int write_orbits(struct plan *plan, const char *folder) {
     for (int e = 0; e < 2; e++) {
         struct atomic_file file;
         const char *group = e ? "160 s" : "30 s";
-        if (circle_open_table(
-                &file, plan, folder, e ? "orbits-160s" : "orbits-30s",
+        if (open_table(
+                &file, folder, e ? "orbits-160s" : "orbits-30s",
                 "trajectories, one block for each panel: s, m; error: distance from the exact "
                 "position, m; force_evaluations: of the whole run",
-                "panel\ttitle\tstepper\tstep\tt\tx\ty\terror\tforce_evaluations"))
+                circle_table_scene(plan), COLUMNS(ORBIT_COLUMNS), plan->reason))
             return -1;
         if (each_panel(plan, group, file.stream, orbit_rows)) {
             atomic_discard(&file);
@@ -150,22 +157,30 @@ static int read_panels(struct plan *plan, struct panel_errors errors[PANELS]) {
     return 0;
 }
 
+#define PANEL_COLUMNS(X)                                                                       \
+    X("method", "-", "the panel's stepper", "%s", p->stepper)                                  \
+    X("treatment", "-", "how the particle is kept on the circle", "%s", p->treatment)          \
+    X("step", "s", "length of a step", "%g", p->step)                                          \
+    X("error_30s", "m", "distance from the exact position after 30 s", "%.17g", e->error[0])   \
+    X("expected_30s", "m", "error after 30 s, worked out by hand", "%g", p->error_30)          \
+    X("error_160s", "m", "distance from the exact position after 160 s", "%.17g", e->error[1]) \
+    X("expected_160s", "m", "error after 160 s, worked out by hand", "%g", p->error_160)       \
+    X("radius_160s", "m", "distance from the centre after 160 s", "%.17g", e->radius)          \
+    X("expected_radius", "m", "radius after 160 s, worked out by hand", "%g", p->radius_160)   \
+    X("force_evaluations", "1", "evaluations of the forces in 160 s", "%lld", e->evaluations)
+
 static int write_panel_table(struct plan *plan, const char *folder,
                              const struct panel_errors errors[PANELS]) {
     struct atomic_file file;
-    if (circle_open_table(
-            &file, plan, folder, "table", "position errors, m, beside the expected ones",
-            "method\ttreatment\tstep\terror_30s\texpected_30s\terror_160s\texpected_160s\t"
-            "radius_160s\texpected_radius\tforce_evaluations"))
+    if (open_table(&file, folder, "table", "position errors, m, beside the expected ones",
+                   circle_table_scene(plan), COLUMNS(PANEL_COLUMNS), plan->reason))
         return -1;
     for (int i = 0; i < PANELS; i++) {
         const struct panel *p = &panels[i];
         const struct panel_errors *e = &errors[i];
         if (!e->there)
             continue;
-        fprintf(file.stream, "%s\t%s\t%g\t%.17g\t%g\t%.17g\t%g\t%.17g\t%g\t%lld\n", p->stepper,
-                p->treatment, p->step, e->error[0], p->error_30, e->error[1], p->error_160,
-                e->radius, p->radius_160, e->evaluations);
+        WRITE_ROW(file.stream, PANEL_COLUMNS);
     }
     return atomic_commit(&file, plan->reason);
 }
@@ -218,7 +233,7 @@ static void state_euler(struct statements *statements, const struct panel_errors
                                .shown = e[EULER].radius > 2 * CIRCLE_RADIUS,
                                .value = e[EULER].radius},
                 "Explicit Euler leaves the circle of %.1f m very fast: after 160 s it is %.3g m "
-                "from its centre.",
+                "from the centre.",
                 CIRCLE_RADIUS, e[EULER].radius);
     state_claim(
         statements, e,
@@ -270,7 +285,8 @@ static void state_higher_orders(struct statements *statements, const struct pane
     state_claim(statements, e,
                 (struct claim){
                     .panel = RK4, .other = RK4, .shown = off < 0.1 * CIRCLE_RADIUS, .value = off},
-                "Runge-Kutta 4 strays but little from the circle: by %.3g m in 160 s.", off);
+                "Runge-Kutta 4 strays but little from the circle: after 160 s it is %.3g m off it.",
+                off);
     /* "pas du tout": farther off than what the thesis calls a visible gap in another panel */
     state_claim(statements, e,
                 (struct claim){.key = "Runge-Kutta 4, not at all",
@@ -333,16 +349,16 @@ static void state_constrained(struct statements *statements, const struct panel_
                                .shown = e[PROJECTED].error[1] > 0.1,
                                .value = e[PROJECTED].error[1]},
                 "Explicit Euler with projection, after the step and not in it, is visibly off its "
-                "place: by "
-                "%.3g m after 160 s.",
+                "place: after 160 s it is %.3g m off.",
                 e[PROJECTED].error[1]);
-    state_claim(statements, e,
-                (struct claim){.panel = ANGLE,
-                               .other = ANGLE,
-                               .shown = e[ANGLE].error[1] < 1e-9,
-                               .value = e[ANGLE].error[1]},
-                "Explicit Euler in the angle is exact: it is %.1g m off after 160 s.",
-                e[ANGLE].error[1]);
+    state_claim(
+        statements, e,
+        (struct claim){.panel = ANGLE,
+                       .other = ANGLE,
+                       .shown = e[ANGLE].error[1] < 1e-9,
+                       .value = e[ANGLE].error[1]},
+        "Explicit Euler in the angle is exact: after 160 s it is off by no more than %.1g m.",
+        fmax(e[ANGLE].error[1], 1e-15));
 }
 
 static void state_claims(struct statements *statements, const struct panel_errors *e) {
@@ -375,15 +391,17 @@ static void state_distances(struct statements *statements, const struct panel_er
                                                  : NOT_ASKED,
                             .value = near < 0 ? NAN : errors[far].error[end],
                             .unit = "m"};
+    char distance[48] = "with no error but rounding";
+    if (near >= 0 && errors[near].error[end] > 1e-12)
+        snprintf(distance, sizeof distance, "%.2g m from it", errors[near].error[end]);
     if (near < 0)
         statements_add(statements, row, "None of the figure's runs %s.",
                        there ? "reached its end" : "was asked for");
     else
-        statements_add(statements, row,
-                       "After %g s nearest to where the particle should be is '%s', %.2g m away; "
-                       "farthest is '%s', %.3g m.",
-                       ends[end], panels[near].title, errors[near].error[end], panels[far].title,
-                       errors[far].error[end]);
+        statements_add(
+            statements, row,
+            "After %g s the particle should be where '%s' has it, %s, and '%s' has it %.3g m away.",
+            ends[end], panels[near].title, distance, panels[far].title, errors[far].error[end]);
 }
 
 int circle_tabulate_panels(struct plan *plan, const char *folder, struct statements *statements) {

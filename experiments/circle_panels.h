@@ -3,7 +3,6 @@
 #ifndef WISPLAB_CIRCLE_PANELS_H
 #define WISPLAB_CIRCLE_PANELS_H
 
-#include "base/table.h"
 #include "experiments/common/plan.h"
 #include "experiments/common/statements.h"
 
@@ -14,14 +13,12 @@ int circle_plan_panels(struct plan *plan);
  * with plan->reason. */
 int circle_tabulate_panels(struct plan *plan, const char *folder, struct statements *statements);
 
-/* Of a row of states: the distance from where the particle should be, and from the circle's centre,
+/* How far the particle of a row of states is from where it should be, and from the circle's centre,
  * m. */
 double circle_error(const double *row);
 double circle_radius(const double *row);
 
-/* A table of the plan's, whose scene is that of its first run. Returns 0, or -1 with plan->reason.
- */
-int circle_open_table(struct atomic_file *file, struct plan *plan, const char *folder,
-                      const char *name, const char *what, const char *columns);
+/* The scene of its tables, that of its first run; NULL: there is none. */
+const struct scene *circle_table_scene(const struct plan *plan);
 
 #endif

@@ -14,7 +14,7 @@
 #include <string.h>
 
 static const char *const own_scenes[] = {"interactions", "sphere", "radii", "wind"};
-static const double seconds = 150, quick_seconds = 20; /* of wall time, on two cores */
+static const double seconds = 100, quick_seconds = 20; /* of wall time, on two cores */
 static const char treatment[] = "generalised";
 static const double scatter = 1e-4; /* rms displacement of an ensemble's starts, m */
 enum { MEMBERS = 16, QUICK_MEMBERS = 8 };
@@ -60,17 +60,17 @@ static int plan_ensemble(struct plan *plan, const struct subject *subject,
 
 static int plan_subject(struct plan *plan, const struct subject *subject) {
     const double budget = plan->quick ? quick_seconds : seconds, cores = 2;
-    const double runs = 2 + 0.5 * members(plan); /* in units of the tight one */
+    const double runs = 2 + 0.5 * members(plan); /* in units of the reference one */
     const double duration =
         fmin(subject->scene->duration,
              0.6 * budget * cores / plan->subject_count / runs / reference_cost(subject->scene));
     const struct scene *scene =
         plan_cut_scene(plan, subject, sparse_frame_rate(subject->scene, duration), duration, NULL);
-    struct run_request tight = {.stepper = "reference"};
+    struct run_request reference = {.stepper = "reference"};
     if (!scene)
         return -1;
-    if (add(plan, subject, scene, &tight, 0, 0, "tight") ||
-        add(plan, subject, scene, &tight, HORIZON_PERTURBATION, 1, "tight, perturbed"))
+    if (add(plan, subject, scene, &reference, 0, 0, "reference") ||
+        add(plan, subject, scene, &reference, HORIZON_PERTURBATION, 1, "reference, perturbed"))
         return -1;
     for (int m = 0; stepper_methods[m]; m++)
         if ((plan_wants(plan, stepper_methods[m]->name) || stepper_methods[m]->checked_by) &&
@@ -113,13 +113,15 @@ static void copy_positions(struct member *member, const struct trajectory *state
 }
 
 static void average_diagnoses(struct member *member, const struct table *diagnoses, double from) {
-    static const char *const energies[] = {"kinetic", "gravity", "stretch", "bending", "envelope"};
+#define X(name, meaning) #name,
+    static const char *const energies[] = {ENERGIES(X) NULL};
+#undef X
     int frames = 0;
     for (int i = 0; i < diagnoses->row_count; i++) {
         const double t = table_value(diagnoses, i, 0);
         if (t < from - 1e-9)
             continue;
-        for (int e = 0; e < 5; e++)
+        for (int e = 0; energies[e]; e++)
             member->energy += table_value(diagnoses, i, table_column(diagnoses, energies[e]));
         if (frames++ == 0)
             continue; /* what was counted up to the first frame is before it */
@@ -246,17 +248,44 @@ static struct distance group_distance(const struct group *a, const struct group 
 
 /* --- tables --- */
 
+#define HORIZON_COLUMNS(X)                                                                 \
+    SCENE_COLUMN(X, subject->name)                                                         \
+    X("horizon", "s", "last frame at which starts 1e-10 m apart are within 1 mm", "%.17g", \
+      horizon)                                                                             \
+    X("compared", "s", "time that was run", "%.17g", duration)                             \
+    X("duration", "s", "duration of the scene", "%.17g", subject->scene->duration)         \
+    X("bound", "m", "bound of the reference solution", "%.17g",                            \
+      run_number(&run, "cross_check.bound"))                                               \
+    X("status", "-", "how the run of the reference solution ended", "%s", outcome_name(run.outcome))
+
+#define ENSEMBLE_COLUMNS(X)                                                                        \
+    X("stepper", "-", "name of the stepper", "%s", stepper)                                        \
+    SCENE_COLUMN(X, subject->name)                                                                 \
+    X("members", "1", "runs of the ensemble", "%d", ensemble->count)                               \
+    X("failed", "1", "runs of the ensemble that failed", "%d", ensemble->failed)                   \
+    X("failure_time", "s", "simulated time at which the first run failed", "%.17g",                \
+      first_failure(ensemble))                                                                     \
+    X("shape", "m", "distance of the mean shape from the reference's, rms over nodes and frames",  \
+      "%.17g", d.shape)                                                                            \
+    X("shape_yardstick", "m", "such a distance of two halves of the reference's ensemble",         \
+      "%.17g", yardstick.shape)                                                                    \
+    X("energy", "J", "distance of the mean energy from the reference's", "%.17g", d.energy)        \
+    X("energy_yardstick", "J", "such a distance of the two halves", "%.17g", yardstick.energy)     \
+    X("contacts", "1", "distance of the mean number of contacts from the reference's", "%.17g",    \
+      d.contacts)                                                                                  \
+    X("contacts_yardstick", "1", "such a distance of the two halves", "%.17g", yardstick.contacts) \
+    X("contacts_mean", "1", "the mean number of contacts", "%.17g",                                \
+      group_mean(&all, contacts_of, 0))
+
 enum { GROWTH, HORIZONS, ENSEMBLES, TABLES };
-static const struct {
-    const char *name, *what, *columns;
-} tables[TABLES] = {
+static const struct table_form tables[TABLES] = {
     {"growth",
-     "largest distance of a node between two tight runs whose starts are 1e-10 m apart, m",
-     "scene\tt\tseparation"},
+     "largest distance of a node between two reference runs whose starts are 1e-10 m apart, m",
+     COLUMNS(SEPARATION_COLUMNS)},
     {"horizons",
      "separation horizon: the last frame at which that distance is below 1 mm, s; compared: what "
-     "was run of the scene's duration, s; bound: of the tight run, m",
-     "scene\thorizon\tcompared\tduration\tbound\tstatus"},
+     "was run of the scene's duration, s; bound: of the reference run, m",
+     COLUMNS(HORIZON_COLUMNS)},
     {"ensembles",
      "means of ensembles of runs whose starts are displaced by 1e-4 m (rms), from the horizon on, "
      "or over all frames where there is none: their distance from the reference's, in the shape "
@@ -264,8 +293,7 @@ static const struct {
      "two halves of the reference's ensemble. Two independent ensembles of one distribution are "
      "about 0.7 yardsticks apart; all ensembles have the same starts, and are nearer to each "
      "other where these still matter; nan: no run failed, or none was left to tell",
-     "stepper\tscene\tmembers\tfailed\tfailure_time\tshape\tshape_yardstick\tenergy"
-     "\tenergy_yardstick\tcontacts\tcontacts_yardstick\tcontacts_mean"},
+     COLUMNS(ENSEMBLE_COLUMNS)},
 };
 
 static double first_failure(const struct ensemble *ensemble) {
@@ -312,10 +340,7 @@ static void write_ensemble(FILE *stream, struct statements *statements,
     const struct group half = {reference, 0, 2}, other_half = {reference, 1, 2};
     const struct distance yardstick = group_distance(&half, &other_half);
     const struct distance d = group_distance(&all, &theirs);
-    fprintf(stream, "%s\t%s\t%d\t%d\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\n",
-            stepper, subject->name, ensemble->count, ensemble->failed, first_failure(ensemble),
-            d.shape, yardstick.shape, d.energy, yardstick.energy, d.contacts, yardstick.contacts,
-            group_mean(&all, contacts_of, 0));
+    WRITE_ROW(stream, ENSEMBLE_COLUMNS);
     if (ensemble == reference)
         return;
     state_ensemble(statements, subject, stepper, ensemble, &d, &yardstick);
@@ -344,8 +369,8 @@ static int tabulate_ensembles(struct plan *plan, const struct subject *subject, 
 }
 
 static int write_growth(struct plan *plan, const struct subject *subject, FILE *stream) {
-    const struct labelled_case *one = find_case(plan, subject->name, "tight"),
-                               *other = find_case(plan, subject->name, "tight, perturbed");
+    const struct labelled_case *one = find_case(plan, subject->name, "reference"),
+                               *other = find_case(plan, subject->name, "reference, perturbed");
     return measure_separation(plan->trajectories, one->run.folder, other->run.folder, subject->name,
                               stream, plan->reason);
 }
@@ -369,7 +394,7 @@ static void state_horizon(struct statements *statements, const struct subject *s
                        subject->name, horizon < compared ? "for" : "to the end,", horizon, cut);
         return;
     }
-    statements_add(statements, row, "On %s a tight run failed, and the horizon is not known.",
+    statements_add(statements, row, "On %s a reference run failed, and the horizon is not known.",
                    subject->name);
     snprintf(key, sizeof key, "%.70s, ensembles", subject->name);
     row.figure = row.tables = "ensembles";
@@ -381,18 +406,16 @@ static void state_horizon(struct statements *statements, const struct subject *s
 static int tabulate_subject(struct plan *plan, const struct subject *subject,
                             const struct atomic_file *files, struct statements *statements,
                             struct ensemble *pair) {
-    const struct labelled_case *tight = find_case(plan, subject->name, "tight"),
-                               *other = find_case(plan, subject->name, "tight, perturbed");
-    const double duration = tight->run.scene->duration;
+    const struct labelled_case *reference = find_case(plan, subject->name, "reference"),
+                               *other = find_case(plan, subject->name, "reference, perturbed");
+    const double duration = reference->run.scene->duration;
     struct run_files run;
     double horizon;
-    if (measure_horizon(plan->trajectories, tight->run.folder, other->run.folder, &horizon,
+    if (measure_horizon(plan->trajectories, reference->run.folder, other->run.folder, &horizon,
                         plan->reason) ||
-        run_read(&run, tight->run.folder, plan->reason))
+        run_read(&run, reference->run.folder, plan->reason))
         return -1;
-    fprintf(files[HORIZONS].stream, "%s\t%.17g\t%.17g\t%.17g\t%.17g\t%s\n", subject->name, horizon,
-            duration, subject->scene->duration, run_number(&run, "second_opinion.bound"),
-            outcome_name(run.outcome));
+    WRITE_ROW(files[HORIZONS].stream, HORIZON_COLUMNS);
     run_free(&run);
     state_horizon(statements, subject, horizon, duration);
     if (isnan(horizon))
@@ -407,33 +430,22 @@ static int tabulate_subject(struct plan *plan, const struct subject *subject,
 static int write_tables(struct plan *plan, const char *folder, struct statements *statements,
                         struct ensemble *pair) {
     struct atomic_file files[TABLES];
-    int opened = 0, code = 0;
-    while (!code && opened < TABLES) {
-        code = open_table(&files[opened], folder, tables[opened].name, tables[opened].what, NULL,
-                          tables[opened].columns, plan->reason);
-        opened += !code;
-    }
+    int code = 0;
+    if (tables_open(files, tables, TABLES, folder, "", NULL, plan->reason))
+        return -1;
     for (int i = 0; i < plan->subject_count && !code; i++)
         code = tabulate_subject(plan, &plan->subjects[i], files, statements, pair);
-    for (int i = 0; i < opened; i++) {
-        if (code)
-            atomic_discard(&files[i]);
-        else
-            code = atomic_commit(&files[i], plan->reason);
-    }
-    return code;
+    return tables_close(files, TABLES, code, plan->reason);
 }
 
 static int horizon_tabulate(struct plan *plan, const char *folder) {
     struct statements statements;
     struct ensemble *pair = calloc(2, sizeof *pair);
-    if (!pair) {
-        snprintf(plan->reason, REASON_SIZE, "out of memory");
-        return -1;
-    }
-    int code =
-        statements_open(&statements, folder, NULL,
-                        plan->quick ? "--quick: two scenes, half the members" : NULL, plan->reason);
+    if (!pair)
+        return fail_with(plan->reason, "out of memory");
+    int code = plan_open_statements(plan, &statements, folder, NULL,
+                                    plan->quick ? "--quick: two scenes, half the members" : NULL,
+                                    plan->reason);
     if (!code)
         code = statements_close(&statements, write_tables(plan, folder, &statements, pair),
                                 plan->reason);
@@ -444,8 +456,9 @@ static int horizon_tabulate(struct plan *plan, const char *folder) {
 const struct experiment horizon_experiment = {
     .name = "horizon",
     .question = "how long can trajectories be compared where wisps touch, and what after that?",
+    .chapter = CHAPTER_STABILITY,
     .place = 15,
-    .full_seconds = 150,
+    .full_seconds = 100,
     .plan = horizon_plan,
     .tabulate = horizon_tabulate,
 };

@@ -7,8 +7,8 @@
 #include "model/problems.h"
 #include "scene/scene_load.h"
 
-struct scene *kernel_scene(const char *name, char *reason) {
-    struct scene *scene = scene_load(name, NULL, 0, reason);
+struct scene *kernel_scene(const char *name, const char *const *sets, int set_count, char *reason) {
+    struct scene *scene = scene_load(name, sets, set_count, reason);
     if (scene && (scene->problem != &wisp_problem || scene->wisps[0].samples == 0)) {
         snprintf(reason, REASON_SIZE,
                  "experiment kernel needs wisps with an envelope, scene %.60s has none",
@@ -16,6 +16,8 @@ struct scene *kernel_scene(const char *name, char *reason) {
         scene_free(scene);
         return NULL;
     }
+    if (scene)
+        scene_name_sets(scene, sets, set_count);
     return scene;
 }
 
@@ -24,11 +26,9 @@ static const char *scene_of(const struct plan *plan) {
 }
 
 static int kernel_plan(struct plan *plan) {
-    if (plan->scene_count > 1) {
-        snprintf(plan->reason, REASON_SIZE, "experiment kernel takes the material of one scene");
-        return -1;
-    }
-    struct scene *scene = kernel_scene(scene_of(plan), plan->reason);
+    if (plan->scene_count > 1)
+        return fail_with(plan->reason, "experiment kernel takes the material of one scene");
+    struct scene *scene = kernel_scene(scene_of(plan), plan->sets, plan->set_count, plan->reason);
     scene_free(scene);
     plan->run_seconds = plan->quick ? 300 : 900; /* ten times what it takes */
     return scene ? 0 : -1;
@@ -41,6 +41,7 @@ static int kernel_tabulate(struct plan *plan, const char *folder) {
 const struct experiment kernel_experiment = {
     .name = "kernel",
     .question = "how near to the hardware are evaluations, linear solvers, the seam and contacts?",
+    .chapter = CHAPTER_ACCURACY,
     .place = 19,
     .full_seconds = 90,
     .plan = kernel_plan,

@@ -4,8 +4,8 @@
 
 #include "model/scene.h"
 
-/* The scene of that name or path, whose first wisp has an envelope, for scene_free. NULL with one
- * line in `reason` (REASON_SIZE) where it cannot be read or has no such wisp. */
-struct scene *kernel_scene(const char *name, char *reason);
+/* The scene of that name or path with changes, whose first wisp has an envelope, for scene_free.
+ * NULL with one line in `reason` (REASON_SIZE) where it cannot be read or has no such wisp. */
+struct scene *kernel_scene(const char *name, const char *const *sets, int set_count, char *reason);
 
 #endif

@@ -10,6 +10,7 @@
     X(solvers)         \
     X(horizon)         \
     X(ladder)          \
+    X(history)         \
     X(stability)       \
     X(needs)           \
     X(radii)           \

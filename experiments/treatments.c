@@ -1,7 +1,7 @@
 /* How far is each treatment of the envelope from the exact constrained motion, and what does
  * exactness cost? The samples of an envelope should stay on their half-lines; `penalty` holds them
  * with springs, and is exact in the limit of stiff ones; `projection` and `generalised` leave terms
- * out. Distances here are between tight solutions: no integrator has a part in them. */
+ * out. Distances here are between reference solutions: no integrator has a part in them. */
 #include "base/files.h"
 #include "experiments/common/limit.h"
 #include "experiments/common/measure.h"
@@ -23,7 +23,7 @@ enum { RATIOS = sizeof ratios / sizeof *ratios, LIMIT_FIRST = 3, LIMIT_COUNT = 4
 /* Everything whose distance is asked for. */
 enum { PROJECTION = RATIOS, GENERALISED, BARE, VARIANTS };
 
-enum { RUNGS_MAX = 64 };
+enum { LEVELS_MAX = 64 };
 
 static const char *variant_treatment(int variant) {
     return wisp_problem
@@ -46,18 +46,18 @@ static int is_in(const struct plan *plan, int variant) {
 
 /* --- the runs --- */
 
-/* The practical stepper, rk4, gets steps with four rungs to the octave, from what is surely too
+/* The practical stepper, rk4, gets steps with four levels to the octave, from what is surely too
  * long down to a 32nd of what linear theory allows on the stretch springs. */
-static double step_of(const struct scene *scene, int rung) {
-    return ladder_step(scene, 4, rung);
+static double step_of(const struct scene *scene, int level) {
+    return sequence_step(scene, 4, level);
 }
 
-static int rungs(const struct scene *scene) {
+static int levels(const struct scene *scene) {
     const struct stepper_method *rk4 = stepper_find("rk4");
-    int rung = 0;
-    while (rung < RUNGS_MAX && !seems_stable(rk4, scene, step_of(scene, rung)))
-        rung++;
-    return rung + 4 * 5 < RUNGS_MAX ? rung + 4 * 5 : RUNGS_MAX;
+    int level = 0;
+    while (level < LEVELS_MAX && !seems_stable(rk4, scene, step_of(scene, level)))
+        level++;
+    return level + 4 * 5 < LEVELS_MAX ? level + 4 * 5 : LEVELS_MAX;
 }
 
 static const struct scene *variant_scene(struct plan *plan, const char *name, int variant,
@@ -77,47 +77,42 @@ static int plan_variant(struct plan *plan, const struct subject *subject, int va
     name_variant(name, sizeof name, variant);
     const struct scene *scene =
         variant_scene(plan, subject->source, variant, subject->scene->frame_rate);
-    const struct run_request tight = {.stepper = "reference",
-                                      .treatment = variant_treatment(variant),
-                                      .timings = plan->quick ? 1 : 5};
+    const struct run_request reference = {.stepper = "reference",
+                                          .treatment = variant_treatment(variant),
+                                          .timings = plan->quick ? 1 : 5};
     char group[128];
     snprintf(group, sizeof group, "%s, %s", subject->name, name);
-    if (!scene || plan_add(plan, scene, &tight, group, "tight"))
+    if (!scene || plan_add(plan, scene, &reference, group, "reference"))
         return -1;
-    for (int rung = 0; rung < rungs(subject->scene); rung += plan->quick ? 2 : 1) {
+    for (int level = 0; level < levels(subject->scene); level += plan->quick ? 2 : 1) {
         const struct run_request request = {.stepper = "rk4",
                                             .treatment = variant_treatment(variant),
-                                            .step = step_of(subject->scene, rung),
+                                            .step = step_of(subject->scene, level),
                                             .timings = plan->quick ? 1 : 3};
-        if (plan_add(plan, scene, &request, group, "rk4 %d", rung))
+        if (plan_add(plan, scene, &request, group, "rk4 %d", level))
             return -1;
     }
     return 0;
 }
 
 static int treatments_plan(struct plan *plan) {
-    if (plan->stepper_count > 0) {
-        snprintf(plan->reason, REASON_SIZE,
-                 "experiment treatments compares treatments, not steppers; leave out --stepper");
-        return -1;
-    }
+    if (plan->stepper_count > 0)
+        return fail_with(
+            plan->reason,
+            "experiment treatments compares treatments, not steppers; leave out --stepper");
     if (plan_subjects(plan, own_scenes, 1))
         return -1;
     for (int i = 0; i < plan->subject_count; i++) {
-        if (plan->subjects[i].scene->wisps[0].samples == 0) {
-            snprintf(plan->reason, REASON_SIZE,
-                     "scene %s has no envelope, so there is no treatment to compare",
-                     plan->subjects[i].scene->name);
-            return -1;
-        }
-        if (plan->subjects[i].scene->subdivision.limit > plan->subjects[i].scene->wisp_count) {
-            snprintf(
-                plan->reason, REASON_SIZE,
+        if (plan->subjects[i].scene->wisps[0].samples == 0)
+            return fail_with(plan->reason,
+                             "scene %s has no envelope, so there is no treatment to compare",
+                             plan->subjects[i].scene->name);
+        if (plan->subjects[i].scene->subdivision.limit > plan->subjects[i].scene->wisp_count)
+            return fail_with(
+                plan->reason,
                 "scene %s: its wisps split, at ticks that depend on the treatment, and are not "
                 "the same then; set subdivision.limit to %d in it",
                 plan->subjects[i].scene->name, plan->subjects[i].scene->wisp_count);
-            return -1;
-        }
         for (int v = 0; v < VARIANTS; v++)
             if (is_in(plan, v) && plan_variant(plan, &plan->subjects[i], v))
                 return -1;
@@ -128,7 +123,7 @@ static int treatments_plan(struct plan *plan) {
 /* --- reading the runs --- */
 
 struct practical {
-    double step; /* s; NaN: no rung did */
+    double step; /* s; NaN: no level did */
     double error;
     struct cost cost;
 };
@@ -137,7 +132,7 @@ struct variant {
     int there;
     char name[32];
     const struct scene *scene;
-    struct run_files tight;
+    struct run_files reference;
     struct cost cost;
     struct deviation distance;   /* from the exact constrained motion */
     struct practical stable;     /* the longest step that is not wrong by a tenth of each length */
@@ -158,25 +153,26 @@ static const struct labelled_case *variant_case(const struct plan *plan, const s
     return find_case(plan, group, label);
 }
 
-static int read_tight(struct plan *plan, struct study *study) {
+static int read_reference(struct plan *plan, struct study *study) {
     for (int v = 0; v < VARIANTS; v++) {
         struct variant *variant = &study->variants[v];
         name_variant(variant->name, sizeof variant->name, v);
-        const struct labelled_case *one = variant_case(plan, study, v, "tight");
+        const struct labelled_case *one = variant_case(plan, study, v, "reference");
         if (!one)
             continue;
-        if (run_read_states(&variant->tight, one->run.folder, plan->trajectories, plan->reason))
+        if (run_read_states(&variant->reference, one->run.folder, plan->trajectories, plan->reason))
             return -1;
         variant->there = 1;
         variant->scene = one->run.scene;
-        variant->cost = run_cost(&variant->tight);
-        if (variant->tight.outcome == FINISHED)
+        variant->cost = run_cost(&variant->reference);
+        if (variant->reference.outcome == FINISHED)
             continue;
-        snprintf(plan->reason, REASON_SIZE,
-                 "scene %s, %s: no tight solution to compare with: %s at t = %g s; try --fresh and "
-                 "--time-limit",
-                 study->subject->name, variant->name, outcome_name(variant->tight.outcome),
-                 run_number(&variant->tight, "simulated_time"));
+        snprintf(
+            plan->reason, REASON_SIZE,
+            "scene %s, %s: no reference solution to compare with: %s at t = %g s; try --fresh and "
+            "--time-limit",
+            study->subject->name, variant->name, outcome_name(variant->reference.outcome),
+            run_number(&variant->reference, "simulated_time"));
         return 1;
     }
     return 0;
@@ -189,7 +185,7 @@ static int find_limit(struct plan *plan, struct study *study) {
     const struct trajectory *runs[LIMIT_COUNT];
     struct trajectory more;
     for (int i = 0; i < LIMIT_COUNT; i++)
-        runs[i] = study->variants[LIMIT_FIRST + i].tight.states;
+        runs[i] = study->variants[LIMIT_FIRST + i].reference.states;
     int code = penalty_limit(runs + 1, ratios + LIMIT_FIRST + 1, LIMIT_COUNT - 1, &study->limit);
     code = penalty_limit(runs, ratios + LIMIT_FIRST, LIMIT_COUNT, &more) || code ? -1 : 0;
     if (code)
@@ -213,11 +209,11 @@ static int try_steps(struct plan *plan, struct study *study, int v) {
     struct variant *variant = &study->variants[v];
     int stable = 1, sufficient = 1;
     variant->stable.step = variant->sufficient.step = NAN;
-    for (int rung = rungs(study->subject->scene) - 1; rung >= 0 && stable; rung--) {
+    for (int level = levels(study->subject->scene) - 1; level >= 0 && stable; level--) {
         char label[32];
         struct run_files run;
         struct deviation error = {.relative = INFINITY, .end = INFINITY};
-        snprintf(label, sizeof label, "rk4 %d", rung);
+        snprintf(label, sizeof label, "rk4 %d", level);
         const struct labelled_case *one = variant_case(plan, study, v, label);
         if (!one)
             continue;
@@ -226,30 +222,30 @@ static int try_steps(struct plan *plan, struct study *study, int v) {
         const struct cost cost = run_cost(&run);
         int code = 0;
         if (run.outcome == FINISHED)
-            code = measure_deviation(variant->scene, run.states, variant->tight.states, 1, &error,
-                                     plan->reason);
+            code = measure_deviation(variant->scene, run.states, variant->reference.states, 1,
+                                     &error, plan->reason);
         run_free(&run);
         if (code)
             return -1;
         stable = error.relative < 0.1;
         sufficient = sufficient && stable && error.end <= 0.1 * variant->distance.end;
         if (stable)
-            consider(&variant->stable, step_of(study->subject->scene, rung), &cost, error.end);
+            consider(&variant->stable, step_of(study->subject->scene, level), &cost, error.end);
         if (sufficient)
-            consider(&variant->sufficient, step_of(study->subject->scene, rung), &cost, error.end);
+            consider(&variant->sufficient, step_of(study->subject->scene, level), &cost, error.end);
     }
     return 0;
 }
 
 static int read_study(struct plan *plan, struct study *study) {
-    int code = read_tight(plan, study);
+    int code = read_reference(plan, study);
     if (!code)
         code = find_limit(plan, study);
     for (int v = 0; v < VARIANTS && !code; v++) {
         struct variant *variant = &study->variants[v];
         if (!variant->there)
             continue;
-        code = measure_deviation(variant->scene, variant->tight.states, &study->limit, 1,
+        code = measure_deviation(variant->scene, variant->reference.states, &study->limit, 1,
                                  &variant->distance, plan->reason);
         if (!code)
             code = try_steps(plan, study, v);
@@ -259,32 +255,57 @@ static int read_study(struct plan *plan, struct study *study) {
 
 static void free_study(struct study *study) {
     for (int v = 0; v < VARIANTS; v++)
-        run_free(&study->variants[v].tight);
+        run_free(&study->variants[v].reference);
     free(study->limit.table.value);
 }
 
 /* --- tables --- */
 
-static void write_practical(FILE *stream, const struct practical *p) {
-    const int there = !isnan(p->step);
-    fprintf(stream, "\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g", p->step, there ? p->error : NAN,
-            there ? p->cost.evaluations : NAN, there ? p->cost.cpu.median : NAN,
-            there ? p->cost.cpu.least : NAN, there ? p->cost.cpu.greatest : NAN);
+/* A number of a practical step, where there is one. */
+static double if_there(const struct practical *p, double number) {
+    return isnan(p->step) ? (double)NAN : number;
 }
+
+#define PRACTICAL_COLUMNS(X, name, p, meaning)                                                  \
+    X(name "_step", "s", meaning, "%.17g", (p)->step)                                           \
+    X(name "_error", "m", "error with " name "_step at the end, rms over free nodes", "%.17g",  \
+      if_there(p, (p)->error))                                                                  \
+    X(name "_evaluations", "1", "evaluations of forces with " name "_step", "%.17g",            \
+      if_there(p, (p)->cost.evaluations))                                                       \
+    X(name "_cpu_median", "s", "CPU time with " name "_step, median of repeated runs", "%.17g", \
+      if_there(p, (p)->cost.cpu.median))                                                        \
+    X(name "_cpu_least", "s", "CPU time with " name "_step, least of repeated runs", "%.17g",   \
+      if_there(p, (p)->cost.cpu.least))                                                         \
+    X(name "_cpu_greatest", "s", "CPU time with " name "_step, greatest of repeated runs",      \
+      "%.17g", if_there(p, (p)->cost.cpu.greatest))
+
+#define VARIANT_COLUMNS(X)                                                                       \
+    X("name", "-", "the treatment", "%s", variant->name)                                         \
+    X("ratio", "1", "frequency of the penalty over the scene's", "%.17g",                        \
+      v < RATIOS ? ratios[v] : (double)NAN)                                                      \
+    X("end", "m", "distance from the exact motion at the end, rms over free nodes", "%.17g",     \
+      d->end)                                                                                    \
+    X("end_largest", "m", "the largest distance of a node at the end", "%.17g", d->end_largest)  \
+    X("end_all", "m", "distance at the end, rms over all nodes", "%.17g", d->end_all)            \
+    X("rms", "m", "distance over all frames, rms over free nodes", "%.17g", d->rms)              \
+    X("largest", "m", "the largest distance of a node at any frame", "%.17g", d->largest)        \
+    X("uncertainty", "m", "uncertainty of the exact motion at the end, rms", "%.17g",            \
+      study->uncertainty.end)                                                                    \
+    X("bound", "m", "bound of the reference solution", "%.17g",                                  \
+      run_number(&variant->reference, "cross_check.bound"))                                      \
+    X("reference_limited", "1", "1 where end is within ten times uncertainty", "%d",             \
+      d->end < 10 * study->uncertainty.end)                                                      \
+    X("reference_evaluations", "1", "evaluations of forces of the reference solution", "%.17g",  \
+      variant->cost.evaluations)                                                                 \
+    SPREAD_COLUMNS(X, "reference_cpu", "CPU time of the reference solution", &variant->cost.cpu) \
+    PRACTICAL_COLUMNS(X, "stable", &variant->stable, "longest stable step of rk4")               \
+    PRACTICAL_COLUMNS(X, "rk4", &variant->sufficient,                                            \
+                      "longest step of rk4 whose error is a tenth of end")
 
 static void write_variant(FILE *stream, const struct study *study, int v) {
     const struct variant *variant = &study->variants[v];
     const struct deviation *d = &variant->distance;
-    fprintf(stream,
-            "%s\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%d\t%.17g\t%.17g"
-            "\t%.17g\t%.17g",
-            variant->name, v < RATIOS ? ratios[v] : NAN, d->end, d->end_largest, d->end_all, d->rms,
-            d->largest, study->uncertainty.end, run_number(&variant->tight, "second_opinion.bound"),
-            d->end < 10 * study->uncertainty.end, variant->cost.evaluations,
-            variant->cost.cpu.median, variant->cost.cpu.least, variant->cost.cpu.greatest);
-    write_practical(stream, &variant->stable);
-    write_practical(stream, &variant->sufficient);
-    fprintf(stream, "\n");
+    WRITE_ROW(stream, VARIANT_COLUMNS);
 }
 
 /* --- statements --- */
@@ -293,7 +314,7 @@ static void state_variant(struct statements *statements, const struct study *stu
     const struct variant *variant = &study->variants[v];
     const struct practical *p = &variant->sufficient;
     const char *scene = study->subject->name;
-    const double distance = 1e3 * variant->distance.rms;
+    const double distance = 1e3 * variant->distance.end; /* as the figure has it */
     char key[128], cost[128] = "no step of rk4 that was tried errs by less than a tenth of that";
     snprintf(key, sizeof key, "%.70s, %s", scene, variant->name);
     if (!isnan(p->step))
@@ -304,8 +325,9 @@ static void state_variant(struct statements *statements, const struct study *stu
         statements,
         (struct statement){
             .key = key, .figure = scene, .tables = scene, .value = distance, .unit = "mm"},
-        "With %s the motion of %s is %.3g mm (rms) from the exact constrained one; %s.",
-        variant->name, scene, distance, cost);
+        "With %s the scene %s is after %.3g s %.3g mm (rms) from the exact constrained motion, and "
+        "%s.",
+        variant->name, scene, study->subject->scene->duration, distance, cost);
 }
 
 static void state_study(struct statements *statements, const struct study *study, int quick) {
@@ -331,20 +353,16 @@ static void state_study(struct statements *statements, const struct study *study
 /* --- the tables --- */
 
 static const char what[] =
-    "distance of tight solutions from the exact constrained motion, m: end = rms over free nodes "
+    "distance of reference solutions from the exact constrained motion, m: end = rms over free "
+    "nodes "
     "at the end, end_largest, end_all = rms over all nodes; rms and largest over all frames. "
     "Exact: penalty at ratios 300, 1000, 3000, each state a polynomial of degree 2 in "
     "1/sqrt(ratio), at 0; uncertainty = twice what ratio 100 and one more degree change in it "
-    "(rms at the end, m); limited = within ten times that. Costs: of the tight solution; of rk4 "
+    "(rms at the end, m); reference_limited = within ten times that. Costs: of the reference "
+    "solution; of rk4 "
     "at the longest stable step (error below a tenth, each node's over its wisp's length); and at "
     "the longest whose error is a tenth of the distance; nan: of ratio, it is penalty's alone; of "
     "others, no run is there to tell";
-
-static const char columns[] =
-    "name\tratio\tend\tend_largest\tend_all\trms\tlargest\tuncertainty\tbound\tlimited\ttight_"
-    "evaluations\ttight_cpu_median\ttight_cpu_least\ttight_cpu_greatest\tstable_step\tstable_error"
-    "\tstable_evaluations\tstable_cpu_median\tstable_cpu_least\tstable_cpu_greatest\trk4_step"
-    "\trk4_error\trk4_evaluations\trk4_cpu_median\trk4_cpu_least\trk4_cpu_greatest";
 
 static int tabulate_subject(struct plan *plan, const struct subject *subject, const char *folder,
                             struct statements *statements) {
@@ -352,8 +370,8 @@ static int tabulate_subject(struct plan *plan, const struct subject *subject, co
     struct atomic_file file;
     int code = read_study(plan, &study);
     if (!code)
-        code =
-            open_table(&file, folder, subject->name, what, subject->scene, columns, plan->reason);
+        code = open_table(&file, folder, subject->name, what, subject->scene,
+                          COLUMNS(VARIANT_COLUMNS), plan->reason);
     if (!code) {
         for (int v = 0; v < VARIANTS; v++)
             if (study.variants[v].there)
@@ -364,6 +382,11 @@ static int tabulate_subject(struct plan *plan, const struct subject *subject, co
     free_study(&study);
     return code;
 }
+
+#define LIST_COLUMNS(X)                                                                  \
+    X("file", "-", "name of the scene's table and figure", "%s", plan->subjects[i].name) \
+    X("name", "-", "name of the scene", "%s", plan->subjects[i].scene->name)             \
+    X("duration", "s", "duration of the scene", "%g", plan->subjects[i].scene->duration)
 
 static int write_tables(struct plan *plan, const char *folder, struct statements *statements) {
     struct atomic_file list;
@@ -376,18 +399,17 @@ static int write_tables(struct plan *plan, const char *folder, struct statements
                    plan->quick
                        ? "scenes drawn; --quick: penalty from ratio 100 on, every other step"
                        : "scenes drawn",
-                   NULL, "file\tname\tduration", plan->reason))
+                   NULL, COLUMNS(LIST_COLUMNS), plan->reason))
         return -1;
     for (int i = 0; i < plan->subject_count; i++)
-        fprintf(list.stream, "%s\t%s\t%g\n", plan->subjects[i].name, plan->subjects[i].scene->name,
-                plan->subjects[i].scene->duration);
+        WRITE_ROW(list.stream, LIST_COLUMNS);
     return atomic_commit(&list, plan->reason);
 }
 
 static int treatments_tabulate(struct plan *plan, const char *folder) {
     struct statements statements;
-    if (statements_open(&statements, folder, NULL, plan->quick ? "--quick: every other step" : NULL,
-                        plan->reason))
+    if (plan_open_statements(plan, &statements, folder, NULL,
+                             plan->quick ? "--quick: every other step" : NULL, plan->reason))
         return -1;
     return statements_close(&statements, write_tables(plan, folder, &statements), plan->reason);
 }
@@ -396,7 +418,9 @@ const struct experiment treatments_experiment = {
     .name = "treatments",
     .question = "how exactly does each treatment keep the envelope on its lines, and at what cost?",
     .thesis = "section 4.2.1",
+    .chapter = CHAPTER_MODEL,
     .place = 5,
+    .headline = "projection",
     .quick_seconds = 2,
     .full_seconds = 10,
     .plan = treatments_plan,

@@ -19,6 +19,7 @@
  *
  * Beginnings. As in bdf.c, two half steps of linear Euler, twice, less a whole one; the halves'
  * error, which is of order 1, is half less whole. */
+#include "eights.h"
 #include "semi_implicit.h"
 
 #include <math.h>
@@ -41,32 +42,13 @@ static const struct option_spec options[] = {[MATRIX] = MATRIX_OPTION_SPEC,
 /* The error that is aimed at, over what is allowed. */
 static const double AIM = 0.5;
 
-/* Four neighbours of a vector: unknowns of four lanes, or of a lane alone. Arrays are longer than
- * the unknowns by what makes whole fours, and 0 there. */
-enum { FOUR = LANES_MOST };
-typedef double four __attribute__((vector_size(8 * FOUR), aligned(8)));
-
-static inline four load(const double *x, int i) {
-    four y;
-    memcpy(&y, x + i, sizeof y);
-    return y;
-}
-
-static inline void store(double *x, int i, four y) {
-    memcpy(x + i, &y, sizeof y);
-}
-
-static inline four all(double x) {
-    return (four){x, x, x, x};
-}
-
-/* What a step does with the states, the last one first; by lane, and of a lane alone four times. */
+/* What a step does with the states, the last one first; by lane, again and again to make eight. */
 struct weights {
-    four sum[ORDER_MOST];       /* for the state that beta times the rates add to */
-    four ahead[ORDER_MOST];     /* to extrapolate to where the forces are asked for */
-    four guess[ORDER_MOST + 1]; /* and from one more, for the error */
-    four beta, square;          /* beta^2 */
-    four error;                 /* of end less guess */
+    eight sum[ORDER_MOST];       /* for the state that beta times the rates add to */
+    eight ahead[ORDER_MOST];     /* to extrapolate to where the forces are asked for */
+    eight guess[ORDER_MOST + 1]; /* and from one more, for the error */
+    eight beta, square;          /* beta^2 */
+    eight error;                 /* of end less guess */
 };
 
 struct state {
@@ -77,38 +59,38 @@ struct adaptive_bdf {
     struct stepper base;
     struct semi_implicit *matrix;
     int order, lanes;
-    int padded; /* unknowns, and what makes them whole fours */
+    int padded; /* unknowns, and zeros that make them whole eights */
     double rtol, atol;
 
-    /* by lane */
-    unsigned begin;        /* told to begin anew */
-    int started[FOUR];     /* has begun before */
-    int wisp[FOUR];        /* whose steps all this is of */
-    int age[FOUR];         /* old states before the last one, `order` at most */
-    four past[ORDER_MOST]; /* the step that led to the last state, the one before */
-    double next[FOUR];     /* the step that is proposed; 0: nothing is known */
-    double wanted[FOUR];   /* D of the last step */
-    double opening[FOUR];  /* D of the last beginning; 0: nothing is known */
-    int rejected[FOUR];    /* it was tried longer */
-    four used;             /* the step that is tried, */
-    double end[FOUR];      /* the time that it ends at, */
-    int points[FOUR];      /* and the old states that its error is estimated by */
+    /* by lane; in eights again and again */
+    unsigned begin;         /* told to begin anew */
+    int started[EIGHT];     /* has begun before */
+    int wisp[EIGHT];        /* whose steps all this is of */
+    int age[EIGHT];         /* old states before the last one, `order` at most */
+    eight past[ORDER_MOST]; /* the step that led to the last state, the one before */
+    double next[EIGHT];     /* the step that is proposed; 0: nothing is known */
+    double wanted[EIGHT];   /* D of the last step */
+    double opening[EIGHT];  /* D of the last beginning; 0: nothing is known */
+    int rejected[EIGHT];    /* it was tried longer */
+    eight used;             /* the step that is tried, */
+    double end[EIGHT];      /* the time that it ends at, */
+    int points[EIGHT];      /* and the old states that its error is estimated by */
 
     struct weights w;
     struct state last, old[ORDER_MOST]; /* the last state, the one before it, ... */
     struct state to;                    /* where the forces are asked for; then the end */
     struct state guess;                 /* another end */
     double *r, *r0, *change;
-    double memory[];
+    IN_LINES double memory[];
 };
 
 enum { VECTORS = 9 }; /* of no old state */
 
 static struct stepper *create(const struct stepper_settings *settings, struct system *system) {
     const int order = (int)option_value(&settings->options, &options[ORDER]);
-    const size_t padded = ((size_t)system->size + FOUR - 1) / FOUR * FOUR;
-    const size_t numbers = (VECTORS + 2 * (size_t)order) * padded;
-    struct adaptive_bdf *self = calloc(1, sizeof *self + numbers * sizeof(double));
+    const size_t padded = ((size_t)system->size + EIGHT - 1) / EIGHT * EIGHT;
+    const size_t numbers = (VECTORS + 2 * (size_t)order) * padded + EIGHT; /* see squares */
+    struct adaptive_bdf *self = stepper_memory(sizeof *self + numbers * sizeof(double));
     if (!self)
         return NULL;
     double *at = self->memory;
@@ -147,8 +129,8 @@ static const char *caution(const struct stepper *stepper) {
 /* --- weights --- */
 
 /* prod_(i != j) b_i / (b_i - b_j), with which `count` states extrapolate to the end; see bdf.c. */
-static four ahead_of(const four *before, int count, int j) {
-    four ahead = all(j < count);
+static eight ahead_of(const eight *before, int count, int j) {
+    eight ahead = all(j < count);
     for (int i = 0; i < count && j < count; i++)
         if (i != j)
             ahead *= before[i] / (before[i] - before[j]);
@@ -156,19 +138,19 @@ static four ahead_of(const four *before, int count, int j) {
 }
 
 /* beta of the formula through so many old states. */
-static four beta_of(const four *before, int count) {
-    four c = all(0);
+static eight beta_of(const eight *before, int count) {
+    eight c = all(0);
     for (int j = 0; j < count; j++)
         c += 1 / before[j];
     return 1 / c;
 }
 
-/* Of lanes of one age. */
+/* The weights of lanes of one age. */
 static struct weights weights_of(const struct adaptive_bdf *self, int age) {
     const int order = self->order, points = age + 1;
     const int count = points < order ? points : order;
     struct weights w = {.beta = all(0)};
-    four before[ORDER_MOST + 1] = {self->used};
+    eight before[ORDER_MOST + 1] = {self->used};
     for (int j = 1; j < points; j++)
         before[j] = before[j - 1] + self->past[j - 1];
     w.beta = beta_of(before, count);
@@ -179,27 +161,44 @@ static struct weights weights_of(const struct adaptive_bdf *self, int age) {
     }
     for (int j = 0; j < points; j++)
         w.guess[j] = ahead_of(before, points, j);
-    const four checked = points > count ? w.beta : beta_of(before, points - 1);
+    const eight checked = points > count ? w.beta : beta_of(before, points - 1);
     w.error = checked / (checked + before[points - 1]);
     return w;
 }
 
-/* Takes what a lane has of `from`; a lane alone has it four times. */
-static void take_weights(struct adaptive_bdf *self, int k, const struct weights *from) {
-    enum { COUNT = sizeof *from / sizeof(four) };
-    four *to = (four *)&self->w;
-    const four *w = (const four *)from;
+/* A lane's number, in all its places. */
+static void put(const struct adaptive_bdf *self, eight *to, int k, double value) {
+    for (; k < EIGHT; k += self->lanes)
+        (*to)[k] = value;
+}
+
+/* All bits where a number is of one of these lanes. */
+typedef long long mask __attribute__((vector_size(8 * EIGHT), aligned(8)));
+
+static mask mask_of(const struct adaptive_bdf *self, unsigned lanes) {
+    const mask bit = {1, 2, 4, 8, 16, 32, 64, 128};
+    const unsigned again = self->lanes == 1 ? 0xff : self->lanes == 4 ? 0x11 : 1;
+    const long long bits = again * (lanes & ~(~0u << self->lanes));
+    return (bit & bits) != 0;
+}
+
+static inline eight chosen(mask these, eight yes, eight no) {
+    return (eight)((these & (mask)yes) | (~these & (mask)no));
+}
+
+/* Takes what these lanes have of `from`. */
+static void take_weights(struct adaptive_bdf *self, unsigned lanes, const struct weights *from) {
+    enum { COUNT = sizeof *from / sizeof(eight) };
+    const mask these = mask_of(self, lanes);
+    eight *to = (eight *)&self->w;
+    const eight *w = (const eight *)from;
     for (int i = 0; i < COUNT; i++)
-        if (self->lanes == 1)
-            to[i] = all(w[i][0]);
-        else
-            to[i][k] = w[i][k];
+        to[i] = chosen(these, w[i], to[i]);
 }
 
 /* A lane that does not try stays where it is, and has no forces. */
 static void weigh(struct adaptive_bdf *self, unsigned lanes) {
     const struct weights none = {.sum = {all(1)}, .ahead = {all(1)}, .guess = {all(1)}};
-    const unsigned whole = ~(~0u << self->lanes);
     for (int age = 1; age <= self->order; age++) {
         unsigned those = 0;
         for (int k = 0; k < self->lanes; k++)
@@ -207,18 +206,12 @@ static void weigh(struct adaptive_bdf *self, unsigned lanes) {
         if (!(those & lanes))
             continue;
         const struct weights w = weights_of(self, age);
-        if ((those & lanes) == whole && self->lanes > 1)
-            self->w = w;
+        take_weights(self, those & lanes, &w);
         for (int k = 0; k < self->lanes; k++)
-            if (those & lanes & 1u << k) {
-                if (self->lanes == 1 || (those & lanes) != whole)
-                    take_weights(self, k, &w);
+            if (those & lanes & 1u << k)
                 self->points[k] = age + 1;
-            }
     }
-    for (int k = 0; k < self->lanes; k++)
-        if (!(lanes >> k & 1))
-            take_weights(self, k, &none);
+    take_weights(self, ~lanes, &none);
 }
 
 /* --- the pieces of a step --- */
@@ -226,8 +219,8 @@ static void weigh(struct adaptive_bdf *self, unsigned lanes) {
 #define INLINED static inline __attribute__((always_inline))
 
 /* sum_j weight_j x_j over `count` states. */
-INLINED four combined(const four *weight, int count, const double *const *x, int i) {
-    four sum = weight[0] * load(x[0], i);
+INLINED eight combined(const eight *weight, int count, const double *const *x, int i) {
+    eight sum = weight[0] * load(x[0], i);
     for (int j = 1; j < count; j++)
         sum += weight[j] * load(x[j], i);
     return sum;
@@ -240,8 +233,8 @@ INLINED void extrapolate(struct adaptive_bdf *self, int order) {
     const double *const v[] = {self->last.v, self->old[0].v, self->old[1].v, self->old[2].v};
     const struct state to = self->to, guess = self->guess;
     double *r0 = self->r0;
-    for (int i = 0; i < self->padded; i += FOUR) {
-        const four ahead = combined(w.ahead, order, v, i);
+    for (int i = 0; i < self->padded; i += EIGHT) {
+        const eight ahead = combined(w.ahead, order, v, i);
         store(r0, i, combined(w.sum, order, v, i) - ahead);
         store(guess.v, i, combined(w.guess, order + 1, v, i));
         store(to.v, i, ahead);
@@ -252,16 +245,16 @@ INLINED void extrapolate(struct adaptive_bdf *self, int order) {
 
 /* v0 - v* + beta a */
 static void right_side(struct adaptive_bdf *self) {
-    const four beta = self->w.beta;
-    for (int i = 0; i < self->padded; i += FOUR)
+    const eight beta = self->w.beta;
+    for (int i = 0; i < self->padded; i += EIGHT)
         store(self->r, i, load(self->r0, i) + beta * load(self->r, i));
 }
 
 /* From q* and v* to the end. */
 static void add_change(struct adaptive_bdf *self) {
-    const four beta = self->w.beta;
-    for (int i = 0; i < self->padded; i += FOUR) {
-        const four change = load(self->change, i);
+    const eight beta = self->w.beta;
+    for (int i = 0; i < self->padded; i += EIGHT) {
+        const eight change = load(self->change, i);
         store(self->to.q, i, load(self->to.q, i) + beta * change);
         store(self->to.v, i, load(self->to.v, i) + change);
     }
@@ -276,7 +269,6 @@ static void swap(struct state *a, struct state *b) {
 /* Some lanes arrive: their states grow older by one, and the end is the last one. Where all do,
  * arrays change their places. */
 static void arrive(struct adaptive_bdf *self, unsigned lanes) {
-    long long arrived[FOUR];
     struct state *const kept[] = {&self->to, &self->last, &self->old[0], &self->old[1],
                                   &self->old[2]};
     if (lanes == ~(~0u << self->lanes)) {
@@ -284,16 +276,11 @@ static void arrive(struct adaptive_bdf *self, unsigned lanes) {
             swap(kept[j], kept[j - 1]);
         return;
     }
-    for (int k = 0; k < FOUR; k++)
-        arrived[k] = -(long long)(lanes >> k & 1);
-    typedef long long mask __attribute__((vector_size(8 * FOUR), aligned(8)));
-    mask yes;
-    memcpy(&yes, arrived, sizeof yes);
+    const mask these = mask_of(self, lanes);
     for (int j = self->order + 1; j > 0; j--)
-        for (int i = 0; i < self->padded; i += FOUR) {
-            const mask q = (mask)load(kept[j - 1]->q, i), v = (mask)load(kept[j - 1]->v, i);
-            store(kept[j]->q, i, (four)((yes & q) | (~yes & (mask)load(kept[j]->q, i))));
-            store(kept[j]->v, i, (four)((yes & v) | (~yes & (mask)load(kept[j]->v, i))));
+        for (int i = 0; i < self->padded; i += EIGHT) {
+            store(kept[j]->q, i, chosen(these, load(kept[j - 1]->q, i), load(kept[j]->q, i)));
+            store(kept[j]->v, i, chosen(these, load(kept[j - 1]->v, i), load(kept[j]->v, i)));
         }
 }
 
@@ -302,39 +289,34 @@ static void arrive(struct adaptive_bdf *self, unsigned lanes) {
 /* Squares of end less guess, of the end and of the last state, summed by lane, each lane's in the
  * order of its unknowns whatever is beside it. */
 struct squares {
-    four difference, end, last;
+    eight difference, end, last;
 };
 
+/* Eights overlap where there are fewer lanes, which are their first ones; the others mean nothing.
+ */
 static struct squares squares(const struct adaptive_bdf *self, const double *end,
                               const double *guess, const double *last) {
     struct squares s = {all(0), all(0), all(0)};
-    if (self->lanes == 1)
-        for (int i = 0; i < self->padded; i++) {
-            s.difference[0] += (end[i] - guess[i]) * (end[i] - guess[i]);
-            s.end[0] += end[i] * end[i];
-            s.last[0] += last[i] * last[i];
-        }
-    else
-        for (int i = 0; i < self->padded; i += FOUR) {
-            const four x = load(end, i), y = load(last, i), difference = x - load(guess, i);
-            s.difference += difference * difference;
-            s.end += x * x;
-            s.last += y * y;
-        }
+    for (int i = 0; i < self->base.system->size; i += self->lanes) {
+        const eight x = load(end, i), y = load(last, i), difference = x - load(guess, i);
+        s.difference += difference * difference;
+        s.end += x * x;
+        s.last += y * y;
+    }
     return s;
 }
 
-static four root(four x) {
-    for (int k = 0; k < FOUR; k++)
+static eight root(eight x) {
+    for (int k = 0; k < EIGHT; k++)
         x[k] = sqrt(x[k]);
     return x;
 }
 
 /* The difference's size over what is allowed. What overflows gives NaN or infinity. */
-static four measured(const struct adaptive_bdf *self, const struct squares *s) {
+static eight measured(const struct adaptive_bdf *self, const struct squares *s) {
     const double each = self->lanes / (double)self->base.system->size;
-    four larger = s->end;
-    for (int k = 0; k < FOUR; k++)
+    eight larger = s->end;
+    for (int k = 0; k < EIGHT; k++)
         larger[k] = s->last[k] > larger[k] ? s->last[k] : larger[k];
     return root(each * s->difference) / (self->rtol * root(each * larger) + self->atol);
 }
@@ -360,8 +342,8 @@ static void propose(struct adaptive_bdf *self, int k, double error) {
     self->wanted[k] = now;
     self->rejected[k] = 0;
     for (int j = ORDER_MOST - 1; j > 0; j--)
-        self->past[j][k] = self->past[j - 1][k];
-    self->past[0][k] = used;
+        put(self, &self->past[j], k, self->past[j - 1][k]);
+    put(self, &self->past[0], k, used);
     self->age[k] += self->age[k] < self->order;
 }
 
@@ -390,7 +372,7 @@ static int retry(struct adaptive_bdf *self, int k, double t, double ratio, int c
 static int judge(struct adaptive_bdf *self, unsigned lanes, double *t) {
     const struct squares in_q = squares(self, self->to.q, self->guess.q, self->last.q);
     const struct squares in_v = squares(self, self->to.v, self->guess.v, self->last.v);
-    const four of_q = measured(self, &in_q), of_v = measured(self, &in_v);
+    const eight of_q = measured(self, &in_q), of_v = measured(self, &in_v);
     unsigned arrived = 0;
     int code = 0;
     for (int k = 0; k < self->lanes && !code; k++) {
@@ -419,7 +401,7 @@ static int judge(struct adaptive_bdf *self, unsigned lanes, double *t) {
 /* A step of the formula. */
 static int try_formula(struct adaptive_bdf *self, unsigned lanes, double *t) {
     struct system *system = self->base.system;
-    static const double none[FOUR] = {0};
+    static const double none[EIGHT] = {0};
     const struct part_equation e = {.alpha = (const double *)&self->w.beta,
                                     .beta = (const double *)&self->w.square,
                                     .gamma = none,
@@ -447,7 +429,7 @@ static int try_formula(struct adaptive_bdf *self, unsigned lanes, double *t) {
 static int try_beginning(struct adaptive_bdf *self, unsigned lanes, double *t) {
     struct system *system = self->base.system;
     const struct state last = self->last, whole = self->guess, halves = self->to;
-    double step[FOUR], half[FOUR], middle[FOUR];
+    double step[EIGHT], half[EIGHT], middle[EIGHT];
     for (int k = 0; k < self->lanes; k++) {
         step[k] = lanes >> k & 1 ? self->used[k] : 0;
         half[k] = step[k] / 2;
@@ -468,8 +450,8 @@ static int try_beginning(struct adaptive_bdf *self, unsigned lanes, double *t) {
     if (code)
         return code;
     for (int i = 0; i < self->padded;
-         i += FOUR) { /* the end is off from the halves by their error */
-        const four q = load(halves.q, i), v = load(halves.v, i);
+         i += EIGHT) { /* the end is off from the halves by their error */
+        const eight q = load(halves.q, i), v = load(halves.v, i);
         store(halves.q, i, q + (q - load(whole.q, i)));
         store(halves.v, i, v + (v - load(whole.v, i)));
         store(whole.q, i, q);
@@ -540,14 +522,14 @@ static double choose_step(struct adaptive_bdf *self, int k, double t, double sto
     if (!(self->next[k] > 0))
         self->next[k] = fmax(1e-3 * left, least_step(t));
     const double steps = ceil(left / self->next[k] - 1e-9);
-    self->used[k] = steps > 1 ? left / steps : left;
+    put(self, &self->used, k, steps > 1 ? left / steps : left);
     return steps > 1 ? t + self->used[k] : stop;
 }
 
 /* Each lane before the stop tries a step. */
 static int try_all(struct adaptive_bdf *self, double *t, double stop) {
     unsigned beginners = 0, others = 0;
-    double ends[FOUR];
+    double ends[EIGHT];
     for (int k = 0; k < self->lanes; k++) {
         if (stop - t[k] < least_step(stop))
             t[k] = stop;
@@ -563,7 +545,7 @@ static int try_all(struct adaptive_bdf *self, double *t, double stop) {
 static int advance(struct stepper *stepper, double *t, double stop, double *q, double *v) {
     struct adaptive_bdf *self = (struct adaptive_bdf *)stepper;
     const size_t bytes = (size_t)stepper->system->size * sizeof(double);
-    double before[FOUR];
+    double before[EIGHT];
     int code = 0, arrived = 0;
     memcpy(before, t, (size_t)self->lanes * sizeof *t);
     memcpy(self->last.q, q, bytes);

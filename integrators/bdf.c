@@ -49,7 +49,7 @@ struct bdf {
     double *change;            /* dv */
     double *half_q, *half_v;   /* of a beginning of order 2: half way, then half steps' end */
     double *whole_q, *whole_v; /* its end */
-    double memory[];
+    IN_LINES double memory[];
 };
 
 struct stepper *bdf_create(int order, const struct stepper_settings *settings,
@@ -58,7 +58,7 @@ struct stepper *bdf_create(int order, const struct stepper_settings *settings,
     const size_t vectors = 5 + 2 * (size_t)(order - 1) + (order > 2 ? 4 : 0);
     const size_t numbers = vectors * n + WEIGHTS * lanes;
     const size_t bytes = sizeof(struct bdf) + numbers * sizeof(double) + lanes * sizeof(int);
-    struct bdf *self = calloc(1, bytes);
+    struct bdf *self = stepper_memory(bytes);
     if (!self)
         return NULL;
     double *at = self->memory;
@@ -324,16 +324,20 @@ static void grow_older(struct bdf *self, double h) {
 
 int bdf_step(struct stepper *stepper, double t, double h, double *q, double *v) {
     struct bdf *self = (struct bdf *)stepper;
+    struct system *system = stepper->system;
     const unsigned all = ~(~0u << self->lanes);
     int code = 0;
     if (self->begin)
         begin_anew(self, q, v);
     weigh(self, h);
     const unsigned fresh = self->stale && self->order > 2 ? beginners(self) : 0;
+    system->waiting = fresh;
     if (fresh != all)
         code = differentiate(self, t, h, q, v);
+    system->waiting = ~fresh;
     if (fresh && !code)
         code = begin_twice(self, t, h, q, v);
+    system->waiting = 0;
     if (code)
         return code;
     grow_older(self, h);

@@ -1,16 +1,12 @@
 /* CVODE: variable-order, variable-step multistep methods, of SUNDIALS. */
 #include "first_order.h"
-#include "integrators/linear/sundials_support.h"
-#include "stepper.h"
+#include "sundials_newton.h"
 
 #include <cvode/cvode.h>
 #include <cvode/cvode_ls.h>
 #include <cvode/cvode_proj.h>
-#include <float.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sundials/sundials_matrix.h>
 #include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
 
 enum {
@@ -37,7 +33,7 @@ static const char *const sharing[] = {"1", "4", NULL};
  * axis, where the modes of lightly damped hair are: with a thirtieth of the damping (stretch_time
  * 4e-6 s) it takes 9 to 2.5 times as many, and at real hair's stiffness without damping 38.
  *
- * CVODE by itself keeps a factorised system for 20 steps and a Jacobian for 51, as suits dearer
+ * CVODE by itself keeps a factorised system for 20 steps and a Jacobian for 51, as suits costlier
  * ones than ours. With 5 the circle at rtol 1e-12 took 3269 steps instead of 3609. */
 static const struct option_spec options[] = {
     [METHOD] = {.name = "method",
@@ -105,91 +101,24 @@ struct multistep {
     struct sundials sundials;
     void *cvode;
     N_Vector y;                     /* (q, v) */
-    SUNNonlinearSolver fixed_point; /* NULL: Newton's method, which needs the next four */
-    SUNLinearSolver newton_system;
-    SUNMatrix no_matrix; /* CVODE wants one to pass around; M, D and K are the system's */
-    struct linear_solver *linear;
-    enum jacobian kind;
-    double gamma;              /* of the last set-up */
-    int started, restart;      /* whether it ran before; whether the next step begins anew */
-    int cause;                 /* the code of the last callback */
-    int fatal;                 /* the first code of this step after which nothing will help, or 0 */
-    long rejected, iterations; /* CVODE's counts since it began anew, as counted already */
-    double work[];             /* two right sides */
+    SUNNonlinearSolver fixed_point; /* NULL: Newton's method */
+    struct sundials_newton newton;
+    struct verdict verdict; /* of the last step's callbacks */
+    int started, restart;   /* whether it ran before; whether the next step begins anew */
+    struct sundials_counts counted;
 };
-
-/* CVODE's sign of the code of a callback. */
-static int report(struct multistep *s, int code) {
-    s->cause = code;
-    if (code < 0 && !s->fatal)
-        s->fatal = code;
-    return (code > 0) - (code < 0);
-}
 
 static int rate(sunrealtype t, N_Vector y, N_Vector y_rate, void *s_) {
     struct multistep *s = s_;
-    return report(
-        s, first_order_rate(s->base.system, t, N_VGetArrayPointer(y), N_VGetArrayPointer(y_rate)));
+    return sundials_rate(s->base.system, &s->verdict, t, y, y_rate);
 }
 
-/* The Newton system of an implicit step is (I - gamma J) (dq, dv) = (r, s), where
- * y' = (v, M^-1 f) has, at M, K = df/dq and D = df/dv held, the Jacobian
- *
- *     J = ( 0       I      )        hence   dq - gamma dv                       = r,
- *         ( M^-1 K  M^-1 D )                -gamma K dq + (M - gamma D) dv      = M s.
- *
- * The first row in the second leaves half of the unknowns, and a matrix every solver here knows:
- *
- *     (M - gamma D - gamma^2 K) dv = M s + gamma K r,      dq = r + gamma dv.
- *
- * CVODE keeps a factorised system while gamma drifts by up to 30 %, and for BDF multiplies the
- * whole of (dq, dv) by 2 / (1 + gamma / gamma of the set-up). That presumes the exact solution at
- * the gamma of the set-up, so the right side and dq take that one too, not the current one. */
 static int prepare(sunrealtype t, N_Vector y, N_Vector y_rate, SUNMatrix no_matrix,
                    sunbooleantype jacobian_holds, sunbooleantype *jacobian_is_new,
                    sunrealtype gamma, void *s_, N_Vector work_1, N_Vector work_2, N_Vector work_3) {
     (void)y_rate, (void)no_matrix, (void)work_1, (void)work_2, (void)work_3;
     struct multistep *s = s_;
-    struct system *system = s->base.system;
-    const double *q = N_VGetArrayPointer(y);
-    s->gamma = gamma;
-    *jacobian_is_new = !jacobian_holds;
-    if (jacobian_holds)
-        return 0;
-    return report(s, system_linearise(system, s->kind, t, q, q + system->size));
-}
-
-static SUNLinearSolver_Type newton_system_type(SUNLinearSolver solver) {
-    (void)solver;
-    return SUNLINEARSOLVER_DIRECT; /* to CVODE: conjugate gradients have a tolerance of their own */
-}
-
-static int newton_system_setup(SUNLinearSolver solver, SUNMatrix no_matrix) {
-    (void)no_matrix;
-    struct multistep *s = solver->content;
-    return report(s, linear_factor(s->linear, s->gamma, s->gamma * s->gamma));
-}
-
-static int newton_system_solve(SUNLinearSolver solver, SUNMatrix no_matrix, N_Vector x, N_Vector b,
-                               sunrealtype tolerance) {
-    (void)no_matrix, (void)tolerance;
-    struct multistep *s = solver->content;
-    struct system *system = s->base.system;
-    const int n = system->size;
-    const double *rq = N_VGetArrayPointer(b), *rv = rq + n;
-    double *dq = N_VGetArrayPointer(x), *dv = dq + n;
-    double *right = s->work, *stiffness_part = s->work + n;
-
-    system_product(system, 1, 0, 0, rv, right);
-    system_product(system, 0, 0, s->gamma, rq, stiffness_part);
-    for (int i = 0; i < n; i++)
-        right[i] += stiffness_part[i];
-    const int sign = report(s, linear_solve(s->linear, right, dv));
-    if (sign) /* CVODE takes a code it does not know for success */
-        return sign > 0 ? SUNLS_PACKAGE_FAIL_REC : SUN_ERR_EXT_FAIL;
-    for (int i = 0; i < n; i++)
-        dq[i] = rq[i] + s->gamma * dv[i];
-    return 0;
+    return sundials_newton_prepare(&s->newton, t, y, jacobian_holds, jacobian_is_new, gamma);
 }
 
 /* correction <- what takes y onto the constraint. The model's projection is exact, so the
@@ -202,7 +131,8 @@ static int project(sunrealtype t, N_Vector y, N_Vector correction, sunrealtype t
     struct multistep *s = s_;
     double *q = N_VGetArrayPointer(correction);
     N_VScale(1, y, correction);
-    const int sign = report(s, system_project(s->base.system, t, q, q + s->base.system->size));
+    const int sign =
+        verdict_take(&s->verdict, system_project(s->base.system, t, q, q + s->base.system->size));
     N_VLinearSum(1, correction, -1, y, correction);
     return sign;
 }
@@ -212,12 +142,7 @@ static void cvode_free(struct stepper *stepper) {
     CVodeFree(&s->cvode);
     if (s->fixed_point)
         SUNNonlinSolFree(s->fixed_point);
-    if (s->newton_system)
-        SUNLinSolFreeEmpty(s->newton_system);
-    if (s->no_matrix)
-        SUNMatFreeEmpty(s->no_matrix);
-    if (s->linear)
-        s->linear->method->free(s->linear);
+    sundials_newton_close(&s->newton);
     if (s->y)
         N_VDestroy(s->y);
     sundials_close(&s->sundials);
@@ -232,18 +157,10 @@ static int use_fixed_point(struct multistep *s) {
 /* CVODE begins with Newton's method, and lacks its linear system. */
 static int use_newton(struct multistep *s, const struct stepper_settings *settings,
                       struct system *system) {
-    if (linear_choose(settings->linear, system, (int)value(settings, JACOBIAN), &s->kind))
+    if (sundials_newton_open(&s->newton, settings, (int)value(settings, JACOBIAN), system,
+                             &s->sundials, &s->verdict))
         return -1;
-    s->linear = linear_create(settings->linear, system, &settings->options);
-    s->newton_system = SUNLinSolNewEmpty(s->sundials.context);
-    s->no_matrix = SUNMatNewEmpty(s->sundials.context);
-    if (!s->linear || !s->newton_system || !s->no_matrix)
-        return -1;
-    s->newton_system->content = s;
-    s->newton_system->ops->gettype = newton_system_type;
-    s->newton_system->ops->setup = newton_system_setup;
-    s->newton_system->ops->solve = newton_system_solve;
-    if (CVodeSetLinearSolver(s->cvode, s->newton_system, s->no_matrix) < 0 ||
+    if (CVodeSetLinearSolver(s->cvode, s->newton.solver, s->newton.no_matrix) < 0 ||
         CVodeSetLinSysFn(s->cvode, prepare) < 0 ||
         CVodeSetLSetupFrequency(s->cvode, (long)value(settings, SETUP_FREQUENCY)) < 0 ||
         CVodeSetJacEvalFrequency(s->cvode, (long)value(settings, JACOBIAN_FREQUENCY)) < 0)
@@ -280,7 +197,7 @@ static int set_up(struct multistep *s, const struct stepper_settings *settings,
 
 static struct stepper *cvode_create(const struct stepper_settings *settings,
                                     struct system *system) {
-    struct multistep *s = calloc(1, sizeof *s + 2 * (size_t)system->size * sizeof(double));
+    struct multistep *s = calloc(1, sizeof *s);
     if (!s)
         return NULL;
     if (sundials_open(&s->sundials)) {
@@ -306,7 +223,7 @@ static int cvode_refuse(const struct stepper_settings *settings, struct system *
                            system->name);
     if (!is_newton(settings, system))
         return 0;
-    if (value(settings, LANES) > 0 && settings->linear->max_lanes < LANES_MOST)
+    if (value(settings, LANES) > 0 && settings->linear->max_lanes < STEPPER_SHARING)
         return system_fail(system, REFUSED, "cvode: lanes=4: linear solver %s takes one wisp only",
                            settings->linear->name);
     enum jacobian kind;
@@ -327,7 +244,7 @@ static void begin(struct multistep *s, double t, const double *q, const double *
     memcpy(y, q, n * sizeof(double));
     memcpy(y + n, v, n * sizeof(double));
     CVodeReInit(s->cvode, t, s->y);
-    s->rejected = s->iterations = 0;
+    s->counted = (struct sundials_counts){0};
     s->restart = 0;
     if (s->started)
         system->counters.restarts += system->wisps;
@@ -344,42 +261,29 @@ static void count(struct multistep *s) {
         CVodeGetNumProjFails(s->cvode, &projections);
     CVodeGetNumNonlinSolvIters(s->cvode, &iterations);
 
-    const long rejected = error_tests + solves + projections;
-    system->counters.rejected_steps += (long long)(rejected - s->rejected) * system->wisps;
-    system->counters.newton_iterations += (long long)(iterations - s->iterations) * system->wisps;
-    s->rejected = rejected;
-    s->iterations = iterations;
+    sundials_count(system, &s->counted,
+                   (struct sundials_counts){error_tests + solves + projections, iterations});
 }
 
-/* What a failure of CVODE means, after a last callback that returned `cause`. */
-static enum outcome outcome_of(int flag, int cause) {
+/* What a failure of CVODE means, by the last callback where that did. */
+static enum outcome outcome_of(int flag, const struct verdict *verdict) {
     switch (flag) {
     case CV_CONV_FAILURE:
     case CV_LSETUP_FAIL:
     case CV_LSOLVE_FAIL:
-        return cause ? (enum outcome)abs(cause) : SOLVER_STALLED;
+        return verdict_outcome(verdict, SOLVER_STALLED);
     case CV_RHSFUNC_FAIL:
     case CV_FIRST_RHSFUNC_ERR:
     case CV_REPTD_RHSFUNC_ERR:
     case CV_UNREC_RHSFUNC_ERR:
     case CV_PROJFUNC_FAIL:
     case CV_REPTD_PROJFUNC_ERR:
-        return cause ? (enum outcome)abs(cause) : MODEL_FAILED;
+        return verdict_outcome(verdict, MODEL_FAILED);
     case CV_MEM_FAIL:
         return OUT_OF_MEMORY;
     default: /* CV_ERR_FAILURE, CV_TOO_MUCH_ACC, and what should not happen */
         return STEP_TOO_SMALL;
     }
-}
-
-/* Negative: CVODE has tried smaller steps. What a callback said follows CVODE's message. */
-static int failed(struct multistep *s, enum outcome outcome, const char *message) {
-    struct system *system = s->base.system;
-    if (!s->cause)
-        return system_fail(system, -(int)outcome, "cvode: %s", message);
-    char cause[sizeof system->reason];
-    memcpy(cause, system->reason, sizeof cause);
-    return system_fail(system, -(int)outcome, "cvode: %s Cause: %s", message, cause);
 }
 
 /* All lanes do. */
@@ -393,28 +297,28 @@ static int cvode_advance(struct stepper *stepper, double *t, double stop, double
     const size_t n = (size_t)stepper->system->size;
 
     if (s->restart) {
-        /* CVODE refuses to begin on an interval of few roundings, as lies between the ticks of
-         * two clocks that should coincide. Nothing moves in it. */
-        if (stop - *t <= 10 * DBL_EPSILON * fmax(fabs(*t), fabs(stop))) {
+        if (sundials_too_close(*t, stop)) {
             reach(stepper, t, stop);
             return 0;
         }
         begin(s, *t, q, v);
     }
-    s->cause = s->fatal = 0;
+    s->verdict = (struct verdict){0};
     double reached = *t;
     int flag = CVodeSetStopTime(s->cvode, stop);
     if (flag >= 0)
         flag = CVode(s->cvode, stop, s->y, &reached, CV_ONE_STEP);
     count(s);
-    if (s->fatal) { /* the fixed-point solver of SUNDIALS 6 would try a smaller step */
+    if (s->verdict.fatal) { /* the fixed-point solver of SUNDIALS 6 would try a smaller step */
         s->restart = 1;
-        return s->fatal;
+        return s->verdict.fatal;
     }
     if (flag < 0)
-        return failed(s, outcome_of(flag, s->cause), s->sundials.message);
+        return sundials_failed(stepper->system, &s->verdict, outcome_of(flag, &s->verdict), "cvode",
+                               s->sundials.message);
     if (reached < stop && step_is_lost(*t, reached - *t))
-        return failed(s, STEP_TOO_SMALL, "the step is lost in the rounding of the time.");
+        return sundials_failed(stepper->system, &s->verdict, STEP_TOO_SMALL, "cvode",
+                               "the step is lost in the rounding of the time.");
 
     const double *y = N_VGetArrayPointer(s->y);
     memcpy(q, y, n * sizeof(double));

@@ -13,14 +13,14 @@ struct drift_kick {
     struct stepper base;
     double *q, *a; /* half way; then q is the end's */
     double *v;     /* of the end, before it is projected */
-    double memory[];
+    IN_LINES double memory[];
 };
 
 static struct stepper *drift_kick_create(const struct stepper_settings *settings,
                                          struct system *system) {
     (void)settings;
     const size_t n = (size_t)system->size;
-    struct drift_kick *self = malloc(sizeof *self + 3 * n * sizeof(double));
+    struct drift_kick *self = stepper_memory(sizeof *self + 3 * n * sizeof(double));
     if (!self)
         return NULL;
     self->q = self->memory;

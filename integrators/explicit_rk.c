@@ -9,12 +9,12 @@ struct explicit_rk {
     struct stepper base;
     double *q, *v;  /* the position of a stage; of projected systems the state of the end */
     double *stages; /* velocity, then acceleration of each; the first's velocity is the state's */
-    double memory[];
+    IN_LINES double memory[];
 };
 
 struct stepper *explicit_rk_create(const struct butcher_table *table, struct system *system) {
     const size_t n = (size_t)system->size, stages = (size_t)table->stages;
-    struct explicit_rk *rk = malloc(sizeof *rk + (2 + 2 * stages) * n * sizeof(double));
+    struct explicit_rk *rk = stepper_memory(sizeof *rk + (2 + 2 * stages) * n * sizeof(double));
     if (!rk)
         return NULL;
     rk->q = rk->memory;

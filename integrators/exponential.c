@@ -3,8 +3,8 @@
  *
  *     y1 = y0 + h phi_1(h J) F(y0),   phi_1(z) = (exp z - 1) / z,   y = (q, v, t),
  *
- * of order 2 with all of J. Time is an unknown like the others, so that forces may change with it;
- * their rate is a difference quotient. The product of phi_1 with F is looked for in the Krylov
+ * of order 2 with all of J. Time is an unknown like the others, so that forces may change with it.
+ * The product of phi_1 with F is looked for in the Krylov
  * space of J and F, which grows until the estimate of what lies outside is small (Hochbruck, Lubich
  * & Selhofer 1998, SIAM J. Sci. Comput. 19, 1552; on hair Michels et al. 2014).
  *
@@ -38,7 +38,7 @@ struct exponential {
     double *basis;                 /* DIMENSION + 1 of them, orthonormal in `inner` */
     double *w;                     /* the next one */
     double *right, *stiff;         /* of the mass matrix's solve */
-    double *a, *later, *rate;      /* acceleration now and a little later, and its rate in time */
+    double *a, *rate;              /* acceleration, and its rate in time */
     double *q, *v;                 /* of the end */
     square h, power, sum, squared; /* the projected J, times h; for its exponential */
     double memory[];
@@ -47,7 +47,7 @@ struct exponential {
 static struct stepper *exponential_create(const struct stepper_settings *settings,
                                           struct system *system) {
     const size_t n = (size_t)system->size, vector = 2 * n + 1;
-    struct exponential *s = malloc(sizeof *s + ((DIMENSION + 2) * vector + 7 * n) * sizeof(double));
+    struct exponential *s = malloc(sizeof *s + ((DIMENSION + 2) * vector + 6 * n) * sizeof(double));
     if (!s)
         return NULL;
     s->tolerance = option_value(&settings->options, &options[TOLERANCE]);
@@ -58,8 +58,7 @@ static struct stepper *exponential_create(const struct stepper_settings *setting
     s->right = s->w + vector;
     s->stiff = s->right + n;
     s->a = s->stiff + n;
-    s->later = s->a + n;
-    s->rate = s->later + n;
+    s->rate = s->a + n;
     s->q = s->rate + n;
     s->v = s->q + n;
     return &s->base;
@@ -190,19 +189,14 @@ static int find_move(struct exponential *s, double h, double *phi) {
     return 0;
 }
 
-static int evaluate(struct exponential *s, double t, double h, const double *q, const double *v) {
+static int evaluate(struct exponential *s, double t, const double *q, const double *v) {
     struct system *system = s->base.system;
-    const double little = 1e-6 * h;
-    int code = system_acceleration(system, t + little, q, v, s->later);
-    if (!code)
-        code = system_acceleration(system, t, q, v, s->a);
-    if (!code)
-        code = system_linearise(system, s->kind, t, q, v);
-    if (!code)
-        code = system_factor(system, 0, 0);
-    for (int i = 0; i < s->n && !code; i++)
-        s->rate[i] = (s->later[i] - s->a[i]) / little;
-    return code;
+    int code = system_acceleration(system, t, q, v, s->a);
+    if (code)
+        return code;
+    system_time_rate(system, t, q, v, s->rate);
+    code = system_linearise(system, s->kind, t, q, v);
+    return code ? code : system_factor(system, 0, 0);
 }
 
 static int exponential_step(struct stepper *stepper, double t, double h, double *q, double *v) {
@@ -210,7 +204,7 @@ static int exponential_step(struct stepper *stepper, double t, double h, double 
     struct system *system = stepper->system;
     const int n = s->n;
     double phi[DIMENSION + 1], *first = basis(s, 0);
-    int code = evaluate(s, t, h, q, v);
+    int code = evaluate(s, t, q, v);
     if (code)
         return code;
     memcpy(first, v, (size_t)n * sizeof(double));

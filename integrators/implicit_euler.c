@@ -15,13 +15,13 @@ struct implicit_euler {
     struct stepper base;
     struct newton *newton;
     double *q, *v; /* the iterate */
-    double memory[];
+    IN_LINES double memory[];
 };
 
 static struct stepper *implicit_euler_create(const struct stepper_settings *settings,
                                              struct system *system) {
     const size_t n = (size_t)system->size;
-    struct implicit_euler *self = calloc(1, sizeof *self + 2 * n * sizeof(double));
+    struct implicit_euler *self = stepper_memory(sizeof *self + 2 * n * sizeof(double));
     if (!self)
         return NULL;
     self->q = self->memory;

@@ -15,13 +15,13 @@ struct linear_euler {
     struct stepper base;
     struct semi_implicit *matrix;
     double *q, *v; /* of the end, where it is to be projected */
-    double memory[];
+    IN_LINES double memory[];
 };
 
 static struct stepper *linear_euler_create(const struct stepper_settings *settings,
                                            struct system *system) {
     const size_t n = (size_t)system->size;
-    struct linear_euler *self = malloc(sizeof *self + 2 * n * sizeof(double));
+    struct linear_euler *self = stepper_memory(sizeof *self + 2 * n * sizeof(double));
     if (!self)
         return NULL;
     self->q = self->memory;

@@ -21,7 +21,7 @@ struct newton {
     double *a;            /* the iterate's acceleration */
     double *rhs, *change; /* of the linear system */
     double *work;
-    double memory[];
+    IN_LINES double memory[];
 };
 
 /* The solver must fit the Jacobian, of which the default is the same for all methods. */
@@ -41,7 +41,7 @@ struct newton *newton_create(const struct stepper_settings *settings,
                              const struct option_spec *options, struct system *system) {
     const size_t n = (size_t)system->size;
     const struct options *given = &settings->options;
-    struct newton *self = malloc(sizeof *self + 4 * n * sizeof(double));
+    struct newton *self = stepper_memory(sizeof *self + 4 * n * sizeof(double));
     if (!self)
         return NULL;
     *self = (struct newton){.system = system,
@@ -69,11 +69,23 @@ void newton_free(struct newton *self) {
 
 /* The two vectors of the right side, M r and gamma K g. */
 static void find_residuals(const struct newton *self, const struct newton_equation *e,
-                           const double *q, const double *v, double *r, double *g) {
+                           const double *restrict q, const double *restrict v, double *restrict r,
+                           double *restrict g) {
+    const double *restrict q0 = e->q0, *restrict v0 = e->v0, *restrict a = self->a;
+    const double beta = e->beta, gamma = e->gamma;
     for (int i = 0; i < self->system->size; i++) {
-        g[i] = e->q0[i] + e->beta * v[i] - q[i];
-        r[i] = e->v0[i] - v[i] + e->gamma * self->a[i];
+        g[i] = q0[i] + beta * v[i] - q[i];
+        r[i] = v0[i] - v[i] + gamma * a[i];
     }
+}
+
+/* q of the iterate whose velocities are v: the same bits again where v has stopped. */
+static void follow(const struct newton *self, const struct newton_equation *e, double *restrict q,
+                   const double *restrict v) {
+    const double *restrict q0 = e->q0;
+    const double beta = e->beta;
+    for (int i = 0; i < self->system->size; i++)
+        q[i] = q0[i] + beta * v[i];
 }
 
 /* The linear system at (q, v), see newton.h, and its solution, by a solver that does it at once. */
@@ -111,7 +123,7 @@ static int make_matrices(struct newton *self, const struct newton_equation *e, c
     return code;
 }
 
-/* The same step by step. */
+/* Solves the equation step by step. */
 static int find_change(struct newton *self, const struct newton_equation *e, const double *q,
                        const double *v) {
     struct system *system = self->system;
@@ -164,9 +176,10 @@ static int move(struct newton *self, double *v) {
 }
 
 /* The linearised step, unchecked: all lanes at once. */
-static int move_once(struct newton *self, double *v) {
+static int move_once(struct newton *self, double *restrict v) {
+    const double *restrict change = self->change;
     for (int i = 0; i < self->system->size; i++)
-        v[i] += self->change[i];
+        v[i] += change[i];
     self->moving = 0;
     return 0;
 }
@@ -207,8 +220,7 @@ int newton_solve(struct newton *self, const struct newton_equation *e, double *q
             code = self->iterations == 1 ? move_once(self, v) : move(self, v);
         if (code)
             return code;
-        for (int i = 0; i < system->size; i++)
-            q[i] = e->q0[i] + e->beta * v[i]; /* the same bits again where v has stopped */
+        follow(self, e, q, v);
     }
     if (self->moving)
         return system_fail(system, SOLVER_STALLED,

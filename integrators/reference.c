@@ -149,7 +149,7 @@ static const char *const check_options[] = {"method=bdf", "max_order=5", NULL};
 /* At equal tolerances BDF is about a thousand times less accurate on the circle and on chains. At
  * a thousandth its errors are 2 to 5 times those of the reference, which is then the bound; the
  * least it can do is rtol 1e-15, so the reference may have 1e-12. */
-static const struct second_opinion check = {
+static const struct cross_check check = {
     .method = "cvode",
     .rtol_ratio = 1e-2, /* BDF is less accurate at equal tolerances; below 1e-13 it can be lost in
                            rounding when it begins anew after a tick */

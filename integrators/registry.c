@@ -1,6 +1,7 @@
 /* Every stepper, by name. */
 #include "stepper.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 /* A new stepper is one line here, at its place in lists and legends. */
@@ -13,6 +14,10 @@
     X(implicit_euler)   \
     X(linear_euler)     \
     X(exponential)      \
+    X(xpbd)             \
+    X(arkode_erk)       \
+    X(arkode_dirk)      \
+    X(arkode_imex)      \
     X(bdf2)             \
     X(bdf3)             \
     X(bdf)              \
@@ -23,12 +28,29 @@
 STEPPERS(X)
 #undef X
 
-const struct stepper_method *const stepper_methods[] = {
+static const struct stepper_method *const built_in[] = {
 #define X(method) &method,
     STEPPERS(X)
 #undef X
         NULL,
 };
+
+const struct stepper_method *const *stepper_methods = built_in;
+
+int stepper_add(const struct stepper_method *method) {
+    size_t count = 0;
+    while (stepper_methods[count])
+        count++;
+    const struct stepper_method **longer = calloc(count + 2, sizeof *longer);
+    if (!longer)
+        return -1;
+    memcpy(longer, stepper_methods, count * sizeof *longer);
+    longer[count] = method;
+    if (stepper_methods != built_in)
+        free((void *)stepper_methods);
+    stepper_methods = longer;
+    return 0;
+}
 
 const struct stepper_method *stepper_find(const char *name) {
     for (int i = 0; stepper_methods[i]; i++)

@@ -1,5 +1,7 @@
 #include "semi_implicit.h"
 
+#include "eights.h"
+
 #include <stdlib.h>
 
 const char *const matrix_choices[] = {"stretch", "axial", "full", "spd", "auto", NULL};
@@ -13,7 +15,7 @@ struct semi_implicit {
     double *step;         /* h, likewise */
     double *work, *right; /* of a system without parts */
     double *r, *change;   /* of linear Euler */
-    double memory[];
+    IN_LINES double memory[];
 };
 
 /* The Jacobian that a system's own solver takes, spd before exact; or -1. */
@@ -51,7 +53,8 @@ int semi_implicit_refuse(const struct stepper_settings *settings, struct system 
 struct semi_implicit *semi_implicit_create(const struct stepper_settings *settings,
                                            struct system *system) {
     const size_t n = (size_t)system->size, lanes = (size_t)system->lanes;
-    struct semi_implicit *self = malloc(sizeof *self + (4 * n + 3 * lanes) * sizeof(double));
+    struct semi_implicit *self =
+        stepper_memory(sizeof *self + (4 * n + 3 * lanes) * sizeof(double));
     if (!self)
         return NULL;
     const int choice = chosen(settings), kind = own_kind(system);
@@ -75,10 +78,10 @@ const char *semi_implicit_caution(const struct semi_implicit *self) {
     if (!self->system->force_parts || self->part >= self->system->stiff_part)
         return NULL;
     return self->part == FORCES_STRETCH
-               ? "matrix=stretch leaves bending to be explicit, and that may be too stiff for "
-                 "such steps: matrix=auto does not"
-               : "matrix=axial leaves hinges to be explicit, and they may be too stiff for such "
-                 "steps: matrix=auto does not";
+               ? "matrix=stretch leaves bending, and bodies that push by penalty, to be explicit, "
+                 "and that may be too stiff for such steps: matrix=auto does not"
+               : "matrix=axial leaves hinges, and bodies that push by penalty, to be explicit, and "
+                 "they may be too stiff for such steps: matrix=auto does not";
 }
 
 /* By the whole matrix of a system without parts. */
@@ -109,25 +112,31 @@ int semi_implicit_solve(struct semi_implicit *self, double t, const double *v,
     return system_solve_part(self->system, equation, x);
 }
 
-/* r <- h r, and the end of a step, lane by lane; compiled for a number of lanes that is a constant
- * where these are inlined, or each number would be computed by itself. */
-static inline __attribute__((always_inline)) void scale(int lanes, int n, const double *restrict h,
-                                                        double *restrict r) {
-    for (int i = 0; i < n; i += lanes)
-        for (int k = 0; k < lanes; k++)
-            r[i + k] *= h[k];
+/* r <- h r, by lane. */
+static void scale(int lanes, int n, const double *h, double *r) {
+    const eight by = by_lane(h, lanes);
+    int i = 0;
+    for (; i + EIGHT <= n; i += EIGHT)
+        store(r, i, load(r, i) * by);
+    for (; i < n; i++)
+        r[i] *= h[i % lanes];
 }
 
-static inline __attribute__((always_inline)) void move(int lanes, int n, const double *restrict h,
-                                                       const double *restrict change,
-                                                       const double *q, const double *v, double *q1,
-                                                       double *v1) {
-    for (int i = 0; i < n; i += lanes)
-        for (int k = 0; k < lanes; k++) {
-            const double velocity = v[i + k] + change[i + k];
-            v1[i + k] = velocity;
-            q1[i + k] = q[i + k] + h[k] * velocity;
-        }
+/* The end of a step, which may be where it began. */
+static void move(int lanes, int n, const double *h, const double *change, const double *q,
+                 const double *v, double *q1, double *v1) {
+    const eight by = by_lane(h, lanes);
+    int i = 0;
+    for (; i + EIGHT <= n; i += EIGHT) {
+        const eight velocity = load(v, i) + load(change, i);
+        store(v1, i, velocity);
+        store(q1, i, load(q, i) + by * velocity);
+    }
+    for (; i < n; i++) {
+        const double velocity = v[i] + change[i];
+        v1[i] = velocity;
+        q1[i] = q[i] + h[i % lanes] * velocity;
+    }
 }
 
 int semi_implicit_euler_lanes(struct semi_implicit *self, double t1, const double *h,
@@ -145,17 +154,11 @@ int semi_implicit_euler_lanes(struct semi_implicit *self, double t1, const doubl
     int code = system_acceleration(system, t1, q, v, r);
     if (code)
         return code;
-    if (lanes == LANES_MOST)
-        scale(LANES_MOST, system->size, h, r);
-    else
-        scale(lanes, system->size, h, r);
+    scale(lanes, system->size, h, r);
     code = semi_implicit_solve(self, t1, v, &equation, change);
     if (code)
         return code;
-    if (lanes == LANES_MOST)
-        move(LANES_MOST, system->size, h, change, q, v, q1, v1);
-    else
-        move(lanes, system->size, h, change, q, v, q1, v1);
+    move(lanes, system->size, h, change, q, v, q1, v1);
     return 0;
 }
 

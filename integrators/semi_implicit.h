@@ -44,7 +44,7 @@ int semi_implicit_solve(struct semi_implicit *self, double t, const double *v,
 int semi_implicit_euler(struct semi_implicit *self, double t, double h, const double *q,
                         const double *v, double *q1, double *v1);
 
-/* The same with a step for each lane, to time t1, or in each lane to system->times; 0 leaves a
+/* Makes a step of its own in each lane, to time t1, or in each lane to system->times; 0 leaves a
  * lane where it is. */
 int semi_implicit_euler_lanes(struct semi_implicit *self, double t1, const double *h,
                               const double *q, const double *v, double *q1, double *v1);

@@ -1,16 +1,19 @@
 #include "stepper.h"
 
+#include <stdlib.h>
+#include <string.h>
+
 int stepper_steps_by_lane(const struct stepper_method *method) {
     return method->capabilities & STEPPER_ADAPTIVE && method->lanes > 1;
 }
 
-static int shares_steps(const struct stepper_method *method, const struct options *options) {
+int stepper_shares_steps(const struct stepper_method *method, const struct options *options) {
     return method->shared_steps && option_value(options, method->shared_steps) > 0;
 }
 
 int stepper_lanes(const struct stepper_method *method, const struct linear_method *linear,
                   const struct options *options) {
-    const int most = shares_steps(method, options)             ? LANES_MOST
+    const int most = stepper_shares_steps(method, options)     ? STEPPER_SHARING
                      : method->lanes > 0                       ? method->lanes
                      : method->capabilities & STEPPER_ADAPTIVE ? 1
                                                                : LANES_MOST;
@@ -48,6 +51,12 @@ int stepper_refuse(const struct stepper_method *method, const struct stepper_set
         return system_fail(system, REFUSED, "%s does not keep the constraint of %s", method->name,
                            system->name);
     return method->refuse ? method->refuse(settings, system) : 0;
+}
+
+void *stepper_memory(size_t bytes) {
+    const size_t lines = (bytes + 63) / 64 * 64;
+    void *memory = aligned_alloc(64, lines);
+    return memory ? memset(memory, 0, lines) : NULL;
 }
 
 struct stepper *stepper_create(const struct stepper_method *method,

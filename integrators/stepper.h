@@ -36,7 +36,7 @@ struct stepper {
 
 /* A method unlike the one that names it, run a second time on the same scene: the difference of
  * the two bounds the error of both. */
-struct second_opinion {
+struct cross_check {
     const char *method;
     double rtol_ratio;          /* its tolerances over those of the first */
     const char *const *options; /* "key=value", NULL-terminated */
@@ -44,14 +44,14 @@ struct second_opinion {
 
 struct stepper_method {
     const char *name;
-    const char *summary;                     /* one line */
-    const char *reference;                   /* paper, book or manual */
-    int order;                               /* of accuracy; the highest where it varies */
-    int undamped_order;                      /* where nothing is damped, if another; else 0 */
-    unsigned capabilities;                   /* enum stepper_capability */
-    const struct option_spec *options;       /* its own, or NULL */
-    const struct butcher_table *table;       /* of Runge-Kutta methods, else NULL */
-    const struct second_opinion *checked_by; /* or NULL */
+    const char *summary;                  /* one line */
+    const char *reference;                /* paper, book or manual */
+    int order;                            /* of accuracy; the highest where it varies */
+    int undamped_order;                   /* where nothing is damped, if another; else 0 */
+    unsigned capabilities;                /* enum stepper_capability */
+    const struct option_spec *options;    /* its own, or NULL */
+    const struct butcher_table *table;    /* of Runge-Kutta methods, else NULL */
+    const struct cross_check *checked_by; /* or NULL */
     double rtol, atol; /* of adaptive methods, where the user gives none; 0: the scene's */
 
     /* On wisps, where the user says nothing; elsewhere it is the problem that decides. */
@@ -68,9 +68,9 @@ struct stepper_method {
      * method that says more takes steps of its own with each. */
     int lanes;
 
-    /* Of adaptive methods that have one step for a whole part: the choice among their options, of
-     * "1" or "4", of how many wisps may share one. With 4 a wisp's bits depend on the others. NULL:
-     * none. */
+    /* How many wisps may share a step, in adaptive methods that have one step for a whole part: an
+     * option of theirs, "1" or "4" (STEPPER_SHARING). With 4 a wisp's bits depend on
+     * the others. NULL: none. */
     const struct option_spec *shared_steps;
 
     /* By what a step multiplies a mode of a linear system, see stepper_amplification; NULL: what
@@ -105,16 +105,31 @@ struct stepper_method {
     void (*free)(struct stepper *stepper);
 };
 
-/* All methods, in the order of lists and legends; NULL-terminated. */
-extern const struct stepper_method *const stepper_methods[];
+/* Zeroed memory of a stepper, for free; NULL where it cannot be had. Vectors of 8 lanes that follow
+ * each other from a member IN_LINES on begin with lines of the cache, and their numbers side by
+ * side never lie in two of them. */
+#define IN_LINES _Alignas(64)
+void *stepper_memory(size_t bytes);
+
+/* All methods, in the order of lists and legends, those of plug-ins last; NULL-terminated. */
+extern const struct stepper_method *const *stepper_methods;
 
 /* The method of that name, or NULL. */
 const struct stepper_method *stepper_find(const char *name);
 
+/* Adds a method, which stays, to the list; none of that name is there. Returns 0, or -1 where
+ * memory cannot be had. Before any thread or run is started. */
+int stepper_add(const struct stepper_method *method);
+
 /* The most wisps of a part: as many as the method says, or its option, and the solver takes (NULL:
- * it has none), at most four, which is what the kernel has. */
+ * it has none), at most LANES_MOST, which is what the kernel has. */
 int stepper_lanes(const struct stepper_method *method, const struct linear_method *linear,
                   const struct options *options);
+
+/* Whether the wisps of a part share a step by such an option. Then there are as many of them in a
+ * part as it says, or padding, for the steps depend on that. */
+enum { STEPPER_SHARING = 4 };
+int stepper_shares_steps(const struct stepper_method *method, const struct options *options);
 
 /* Whether a part's wisps have steps of their own, and times of their own between stops. */
 int stepper_steps_by_lane(const struct stepper_method *method);
@@ -138,5 +153,22 @@ int stepper_refuse(const struct stepper_method *method, const struct stepper_set
 /* A stepper made by the method's table, or NULL where memory cannot be had. */
 struct stepper *stepper_create(const struct stepper_method *method,
                                const struct stepper_settings *settings, struct system *system);
+
+/* --- plug-ins --- */
+
+/* Which edition of this interface: raised whenever a struct, a function or the meaning of either
+ * changes in a header that is installed for plug-ins (CMakeLists.txt lists them). */
+enum { STEPPER_INTERFACE = 1 };
+
+/* What a plug-in exports, under the name wisplab_plugin; plugin.h says how it is loaded. */
+struct stepper_plugin {
+    int interface; /* STEPPER_INTERFACE of the headers it was compiled with; always the first */
+    const struct stepper_method *method;
+};
+
+/* The last line of a method's file makes it a plug-in: STEPPER_PLUGIN(rosenbrock_euler); */
+#define STEPPER_PLUGIN(method)                                                                \
+    extern __attribute__((visibility("default"))) const struct stepper_plugin wisplab_plugin; \
+    const struct stepper_plugin wisplab_plugin = {STEPPER_INTERFACE, &(method)}
 
 #endif

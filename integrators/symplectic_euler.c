@@ -8,14 +8,14 @@
 struct symplectic_euler {
     struct stepper base;
     double *a, *q, *v; /* the state of the end before it is projected */
-    double memory[];
+    IN_LINES double memory[];
 };
 
 static struct stepper *symplectic_euler_create(const struct stepper_settings *settings,
                                                struct system *system) {
     (void)settings;
     const size_t n = (size_t)system->size;
-    struct symplectic_euler *self = malloc(sizeof *self + 3 * n * sizeof(double));
+    struct symplectic_euler *self = stepper_memory(sizeof *self + 3 * n * sizeof(double));
     if (!self)
         return NULL;
     self->a = self->memory;

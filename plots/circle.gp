@@ -47,25 +47,29 @@ do for [end in "30 160"] {
         set label 3 sprintf('{/:Bold %s}, h = %g s', title_of[k], step_of[k]) \
             at graph 0, graph 1 offset character 0, 1.75 left textcolor rgb ink_of(stepper_of[k])
         set label 4 end_error[k] < 1e-9 ? 'at the end: no error but rounding' \
-            : sprintf('at the end: %.2g m from the exact position', end_error[k]) \
+            : sprintf(paper eq '' ? 'at the end: %.2g m from the exact position' : 'at the end %.2g m off', end_error[k]) \
             at graph 0, graph 1 offset character 0, 0.7 left font ',11' textcolor rgb GREY
         if (own) {
             set label 5 sprintf('own scale, %.0f times the others''', limit / common) \
                 at graph 0.5, graph 0.04 center font ',11' front
         }
-        set xlabel row == 1 || (k + 3 <= DRAWN && rows_of[k + 3] == 0) ? 'x (m)' : '' offset 0, 0.4
-        set ylabel column == 0 || rows_of[k - 1] == 0 ? 'y (m)' : '' offset 1, 0
+        set xlabel lowest(row == 1 || (k + 3 <= DRAWN && rows_of[k + 3] == 0)) ? 'x (m)' : '' offset 0, 0.4
+        set ylabel leftmost(column == 0 || rows_of[k - 1] == 0) ? 'y (m)' : '' offset 1, 0
         is = style_of(stepper_of[k])
         set samples 361; set parametric; set trange [0:2 * pi]
-        plot table(name) using (strcol(1) eq sprintf('%d', k) ? $6 : NaN):7 with lines \
+        if (SHOWN) { plot table(name) using (strcol(1) eq sprintf('%d', k) ? $6 : NaN):7 with lines \
                 lt is dt solid lw 1.3, \
-             '' using (strcol(1) eq sprintf('%d', k) ? $6 : NaN):7 with points lt is pt 7 ps 0.28, \
+             for [j = 1:(end eq '30')] '' using (strcol(1) eq sprintf('%d', k) ? $6 : NaN):7 \
+                with points lt is pt 7 ps 0.28, \
              RADIUS * cos(t), RADIUS * sin(t) with lines lt 2, \
              '+' using (end_x[k]):(end_y[k]) every ::0::0 with points pt mark_of(stepper_of[k]) \
                 ps 1.6 lc rgb 'black', \
              '+' using (RADIUS * cos(RATE * T)):(-RADIUS * sin(RATE * T)) every ::0::0 \
                 with points pt 6 ps (own ? 0.9 : 2.2) lw 1.6 lc rgb 'black', \
-             '+' using (end_x[k]):(end_y[k]) every ::0::0 with points lt is ps 1.1
+             '+' using (end_x[k]):(end_y[k]) every ::0::0 with points lt is ps 1.1, \
+             for [n = 1:has_tips] '+' using (end_x[k]):(end_y[k]):(tip(sprintf( \
+                "%s, h = %g s\nerror %.3g m\n%d force evaluations", title_of[k], step_of[k], \
+                end_error[k], calls_of[k]))) every ::0::0 @TIP }
         unset parametric
         eval heading_done; unset label 5
     }
@@ -98,7 +102,7 @@ do for [k = 1:PANELS] {
 set xtics 20
 set xlabel 't (s)'; set ylabel 'error (m)' offset 1.5, 0
 set arrow from graph 0, first LOW * 0.6 to graph 1, first LOW * 0.6 nohead lc rgb GREY lw 0.8
-set key at screen 575./WIDTH, screen 1 - 80./HEIGHT left top Left reverse samplen 4 spacing 1.5
+eval own_key(8, 38, sprintf('set key at screen %g, screen %g left top Left reverse samplen 4 spacing 1.5', 575./WIDTH, 1 - 80./HEIGHT))
 shown(k, e) = worst[k] < 1e-9 ? EXACT : e < LOW ? NaN : e
 do for [k = 1:PANELS] { if (rows_of[k]) { s = style_of(style_name(k)) } } # in the panels' order
 # The legend in the order of the curves' right ends.
@@ -114,14 +118,19 @@ do for [n = 1:PANELS] {
 every_mark(k) = larger(1, floor(20 / step_of[k] + 0.5))
 label_of(k) = sprintf('%s, %g s: %g', title_of[k], step_of[k], calls_of[k])
 run(w) = int(word(order, w))
+told = told_of('orbits-160s', 'title step:s t:s error:m force_evaluations')
+is_marked(t, step) = floor(t / step + 0.5) % every_mark(int($1)) == 0
 if (order eq '') {
-    plot RADIUS with lines lt 2 title sprintf('radius, %g m', RADIUS)
+    if (SHOWN) { plot RADIUS with lines lt 2 title sprintf('radius, %g m', RADIUS) }
 } else {
-    plot RADIUS with lines lt 2 title sprintf('radius, %g m', RADIUS), \
+    if (SHOWN) { plot RADIUS with lines lt 2 title sprintf('radius, %g m', RADIUS), \
          for [w = 1:words(order)] table('orbits-160s') \
             using (strcol(1) eq word(order, w) ? $5 : NaN):(shown(run(w), $8)) \
             with linespoints lt style_of(style_name(run(w))) \
-            pi every_mark(run(w)) title label_of(run(w))
+            pi every_mark(run(w)) title label_of(run(w)), \
+         for [k = 1:has_tips] table('orbits-160s') \
+            using (strcol(1) ne 'panel' && is_marked($5, $4) ? $5 : NaN) \
+            :(strcol(1) eq 'panel' ? NaN : shown(int($1), $8)):(tip_of(told)) @TIP }
 }
 
 # --- error against cost ---
@@ -143,7 +152,10 @@ is_off(error, status) = !is_failed(status) && error > TOP
 in_band = ''
 stats table('work-precision') using (in_band = !place(names, strcol(1)) ? in_band \
     : is_off($4, strcol(10)) || is_failed(strcol(10)) ? with_name(in_band, strcol(1)) : in_band, 0) nooutput
-BOTTOM = 1e-13
+BOTTOM = 1e-13 # smaller ones are rounding
+smallest = TOP
+stats table('work-precision') using (smallest = $4 > 0 && $4 < smallest ? $4 : smallest, 0) nooutput
+lowest = smallest > BOTTOM ? 10 ** floor(log10(smallest)) : BOTTOM
 row_of(name) = TOP * 10 ** (0.75 * place(in_band, name))
 highest = TOP * 10 ** (0.75 * (words(in_band) + 0.7))
 
@@ -160,11 +172,14 @@ is(m) = strcol(1) eq word(names, m)
 at(x) = x > 0 ? x : 0.6 * first # a run that was killed could not say what it had done
 left_half(x) = log(at(x) / first) < 0.5 * log(last / first)
 # Of the first failure of each method it is said what it was.
-said(name) = place(told, name) ? '' : (told = with_name(told, name), \
+said(name) = place(said_of, name) ? '' : (said_of = with_name(said_of, name), \
     strcol(10).($11 == $11 ? sprintf(' at t = %g s', $11) : ''))
 failed_here(m, side) = is(m) && is_failed(strcol(10)) && (side eq 'left') == left_half(column(c))
+told = told_of('work-precision', 'method setting status failure_time:s error:m cpu_median:s force_evaluations')
+height_here(x) = $4 <= TOP && !is_failed(strcol(10)) ? larger($4, BOTTOM) \
+    : place(in_band, strcol(1)) ? row_of(strcol(1)) : NaN
 do for [p = 1:2] {
-    c = p == 1 ? 5 : 7
+    c = p == 1 ? 7 : 5
     first = 1e300; last = 0
     unset logscale; set autoscale # stats leaves out what is out of range
     stats table('work-precision') using (x = column(c), \
@@ -172,27 +187,27 @@ do for [p = 1:2] {
     if (last == 0) { first = 1; last = 10 }
     eval panel(p == 1 ? 90 : 505, 70, 380, 430)
     eval powers('x'); eval powers('y')
-    if (p == 2) { set format y '' }
+    if (!leftmost(p == 1)) { set format y '' }
     set xrange [0.6 * first:1.7 * last]
-    set yrange [BOTTOM:highest]
+    set yrange [lowest:highest]
     set ytics 1e-12, 100, 1; set mytics 1
     set xtics offset 0, 0.3
-    set xlabel p == 1 ? 'force evaluations' : 'CPU time (s): median, least to greatest'
-    set ylabel p == 1 ? 'largest error (m)' : '' offset 1, 0
+    set xlabel p == 1 ? 'CPU time (s)'.SPREAD : 'force evaluations'
+    set ylabel leftmost(p == 1) ? 'largest error (m)' : '' offset 1, 0
     unset label 3
     if (words(in_band)) {
         set arrow 1 from graph 0, first TOP to graph 1, first TOP nohead lc rgb GREY lw 0.8
         set label 3 sprintf('error above %g m', TOP) at graph 0.99, first TOP right \
             offset 0, 0.6 font ',11' textcolor rgb GREY
     }
-    told = ''
+    said_of = ''
     set bars 0
-    plot for [m = 1:words(rest)] table('work-precision') \
+    if (SHOWN) { plot for [m = 1:words(rest)] table('work-precision') \
             using (strcol(1) eq word(rest, m) && $4 <= TOP ? column(c) : NaN):(larger($4, BOTTOM)) \
             with lines lt REST, \
          for [m = 1:words(names)] table('work-precision') \
             using (is(m) && $4 <= TOP ? column(c) : NaN):(larger($4, BOTTOM)) \
-            :(p == 1 ? $5 : $8):(p == 1 ? $5 : $9) \
+            :(p == 1 ? $8 : $5):(p == 1 ? $9 : $5) \
             with xerrorbars lt style_of(word(names, m)) dt solid lw 1 pt 0, \
          for [m = 1:words(names)] '' using (is(m) && $4 <= TOP ? column(c) : NaN):(larger($4, BOTTOM)) \
             with linespoints lt style_of(word(names, m)), \
@@ -209,7 +224,9 @@ do for [p = 1:2] {
          for [m = 1:words(names)] '' \
             using (failed_here(m, 'right') ? at(column(c)) : NaN):(row_of(strcol(1))) \
             :(failed_here(m, 'right') ? said(strcol(1)) : '') \
-            with labels right offset -0.9, 0 font ',11' textcolor rgb ink_of(word(names, m))
+            with labels right offset -0.9, 0 font ',11' textcolor rgb ink_of(word(names, m)), \
+         for [k = 1:has_tips] '' using (strcol(1) ne 'method' ? at(column(c)) : NaN):(height_here(0)) \
+            :(tip_of(told)) @TIP }
     eval heading_done
 }
 eval legend(0, 555, 900, 85, 3)
@@ -218,13 +235,13 @@ plot @BLANK, for [m = 1:words(names)] keyentry with linespoints lt style_of(word
      keyentry with lines lt REST title rest_title(rest)
 unset multiplot
 
-# --- the radius that the stability function foretells ---
+# --- the radius that the stability function predicts ---
 
 eval figure('radius', 900, 600)
 eval names_of('radius-predicted')
-foretold = names
+predicted = names
 eval names_of('radius')
-mark_size(name) = place(foretold, name) || !place(foretold, word(name, 1)) ? 0.85 \
+mark_size(name) = place(predicted, name) || !place(predicted, word(name, 1)) ? 0.85 \
     : 1.5 # a variant stands around its method's mark
 ROUNDING = 3e-12 # |R|^n has itself no more digits
 # Iterated implicit Euler has the orbit of R too, but lets a deviation from it grow by
@@ -235,8 +252,9 @@ growth(x) = abs((1 + x ** 2) / (1 - x ** 2))
 off = NaN
 stats table('radius') using (strcol(1) eq 'implicit-euler newton' && abs(log($5 / $6)) > 0.1 \
     ? (off = $3, off_growth = growth($4), off_steps = $7, 0) : 0, 0) nooutput
+told = told_of('radius', 'method step:s radius:m predicted:m steps')
 set multiplot
-eval heading('Radius after 160 s: measured, and foretold by the stability function', \
+eval heading('Radius after 160 s: measured, and predicted by the stability function', \
     'marks: measured (none: the run failed); curves: 0.9 m · |R(−iωh)|^n, R the method''s stability function (none: no prediction)')
 eval powers('x')
 set xrange [1.5e-3:30]
@@ -262,18 +280,19 @@ do for [p = 1:2] {
             53 * log(2) / log(off_growth), off_steps) at graph 0.02, graph 0.27 left font ',11' \
             textcolor rgb ink_of('implicit-euler')
     }
-    plot 1 with dots lc bgnd, \
+    if (SHOWN) { plot 1 with dots lc bgnd, \
          for [m = 1:words(names)] table('radius-predicted') using (is(m) && !(p == 2 && drawn($4) < ROUNDING) ? $3 : NaN):(drawn($4)) \
             with lines lt style_of(word(names, m)), \
          for [m = 1:words(names)] table('radius') using (is(m) ? $3 : NaN):(drawn($5)) \
-            with points lt style_of(word(names, m)) ps mark_size(word(names, m))
+            with points lt style_of(word(names, m)) ps mark_size(word(names, m)), \
+         for [k = 1:has_tips] '' using (strcol(1) eq 'method' ? NaN : $3):(drawn($5)):(tip_of(told)) @TIP }
     eval heading_done
 }
 eval legend(0, 520, 900, 75, 3)
 plot @BLANK, keyentry with lines lt 2 title 'exact: 0.9 m', \
-     for [m = 1:words(foretold)] keyentry with linespoints lt style_of(word(foretold, m)) \
-        title word(foretold, m), \
+     for [m = 1:words(predicted)] keyentry with linespoints lt style_of(word(predicted, m)) \
+        title word(predicted, m), \
      for [m = 1:words(names)] keyentry with points lt style_of(word(names, m)) \
-        ps mark_size(word(names, m)) title place(foretold, word(names, m)) ? '' : word(names, m)
+        ps mark_size(word(names, m)) title place(predicted, word(names, m)) ? '' : word(names, m)
 unset multiplot
 set output

@@ -17,14 +17,18 @@ settings(file) = setting(file, 'stepper').', '.setting(file, 'treatment').', ' \
 
 # --- what is drawn ---
 
-ENERGIES = 'kinetic gravity stretch bending envelope'
+# The energies of a table: its columns between the time and the first work.
+energies_of(file) = system("sed -n '/^#/d; s/^t\t//; s/\twork_.*//; s/\t/ /g; p; q' '" \
+    .shell(data.'/'.file)."'")
 WORKS = 'work_drag work_stretch_damping work_bending_damping work_envelope_damping work_treatment' \
-    .' work_style work_head jump_wisp_contact jump_body_contact jump_clamp jump_other residual'
+    .' work_style work_head jump_wisp_contact jump_body_contact jump_clamp jump_other residual' \
+    .' work_body_damping work_bodies'
 title_of(name) = name eq 'gravity' ? 'gravity, from its start' : name eq 'stretch' ? 'stretch springs' \
     : name eq 'bending' ? 'bending' : name eq 'envelope' ? 'envelope' \
     : name eq 'work_drag' ? 'air' : name eq 'work_stretch_damping' ? 'stretch damping' \
     : name eq 'work_bending_damping' ? 'bending damping' \
     : name eq 'work_envelope_damping' ? 'envelope damping' : name eq 'work_treatment' ? 'treatment' \
+    : name eq 'work_body_damping' ? 'damping in bodies' : name eq 'work_bodies' ? 'motion of bodies' \
     : name eq 'work_style' ? 'style' : name eq 'work_head' ? 'head' \
     : name eq 'jump_wisp_contact' ? 'contact of wisps' : name eq 'jump_body_contact' ? 'bodies' \
     : name eq 'jump_clamp' ? 'clamp' : name eq 'jump_other' ? 'other events' \
@@ -34,13 +38,15 @@ set linetype 12 lc rgb '#0072B2' dt (12,4) pt 5 lw 1.9          # gravity; stret
 set linetype 13 lc rgb '#009E73' dt (10,3,2,3) pt 9 lw 1.9      # stretch; bending damping
 set linetype 14 lc rgb '#CC79A7' dt (5,3) pt 11 lw 1.9          # bending; envelope damping
 set linetype 15 lc rgb '#8A5F00' dt (2.5,2.5) pt 13 lw 1.9      # envelope; treatment
-set linetype 16 lc rgb '#56B4E9' dt (14,3,2,3,2,3) pt 15 lw 1.9 # style
+set linetype 16 lc rgb '#56B4E9' dt (14,3,2,3,2,3) pt 15 lw 1.9 # in bodies; style
 set linetype 17 lc rgb '#8C8C00' dt (8,4) pt 7 lw 1.9           # head
 set linetype 18 lc rgb '#E69F00' dt solid pt 5 lw 1.9           # contact of wisps
 set linetype 19 lc rgb '#A84A00' dt (6,2) pt 9 lw 1.9           # bodies
 set linetype 20 lc rgb '#7F7F7F' dt (12,4) pt 11 lw 1.9         # clamp
 set linetype 21 lc rgb '#7F7F7F' dt (2,2) pt 13 lw 1.9          # other events
 set linetype 22 lc rgb '#000000' dt solid lw 1.2 pt 2           # residual
+set linetype 23 lc rgb '#A84A00' dt (10,3,2,3) pt 7 lw 1.9      # damping in bodies
+set linetype 24 lc rgb '#A84A00' dt (2.5,2.5) pt 13 lw 1.9      # motion of bodies
 style(list, name) = 10 + place(list, name)
 open_of(pt) = pt == 2 ? 2 : pt - 1
 
@@ -63,6 +69,7 @@ most_together(table, name) = 'most = 0; sum = 0; last = -1; stats table using ('
 
 do for [f = 1:words(files)] {
     table = data.'/'.word(files, f)
+    ENERGIES = energies_of(word(files, f))
     set datafile separator "\t"; set datafile columnheaders
     unset logscale; set autoscale
 
@@ -113,14 +120,15 @@ do for [f = 1:words(files)] {
     # --- where the energy is ---
     eval panel(85, 95, 560, 250)
     set xrange [0:end]; set xtics offset 0, 0.3; set format x ''
+    if (lowest(0)) { set xlabel 'time (s)' offset 0, 0.5; set format x '%g' }
     set ylabel 'energy ('.unit_of(scale, 'J').')' offset -0.8, 0
     set label 3 '{/:Bold where it is}' at graph 0, graph 1 offset character 0, 0.7 left
     set xzeroaxis lt 1 lw 0.8
-    plot for [name in stored] table using (column("t")) \
+    if (SHOWN) { plot for [name in stored] table using (column("t")) \
             :(scale * (column(name) - (name eq 'gravity' ? start : 0))) \
             with linespoints lt style(ENERGIES, name) ps 0.8 pointinterval every_few, \
          table using (column("t")):(scale * ((sum [i = 1:words(ENERGIES)] column(word(ENERGIES, i))) - from)) \
-            with lines lt 1 lw 3 lc rgb '#BBBBBB'
+            with lines lt 1 lw 3 lc rgb '#BBBBBB' }
     eval heading_done
 
     # --- what changed it ---
@@ -132,7 +140,7 @@ do for [f = 1:words(files)] {
     set xlabel 'time (s)' offset 0, 0.5
     set ylabel '|sum since the start| (J)' offset -0.8, 0
     set label 3 '{/:Bold what changed it}: filled marks take, open marks add'
-    plot for [name in shown] table using (column("t")):(size(column(name)) > 0 ? size(column(name)) : NaN) \
+    if (SHOWN) { plot for [name in shown] table using (column("t")):(size(column(name)) > 0 ? size(column(name)) : NaN) \
             with lines lt style(WORKS, name), \
          for [i = 1:words(shown)] table \
             using (int($0) % every_few == i % every_few && column(word(shown, i)) < 0 ? column("t") : NaN) \
@@ -140,7 +148,7 @@ do for [f = 1:words(files)] {
          for [i = 1:words(shown)] table \
             using (int($0) % every_few == i % every_few && column(word(shown, i)) > 0 ? column("t") : NaN) \
             :(size(column(word(shown, i)))) with points lt style(WORKS, word(shown, i)) ps 0.8 \
-            pt open_of(int(word('7 5 9 11 13 15 7 5 9 11 13 2', place(WORKS, word(shown, i)))))
+            pt open_of(int(word('7 5 9 11 13 15 7 5 9 11 13 2 7 13', place(WORKS, word(shown, i))))) }
     unset logscale; set autoscale y; set format y '%g'; set mytics 1
 
     # --- extremes; contacts only where there are any ---
@@ -153,20 +161,20 @@ do for [f = 1:words(files)] {
             set label 3 '{/:Bold strain}, the largest of a segment'
             eval few_tics(100 * extreme[1])
             set ylabel 'per cent' offset -0.8, 0
-            plot table using (column("t")):(100 * column("strain")) with lines lt 11
+            if (SHOWN) { plot table using (column("t")):(100 * column("strain")) with lines lt 11 }
         }
         if (k == 2 && extreme[2] > 0) {
             set label 3 '{/:Bold samples}: the furthest, and the nearest (dashed)'
             eval few_tics(extreme[2])
             set ylabel 'r/R' offset -0.8, 0
-            plot table using (column("t")):(column("largest_radius")) with lines lt 11, \
-                 table using (column("t")):(column("least_radius")) with lines lt 12
+            if (SHOWN) { plot table using (column("t")):(column("largest_radius")) with lines lt 11, \
+                 table using (column("t")):(column("least_radius")) with lines lt 12 }
         }
         if (k == 2 && extreme[2] == 0 || k == 4 && extreme[5] == 0) {
             set label 3 '{/:Bold speed}, the largest'
             eval few_tics(extreme[6])
             set ylabel 'm/s' offset -0.8, 0
-            plot table using (column("t")):(column("speed")) with lines lt 11
+            if (SHOWN) { plot table using (column("t")):(column("speed")) with lines lt 11 }
         }
         if (k == 3) {
             set label 3 '{/:Bold contacts} '.(fine ? 'in 1/30 s' : 'from frame to frame') \
@@ -175,17 +183,17 @@ do for [f = 1:words(files)] {
             eval most_together(table, 'wisp_contacts')
             eval few_tics(most > together ? most : together)
             set ylabel 'number' offset -0.8, 0
-            plot table using (bin(column("t"))):(extreme[3] > 0 ? column("body_contacts") : -1) \
+            if (SHOWN) { plot table using (bin(column("t"))):(extreme[3] > 0 ? column("body_contacts") : -1) \
                     smooth frequency with lines lt 11, \
                  table using (bin(column("t"))):(extreme[4] > 0 ? column("wisp_contacts") : -1) \
-                    smooth frequency with lines lt 12
+                    smooth frequency with lines lt 12 }
         }
         if (k == 4 && extreme[5] > 0) {
             deep = scale_of(extreme[5])
             set label 3 '{/:Bold depth} of the deepest node in a body'
             eval few_tics(deep * extreme[5])
             set ylabel unit_of(deep, 'm') offset -0.8, 0
-            plot table using (column("t")):(deep * column("penetration")) with lines lt 11
+            if (SHOWN) { plot table using (column("t")):(deep * column("penetration")) with lines lt 11 }
         }
     }
     unset label 3

@@ -17,37 +17,40 @@ no_rows = 'set ytics ("" 7, "" 6, "" 5, "" 4, "" 3, "" 2, "" 1)'
 
 # --- evaluation ---
 
-CONTESTANTS = 4
-array who[CONTESTANTS] = ['floor: the machine''s rates', 'kernel, 4 lanes', 'kernel, 1 lane', 'plain twin']
-array column_of[CONTESTANTS] = [14, 5, 8, 11]
-array its_colour[CONTESTANTS] = ['#000000', '#D55E00', '#E69F00', '#0072B2']
-array its_mark[CONTESTANTS] = [2, 7, 6, 5]
+CANDIDATES = 6
+array who[CANDIDATES] = ['floor of 4 lanes: the machine''s rates', 'kernel, 4 lanes', 'kernel, 1 lane', \
+                          'floor of 8 lanes', 'kernel, 8 lanes', 'plain twin']
+array column_of[CANDIDATES] = [14, 5, 8, 29, 26, 11]
+array its_colour[CANDIDATES] = ['#000000', '#D55E00', '#E69F00', '#777777', '#009E73', '#0072B2']
+array its_mark[CANDIDATES] = [2, 7, 6, 1, 9, 5]
 
-eval figure('evaluation', 900, 485)
+eval figure('evaluation', 900, 510)
 set multiplot
 eval heading('Nanoseconds per free node of one evaluation', \
     sprintf('%d wisps of 12 nodes; medians, quartiles; over the 4 lanes'' mark: how many floors it takes', BATCH))
 is(b) = strcol(1) ne 'treatment' && $4 == BATCH && strcol(2) eq word(BENDINGS, b)
 do for [b = 1:3] {
     eval panel(130 + 258 * (b - 1), 95, 235, 285)
-    set logscale x; set xrange [0.7:200]; set xtics (1, 2, 5, 10, 20, 50, 100); set xtics offset 0, 0.3
+    set logscale x; set xrange [0.3:200]; set xtics (0.5, 1, 2, 5, 10, 20, 50, 100); set xtics offset 0, 0.3
     set xlabel 'ns per free node' offset 0, 0.4
     eval set_rows
-    if (b > 1) { eval no_rows } else { set ylabel 'treatment, samples' offset 0.5, 0 }
-    if (b > 1) { unset ylabel }
+    if (!leftmost(b == 1)) { eval no_rows } else { set ylabel 'treatment, samples' offset 0.5, 0 }
+    if (!leftmost(b == 1)) { unset ylabel }
     set label 3 '{/:Bold '.bending_title[b].'}' at graph 0, graph 1 offset character 0, 0.7 left
     set bars 0
-    plot table('evaluation') using (is(b) ? $14 : NaN):(slot(strcol(1), $3)):($5 - $14):(0) \
+    if (SHOWN) { plot table('evaluation') using (is(b) ? $14 : NaN):(slot(strcol(1), $3)):($5 - $14):(0) \
             with vectors nohead lw 1.2 lc rgb '#BBBBBB', \
-         for [k = 1:CONTESTANTS] '' using (is(b) ? column(column_of[k]) : NaN):(slot(strcol(1), $3)) \
+         for [k = 1:CANDIDATES] '' using (is(b) ? column(column_of[k]) : NaN):(slot(strcol(1), $3)) \
             :(column(column_of[k] + 1)):(column(column_of[k] + 2)) \
             with xerrorbars pt its_mark[k] ps 0.9 lw 1.6 lc rgb its_colour[k], \
          '' using (is(b) ? $5 : NaN):(slot(strcol(1), $3)):(is(b) ? sprintf('%.1f', $23) : '') \
-            with labels offset 0, 0.75 font ',10' textcolor rgb '#A84A00'
+            with labels offset 0, 0.75 font ',11' textcolor rgb '#A84A00', \
+         for [n = 1:has_tips] for [k = 1:CANDIDATES] '' using (is(b) ? column(column_of[k]) : NaN) \
+            :(slot(strcol(1), $3)):(tip(who[k].sprintf("\n%.3g ns per free node", column(column_of[k])))) @TIP }
     eval heading_done
 }
-eval legend(0, 428, 900, 45, 2)
-plot @BLANK, for [k = 1:CONTESTANTS] keyentry with points pt its_mark[k] ps 1.1 lw 1.6 lc rgb its_colour[k] title who[k]
+eval legend(0, 435, 900, 65, 2)
+plot @BLANK, for [k = 1:CANDIDATES] keyentry with points pt its_mark[k] ps 1.1 lw 1.6 lc rgb its_colour[k] title who[k]
 unset multiplot
 
 # --- what is executed ---
@@ -74,11 +77,11 @@ do for [b = 1:3] {
     if (b > 1) { set ytics ('' 4, '' 3, '' 2, '' 1) }
     unset ylabel
     set label 3 '{/:Bold '.bending_title[b].'}' at graph 0, graph 1 offset character 0, 0.7 left
-    plot for [k = 1:KINDS] table('operations') \
+    if (SHOWN) { plot for [k = 1:KINDS] table('operations') \
             using (is(b) ? 0.5 * (upto(k - 1) + upto(k)) : NaN):(at_row(strcol(1))) \
             :(0.5 * (upto(k) - upto(k - 1))):(0.3) with boxxyerror fill solid noborder fc rgb kind_colour[k], \
          '' using (is(b) ? $4 + $5 + $6 : NaN):(at_row(strcol(1)) - 0.42):(0):(0.84) \
-            with vectors nohead lw 2 lc rgb '#009E73'
+            with vectors nohead lw 2 lc rgb '#009E73' }
     eval heading_done
 }
 eval legend(0, 335, 900, 60, 2)
@@ -98,7 +101,7 @@ array stage_column[3] = [17, 20, 23]
 array stage_colour[3] = ['#009E73', '#D55E00', '#0072B2']
 array stage_mark[3] = [13, 7, 5]
 array stage_open[3] = [12, 6, 4]
-eval figure('solvers', 900, 440)
+eval figure('solvers', 900, 455)
 set multiplot
 eval heading('Linear solvers of the implicit step, for one wisp', \
     'in evaluations of a skeleton with 4 lanes; full marks: among 200 wisps, open: alone; h = 1 ms where not said')
@@ -115,13 +118,17 @@ do for [s = 1:2] {
     set arrow 1 from first 3, graph 0 to first 3, graph 1 nohead lt 2
     is(w) = strcol(1) eq name && $3 == w
     shown(k, solver) = !(k == 2 && solver eq 'cg') # nothing to factor
-    plot for [k = 1:3] table('solvers') using (is(200) && shown(k, strcol(4)) ? column(stage_column[k]) : NaN) \
+    if (SHOWN) { plot for [k = 1:3] table('solvers') using (is(200) && shown(k, strcol(4)) ? column(stage_column[k]) : NaN) \
             :(row_of(strcol(4), $5, $6)) with points pt stage_mark[k] ps 1 lw 1.5 lc rgb stage_colour[k], \
          for [k = 1:3] '' using (is(1) && shown(k, strcol(4)) ? column(stage_column[k]) : NaN) \
-            :(row_of(strcol(4), $5, $6)) with points pt stage_open[k] ps 1 lw 1.5 lc rgb stage_colour[k]
+            :(row_of(strcol(4), $5, $6)) with points pt stage_open[k] ps 1 lw 1.5 lc rgb stage_colour[k], \
+         for [n = 1:has_tips] for [k = 1:3] '' using ((is(1) || is(200)) && shown(k, strcol(4)) \
+            ? column(stage_column[k]) : NaN):(row_of(strcol(4), $5, $6)) \
+            :(tip(label_of(strcol(4), $5, $6).sprintf("\n%s\n%g wisp%s\n%.3g evaluations of a skeleton", \
+                stage[k], $3, $3 > 1 ? 's' : '', column(stage_column[k])))) @TIP }
     eval heading_done
 }
-eval legend(0, 395, 900, 40, 1)
+eval legend(0, 410, 900, 40, 1)
 plot @BLANK, for [k = 1:3] keyentry with points pt stage_mark[k] ps 1.1 lw 1.5 lc rgb stage_colour[k] title stage[k], \
      keyentry with lines lt 2 title 'goal for factor + solve, 4 lanes, 200 wisps'
 unset multiplot

@@ -4,7 +4,7 @@ load plots.'/style.gp'
 eval require('ladder crossings')
 
 # columns of the table
-EA = 1; NAME = 3; CPU = 8; LEAST = 9; GREATEST = 10; STATUS = 13; LIMIT = 14; HAIR = 18; FIGURE = 19
+EA = 1; NAME = 3; SETTING = 4; ERROR = 6; CPU = 8; LEAST = 9; GREATEST = 10; STATUS = 13; LIMIT = 14; HAIR = 18; FIGURE = 19
 
 figures = ''; names = ''; main_hair = ''
 first = 1e300; last = 0; lowest = 1e300; highest = 0
@@ -60,6 +60,12 @@ cpu_at(hair, name, status) = is_here(hair, name) && strcol(STATUS) eq status ? c
 cpu_of_rigid(name, status) = is_rigid(0) && strcol(NAME) eq name && strcol(STATUS) eq status \
     ? RIGID : NaN
 
+# Every point, also of curves without a name.
+place_here(hair, with_rigid) = !is_row(0) ? NaN : is_rigid(0) ? (with_rigid ? RIGID : NaN) \
+    : strcol(HAIR) eq hair ? column(EA) : NaN
+height_here(x) = strcol(STATUS) eq 'reached' ? column(CPU) : place(band, strcol(NAME)) ? row_of(strcol(NAME)) : NaN
+told = told_of('ladder', 'method stretch_stiffness:N setting status error:m cpu_median:s missed_setting missed_outcome')
+
 do for [f = 1:words(figures)] {
     hairs = ''; in_band = ''
     stats table('ladder') using (is_row(0) && strcol(FIGURE) eq word(figures, f) \
@@ -82,13 +88,13 @@ do for [f = 1:words(figures)] {
     set multiplot
     eval heading(word(hairs, 1) eq main_hair ? 'What a millimetre costs, from soft to real hair' \
         : 'What a millimetre costs, by the damping of the highest stretch mode', \
-        'CPU time of 1 wisp to be within 1 mm rms of the tight solution over all frames')
+        'CPU time of 1 wisp to be within 1 mm rms of the reference solution over all frames')
     do for [p = 1:panels] {
         hair = word(hairs, p)
         eval panel(p == 1 ? 85 : 85 + LARGE + GAP + (SMALL + GAP) * (p - 2), 95, \
                    p == 1 ? LARGE : SMALL, 400)
         eval powers('x'); eval powers('y')
-        set title '{/:Bold '.escaped(hair eq main_hair ? "the scene's own bending and damping" : hair).'}' \
+        set title '{/:Bold '.escaped(hair eq main_hair ? 'the scene''s own bending and damping' : hair).'}' \
             offset 0, -0.6
         with_rigid = has_rigid && hair eq main_hair
         set xrange [0.6 * first:1.7 * (with_rigid ? RIGID : last)]
@@ -99,14 +105,14 @@ do for [f = 1:words(figures)] {
             set xtics add ('rigid' RIGID)
         }
         set xlabel 'stretch stiffness EA (N)' offset 0, 0.4
-        set ylabel p == 1 ? 'CPU time (s): median, least to greatest' : '' offset 0, 0
-        if (p > 1) { set format y '' }
+        set ylabel leftmost(p == 1) ? 'CPU time (s)'.SPREAD : '' offset 0, 0
+        if (!leftmost(p == 1)) { set format y '' }
         unset arrow
         if (words(band)) {
             set arrow 1 from graph 0, first top to graph 1, first top nohead lc rgb GREY lw 0.8
         }
         set bars 0
-        plot for [m = 1:words(rest)] table('ladder') \
+        if (SHOWN) { plot for [m = 1:words(rest)] table('ladder') \
                 using (cpu_at(hair, word(rest, m), 'reached')):(column(CPU)) with lines lt REST, \
              for [m = 1:words(names)] '' \
                 using (cpu_at(hair, word(names, m), 'reached')):(column(CPU)):(column(LEAST)) \
@@ -128,7 +134,9 @@ do for [f = 1:words(figures)] {
                 with points lt style_of(word(names, m)), \
              for [m = 1:with_rigid ? words(names) : 0] '' \
                 using (cpu_of_rigid(word(names, m), 'never')):(row_of(word(names, m))) \
-                with points pt FAILED ps 0.8 lw 1.6 lc rgb colour_of(word(names, m))
+                with points pt FAILED ps 0.8 lw 1.6 lc rgb colour_of(word(names, m)), \
+             for [k = 1:has_tips] '' using (place_here(hair, with_rigid)):(height_here(0)) \
+                :(tip_of(told)) @TIP }
         eval heading_done
     }
     eval legend(0, 555, page_width, 100, panels == 1 ? 6 : 3)

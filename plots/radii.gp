@@ -3,6 +3,4 @@ STORY = 'Wisps of three radii in irregular wind'
 NAMES = '"largest" "mean"'
 UNITS = '"deg" "deg"'
 WHAT = 'inclination of the wisps, root to tip, from the vertical'
-BODIES = 0
-CLOUD = 0.25; EDGE = '#3A87B5'; SKELETON = 1.4
 load plots.'/hair.gp'

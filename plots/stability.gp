@@ -36,23 +36,23 @@ map_style = 'set palette defined (0 "'.STABLE.'", 1 "'.STABLE.'"); unset colorbo
 eval names_of('regions')
 columns = words(names) < 3 ? words(names) : 3
 rows = (words(names) + columns - 1) / columns
-S = 270
-eval set_map('regions', '', S, S, 75)
+S = 270; DOWN = 92 # between rows: an axis with its label, and the next one's title
+eval set_map('regions', '', S, S, DOWN)
 eval map_style
 set multiplot
 eval heading('Where steps of u′ = zu do not grow', 'by steps of h = 1 of the real code')
 do for [i = 1:words(names)] {
     eval trace('regions', i)
-    eval panel(60 + (S + 40) * ((i - 1) % columns), 90 + (S + 75) * ((i - 1) / columns), S, S)
+    eval panel(60 + (S + 40) * ((i - 1) % columns), 90 + (S + DOWN) * ((i - 1) / columns), S, S)
     set title '{/:Bold '.word(names, i).'}'.remark(word(names, i)) offset 0, -0.6
-    set xrange [-4:3]; set yrange [-3.5:3.5]; set xtics 1; set ytics 1
+    set xrange [-4.05:3.05]; set yrange [-3.55:3.55]; set xtics 1; set ytics 1 # pixels are whole
     set xlabel 'Re z' offset 0, 0.6
-    set ylabel (i - 1) % columns == 0 ? 'Im z' : '' offset 1, 0
-    set arrow 1 from 0, -3.5 to 0, 3.5 nohead lt 2 lw 1.2 front
+    set ylabel leftmost((i - 1) % columns == 0) ? 'Im z' : '' offset 1, 0
+    set arrow 1 from 0, -3.55 to 0, 3.55 nohead lt 2 lw 1.2 front
     eval map('regions', i)
     eval heading_done
 }
-eval legend(0, 80 + (S + 75) * rows, WIDTH, 40, 1)
+eval legend(0, 80 + (S + DOWN) * rows, WIDTH, 40, 1)
 plot @BLANK, keyentry with boxes fs solid noborder fc rgb STABLE title 'measured: does not grow', \
      keyentry with lines lt 1 lc rgb '#000000' lw 2.4 title '|R(z)| = 1', \
      keyentry with lines lt 2 lw 1.2 title 'the equation: decays on the left'
@@ -64,22 +64,22 @@ if (words(names)) {
     columns = words(names) < 2 ? 1 : words(names) < 5 ? 2 : 3
     rows = (words(names) + columns - 1) / columns
     W = 360; H = 210
-    eval set_map('oscillator', '', W, H, 75)
+    eval set_map('oscillator', '', W, H, DOWN)
     eval map_style
     set multiplot
     eval heading('Where steps of the damped oscillator do not grow', \
         'q″ = −ω²q − 2ζωq′, by steps of the real code')
     do for [i = 1:words(names)] {
         eval trace('oscillator', i)
-        eval panel(65 + (W + 40) * ((i - 1) % columns), 90 + (H + 75) * ((i - 1) / columns), W, H)
+        eval panel(65 + (W + 40) * ((i - 1) % columns), 90 + (H + DOWN) * ((i - 1) / columns), W, H)
         set title '{/:Bold '.word(names, i).'}'.remark(word(names, i)) offset 0, -0.6
-        set xrange [0:4]; set yrange [0:2]; set xtics 1; set ytics 0.5
+        set xrange [-0.06:4.06]; set yrange [-0.03:2.03]; set xtics 1; set ytics 0.5
         set xlabel 'ωh' offset 0, 0.6
-        set ylabel (i - 1) % columns == 0 ? 'ζ' : '' offset 1, 0
+        set ylabel leftmost((i - 1) % columns == 0) ? 'ζ' : '' offset 1, 0
         eval map('oscillator', i)
         eval heading_done
     }
-    eval legend(0, 80 + (H + 75) * rows, WIDTH, 40, 1)
+    eval legend(0, 80 + (H + DOWN) * rows, WIDTH, 40, 1)
     plot @BLANK, keyentry with boxes fs solid noborder fc rgb STABLE title 'measured: does not grow', \
          keyentry with lines lt 1 lc rgb '#000000' lw 2.4 title '|R| = 1 on its faster growing mode'
     unset multiplot
@@ -98,6 +98,7 @@ title_of(axis) = axis eq 'EA' ? 'stiffness' : axis eq 'zeta' ? 'damping' : axis 
 label_of(axis) = axis eq 'EA' ? 'stretch stiffness EA (N)' \
     : axis eq 'zeta' ? 'ζ of the highest stretch mode' \
     : axis eq 'nodes' ? 'nodes of a wisp of 0.3 m' : 'stiffness across over along the half-line'
+told = told_of('limits', 'stepper step:s unstable_step:s kind predicted:s')
 if (words(all)) {
     W = 380; H = 270
     eval figure('limits', 90 + (W + 35) * (words(all) > 1 ? 2 : 1), 85 + (H + 85) * ((words(all) + 1) / 2) + 60)
@@ -113,17 +114,19 @@ if (words(all)) {
         set yrange [1e-6:0.1]
         set title '{/:Bold '.title_of(axis).'}' offset 0, -0.6
         set xlabel label_of(axis) offset 0, 0.4
-        set ylabel a % 2 ? 'step (s)' : '' offset 0, 0
+        set ylabel leftmost(a % 2) ? 'step (s)' : '' offset 0, 0
         set format y a % 2 ? '10^{%T}' : ''
         set xrange [0.75 * STATS_min:1.33 * STATS_max]
         if (axis eq 'nodes') { set xtics (8, 11, 16, 22, 30, 40) } else { set xtics autofreq }
         is_here(m) = strcol(AXIS) eq axis && strcol(NAME) eq word(names, m)
-        plot for [m = 1:words(names)] table('limits') \
+        if (SHOWN) { plot for [m = 1:words(names)] table('limits') \
                 using (is_here(m) ? column(VALUE) : NaN):(column(PREDICTED)) \
                 with lines lt style_of(word(names, m)), \
              for [m = 1:words(names)] '' \
                 using (is_here(m) ? column(VALUE) : NaN):(column(STEP)) \
-                with points lt style_of(word(names, m)) ps size_of(m)
+                with points lt style_of(word(names, m)) ps size_of(m), \
+             for [k = 1:has_tips] '' using (strcol(AXIS) eq axis ? column(VALUE) : NaN):(column(STEP)) \
+                :(tip_of(told)) @TIP }
         eval heading_done
     }
     eval legend(0, 75 + (H + 85) * ((words(all) + 1) / 2), WIDTH, 60, 2)
@@ -143,6 +146,7 @@ eval figure('damping', 70 + (W + GAP) * 3, 95 + H + 130)
 set multiplot
 eval heading('Stable is not accurate: what an undamped oscillator does', \
     'marks: by steps of the real code; lines: |R(iωh)| and arg R(iωh); adaptive methods at rtol 10^{−2} to 10^{−8}')
+told = told_of('damping', 'stepper setting steps_per_period damping frequency_shift')
 array what[3] = ['damps it', 'drives it', 'shifts its frequency']
 do for [p = 1:3] {
     eval panel(85 + (W + GAP) * (p - 1), 90, W, H)
@@ -150,18 +154,21 @@ do for [p = 1:3] {
     set xrange [2.5:300]; set yrange [1e-9:1]
     set xtics (3, 10, 30, 100, 300)
     set title '{/:Bold '.what[p].'}' offset 0, -0.6
-    set xlabel 'steps to the period (of adaptive ones the mean)' offset 0, 0.4
-    set ylabel p < 3 ? 'damping of the method'."'".'s own, of critical' : '|frequency / true one − 1|' offset 0.5, 0
+    set xlabel 'steps to the period'.(paper eq '' ? ' (of adaptive ones the mean)' : '') offset 0, 0.4
+    set ylabel p == 1 ? 'damping of the method''s own, of critical' : p == 2 ? 'the same, negative: it grows' \
+        : '|frequency / true one − 1|' offset 0.5, 0
     part(x) = p == 1 ? x : p == 2 ? -x : abs(x)
     shown(x) = part(x) > 0 ? part(x) : NaN
     m_column = p < 3 ? DAMPING : SHIFT; t_column = p < 3 ? DAMPING_THEORY : SHIFT_THEORY
     is_here(m) = strcol(1) eq word(names, m)
-    plot for [m = 1:words(names)] table('damping') \
+    if (SHOWN) { plot for [m = 1:words(names)] table('damping') \
             using (is_here(m) ? column(PERIOD) : NaN):(shown(column(t_column))) \
             with lines lt style_of(word(names, m)), \
          for [m = 1:words(names)] '' \
             using (is_here(m) ? column(PERIOD) : NaN):(shown(column(m_column))) \
-            with points lt style_of(word(names, m)) ps size_of(m)
+            with points lt style_of(word(names, m)) ps size_of(m), \
+         for [k = 1:has_tips] '' using (strcol(1) eq 'stepper' ? NaN : column(PERIOD)):(shown(column(m_column))) \
+            :(tip_of(told)) @TIP }
     eval heading_done
 }
 eval legend(0, 80 + H + 65, WIDTH, 60, 1)

@@ -35,21 +35,23 @@ do for [s = 1:words(scene_files)] {
             ? error_of[k] = column(END) : 0, 0) nooutput
     }
     bottom = (doubt < least ? doubt : least) / 2
+    told = told_of(scene, 'name ratio end:m uncertainty:m rk4_step:s rk4_error:m rk4_evaluations rk4_cpu_median:s')
     set multiplot
     # The shipped scene has the experiment's name.
     name = word(scene_names, s) eq 'treatments' ? '' : ': '.escaped(word(scene_names, s))
     eval heading('Treatments of the envelope'.name, \
         sprintf('rms distance of the free nodes from the exact constrained motion, after %s s; ', \
-        word(ends, s)).'tight solutions: no integrator has a part in it')
+        word(ends, s)).'reference solutions: no integrator has a part in it')
     do for [p = 1:3] {
         eval panel(95 + 345 * (p - 1), 75, 300, 365)
         eval powers('x'); eval powers('y')
         set yrange [bottom:4 * most]
-        if (p > 1) { set format y ''; set autoscale x; set offsets graph 0.05, graph 0.05, 0, 0 } \
+        if (!leftmost(p == 1)) { set format y '' }
+        if (p > 1) { set autoscale x; set offsets graph 0.05, graph 0.05, 0, 0 } \
         else { set xrange [0.6 * low:1.6 * high] }
         set xlabel p == 1 ? 'penalty ratio' : p == 2 ? 'force evaluations' \
-            : 'CPU time (s): median, least to greatest' offset 0, 0.3
-        set ylabel p == 1 ? 'treatment error (m)' : '' offset 0, 0
+            : 'CPU time (s)'.SPREAD offset 0, 0.3
+        set ylabel leftmost(p == 1) ? 'treatment error (m)' : '' offset 0, 0
         set xtics offset 0, 0.3
         unset label 3; unset arrow
         do for [k = 1:3] { unset label 10 + k }
@@ -65,13 +67,14 @@ do for [s = 1:words(scene_files)] {
                         offset 0, 0.6 font ',11' textcolor rgb dark(k)
                 }
             }
-            plot table(scene) using (is_penalty(strcol(1)) ? $2 : NaN):END with linespoints lt 11, \
+            if (SHOWN) { plot table(scene) using (is_penalty(strcol(1)) ? $2 : NaN):END with linespoints lt 11, \
                  '' using (is_penalty(strcol(1)) && column(LIMITED) == 1 ? $2 : NaN):END \
-                    with points lt 11 lc rgb '#BBBBBB'
+                    with points lt 11 lc rgb '#BBBBBB', \
+                 for [n = 1:has_tips] '' using (is_penalty(strcol(1)) ? $2 : NaN):END:(tip_of(told)) @TIP }
         } else {
             tight = p == 2 ? 11 : 12; rk4 = p == 2 ? 23 : 24; spread = p == 3
             set bars 0
-            plot for [c in sprintf('%d %d', tight, rk4)] table(scene) \
+            if (SHOWN) { plot for [c in sprintf('%d %d', tight, rk4)] table(scene) \
                     using (is_penalty(strcol(1)) ? column(int(c)) : NaN):END \
                     with linespoints lt 11 pt (int(c) == tight ? 8 : 9), \
                  for [c in sprintf('%d %d', tight, rk4)] '' \
@@ -86,7 +89,9 @@ do for [s = 1:words(scene_files)] {
                     with xerrorbars lt 1 lw 1 pt 0, \
                  '' using (spread ? column(rk4) : NaN):END \
                     :(column(rk4 + spread)):(column(rk4 + 2 * spread)) \
-                    with xerrorbars lt 1 lw 1 pt 0
+                    with xerrorbars lt 1 lw 1 pt 0, \
+                 for [n = 1:has_tips] for [c in sprintf('%d %d', tight, rk4)] '' \
+                    using (strcol(1) eq 'name' ? NaN : column(int(c))):END:(tip_of(told)) @TIP }
         }
         eval heading_done
     }
@@ -97,7 +102,7 @@ do for [s = 1:words(scene_files)] {
          keyentry with points lt 12 title 'projection', keyentry with points lt 13 title 'no envelope', \
          keyentry with points lt 14 title 'generalised', \
          keyentry with points lt 1 pt 7 title 'filled: rk4 to a tenth of the error', \
-         keyentry with points lt 1 pt 6 title 'open: the tight solution'
+         keyentry with points lt 1 pt 6 title 'open: the reference solution'
     unset multiplot
 }
 set output

@@ -3,6 +3,4 @@ STORY = 'Two wisps that start in each other'
 NAMES = '"overlap"'
 UNITS = '"points"'
 WHAT = 'nodes and samples inside the other wisp; none: they have parted'
-BODIES = 0
-CLOUD = 0.35; EDGE = '#3A87B5'; SKELETON = 1.8
 load plots.'/hair.gp'

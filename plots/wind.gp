@@ -3,6 +3,4 @@ STORY = 'A gust lays hair over'
 NAMES = '"downwind" "mean inclination" "largest inclination"'
 UNITS = '"cm" "deg" "deg"'
 WHAT = 'mean displacement of the tips; inclination of the wisps, root to tip, from the vertical'
-BODIES = 2
-CLOUD = 0.12; EDGE = '#A9D3EA'; SKELETON = 1
 load plots.'/hair.gp'

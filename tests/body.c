@@ -4,6 +4,7 @@
 
 #include "base/vector.h"
 #include "body_oracle.h"
+#include "wisp/ellipsoid.h"
 #include "wisp_support.h"
 
 #include <criterion/criterion.h>
@@ -807,7 +808,7 @@ Test(body, the_box_test_misses_nobody) {
     static const int samples[] = {0, 3, 4, 7};
     for (int treatment = 0; treatment < TREATMENTS; treatment++)
         for (int m = 0; m < 4; m++)
-            for (int lanes = 1; lanes <= 4; lanes += 3) {
+            for (int lanes = 1; lanes <= LAB_LANES; lanes = lab_wider(lanes)) {
                 int touched = 0, far = 0, flags = 0, clamped = 0;
                 for (int i = 0; i < 1000; i++)
                     check_near(lanes, (enum wisp_treatment)treatment, samples[m], &seed, &touched,

@@ -268,13 +268,6 @@ Test(body_runs, a_distant_body_changes_nothing) {
     "friction = 50.0; elasticity = 0.1; offset = 1.0e-4; velocity = [%s, 0.0, 0.0]; } );\n" \
     "run = { strain_limit = 9.0; };\n"
 
-static int count_of(const char *text, const char *part) {
-    int count = 0;
-    for (const char *at = text; (at = strstr(at, part)); at += strlen(part))
-        count++;
-    return count;
-}
-
 /* What passes between two ticks or between two nodes is said once, with the body's name, and is in
  * run.json; 12 m/s are 4 cm from tick to tick at 300 Hz, and half a segment is 15 mm. */
 Test(body_runs, bodies_that_can_pass_unseen_are_warned_of) {

@@ -7,7 +7,6 @@
 #include "picture/picture.h"
 #include "run/identity.h"
 #include "scene/scene_load.h"
-#include "scene/scene_render.h"
 #include "wisp_support.h"
 
 #include <criterion/criterion.h>
@@ -16,6 +15,14 @@
 #include <string.h>
 
 static const double y_axis[3] = {0, 1, 0};
+
+/* Of a scene that wishes nothing. */
+static struct render_settings render_defaults(void) {
+    struct scene *scene = lab_load("swing", NULL, 0);
+    const struct render_settings render = scene->render;
+    scene_free(scene);
+    return render;
+}
 
 /* At (0, 0, 2), looking down on the origin along -z, with a right angle from bottom to top: at a
  * distance of 2 it sees 4 m in 100 pixels of height. */
@@ -140,8 +147,9 @@ Test(camera, it_finds_a_place_from_which_all_is_seen) {
 
 static struct figure one_ellipsoid(void) {
     struct figure figure = {.count = 1};
-    const struct ellipsoid body = {{0.1, 0, 0}, {0.5, 0.25, 1}, {{0, 1, 0}, {1, 0, 0}, {0, 0, 1}}};
-    figure.body[0] = body;
+    figure.body[0] = (struct figure_body){
+        .radii = {0.5, 0.25, 1},
+        .motion = {.centre = {0.1, 0, 0}, .axes = {{0, 1, 0}, {1, 0, 0}, {0, 0, 1}}}};
     return figure;
 }
 
@@ -159,14 +167,19 @@ Test(camera, bodies_hide_what_is_behind_them) {
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
         cr_expect_eq(figure_hides(&figure, eye, cases[i].point), cases[i].hidden, "point %zu", i);
+    for (int side = -1; side <= 1; side += 2) /* past its ends, across */
+        for (double z = 0.05; z < 1.5; z += 0.1)
+            cr_expect_eq(figure_hides(&figure, (const double[]){5, 0, side * z},
+                                      (const double[]){-5, 0, side * z}),
+                         z < 1, "z = %g", side * z);
 }
 
 /* The outline of a sphere of radius r at distance d on the camera's axis is a circle whose angular
  * radius has the sine r / d. */
 Test(camera, a_sphere_is_painted_as_large_as_it_is_seen) {
     struct figure figure = {.count = 1};
-    const struct ellipsoid sphere = {{0, 0, 0}, {0.7, 0.7, 0.7}, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-    figure.body[0] = sphere;
+    figure.body[0] = (struct figure_body){.radii = {0.7, 0.7, 0.7},
+                                          .motion.axes = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
     struct camera camera = by_hand();
     camera.scale = 100;
     camera.width = 200;
@@ -182,7 +195,7 @@ Test(camera, a_sphere_is_painted_as_large_as_it_is_seen) {
     cr_expect(lit[0] > dark[0] + 40, "the light does not come from the right: %d, %d", lit[0],
               dark[0]);
     cr_expect_eq(pixels[3], 0, "something in the corner");
-    figure.body[0].centre[2] = 10; /* behind the camera */
+    figure.body[0].motion.centre[2] = 10; /* behind the camera */
     cr_expect(!figure_paint(&figure, &camera, (const double[]){1, 0, 0}, pixels));
     free(pixels);
 }
@@ -196,16 +209,16 @@ Test(camera, the_furthest_comes_first_and_equals_stay_in_order) {
     unsigned seed = 6;
     cr_assert(segments);
     for (int i = 0; i < COUNT; i++) {
-        segments[i].depth = (float)(int)lab_between(&seed, 0, 500);
+        segments[i].depth = (float)(int)lab_between(&seed, -100, 400);
         segments[i].colour = (unsigned)i;
     }
-    layer_sort(&layer);
+    cr_assert_eq(layer_sort(&layer), 0);
     for (int i = 1; i < COUNT; i++) {
-        const struct segment *a = &segments[i - 1], *b = &segments[i];
+        const struct segment *a = &layer.segments[i - 1], *b = &layer.segments[i];
         cr_assert(a->depth >= b->depth, "segment %d", i);
         cr_assert(a->depth > b->depth || a->colour < b->colour, "equals at %d", i);
     }
-    free(segments);
+    free(layer.segments);
 }
 
 /* --- the scene's group --- */

@@ -1,6 +1,8 @@
 /* The program as a user meets it: what is wrong is said in one line, with the right exit code. */
 #include "base/hash.h"
+#include "build_info.h"
 #include "command/commands.h"
+#include "integrators/stepper.h"
 #include "support.h"
 
 #include <criterion/criterion.h>
@@ -90,11 +92,8 @@ static const struct {
     {{"run", "/nowhere/at/all.cfg"}, {"/nowhere/at/all.cfg", "no such scene"}},
     {{"experiment", "square"}, {"square", "list experiments"}},
     {{"experiment"}, {"missing"}},
+    {{"experiment", "circle", "--shard", "1/2"}, {"no option --shard"}},
     {{"experiment", "circle", "--stepper", "rk5"}, {"rk5", "list steppers"}},
-    {{"experiment", "circle", "--shard", "3/2"}, {"--shard 3/2", "I/N"}},
-    {{"experiment", "circle", "--shard", "0/2"}, {"--shard 0/2", "I/N"}},
-    {{"experiment", "circle", "--shard", "1/2x"}, {"--shard 1/2x", "I/N"}},
-    {{"experiment", "circle", "--shard", "4294967297/4294967297"}, {"--shard 4294967297", "I/N"}},
     {{"experiment", "circle", "--scene", "circle"}, {"--scene"}},
     {{"plot", "square"}, {"square"}},
     {{"list", "colours"}, {"colours", "steppers"}},
@@ -581,10 +580,10 @@ Test(command_line, help_is_there_for_every_command) {
 }
 
 Test(command_line, lists_are_one_line_each) {
-    static const char *const kinds[] = {"scenes", "steppers", "treatments", "linear",
-                                        "experiments"};
+    static const char *const kinds[] = {"scenes", "steppers",    "treatments",
+                                        "linear", "experiments", "settings"};
     struct finished f;
-    for (int i = 0; i < 5; i++) {
+    for (int i = 0; i < 6; i++) {
         PROGRAM(&f, NULL, "list", kinds[i]);
         cr_assert_eq(f.code, 0, "list %s: exit code %d", kinds[i], f.code);
         int lines = 0;
@@ -610,12 +609,12 @@ Test(command_line, lists_are_one_line_each) {
         for (const struct option_spec *o = stepper_methods[i]->options; o && o->name; o++)
             cr_assert(strstr(f.out, o->name), "list steppers -v lacks %s", o->name);
     PROGRAM(&f, NULL, "list");
-    for (int i = 0; i < 5; i++)
+    for (int i = 0; i < 6; i++)
         cr_assert(strstr(f.out, kinds[i]), "list lacks %s", kinds[i]);
 }
 
-/* Conjugate gradients are the default that hair is known with, and dear. */
-Test(command_line, a_run_with_a_dear_solver_names_the_cheap_one) {
+/* Conjugate gradients are the default that hair is known with, and expensive. */
+Test(command_line, a_run_with_an_expensive_solver_names_the_cheap_one) {
     static const char *const says =
         "a step with --linear direct takes about 1/6 of the time of one";
     struct finished f;
@@ -630,4 +629,29 @@ Test(command_line, a_run_with_a_dear_solver_names_the_cheap_one) {
     PROGRAM(&f, NULL, "run", "swing", "--duration", "0.01", "--out", folder);
     cr_expect(f.code == 0 && !strstr(f.out, "--linear"), "%d: '%s'", f.code, f.out);
     folder_remove(folder);
+}
+
+/* Who cites the program names the version that computed, and where each stepper comes from. */
+Test(command_line, cite_names_version_and_sources) {
+    struct finished f;
+    char version[128];
+    PROGRAM(&f, NULL, "cite", "bdf2", "rk4");
+    snprintf(version, sizeof version, "version = {%s}", WISPLAB_VERSION);
+    cr_assert(f.code == 0 && strstr(f.out, version) &&
+                  strstr(f.out, "@mastersthesis{plante1999,") &&
+                  strstr(f.out, stepper_find("bdf2")->reference) &&
+                  strstr(f.out, stepper_find("rk4")->reference),
+              "%d: %s", f.code, f.out);
+    char *citation = file_read(WISPLAB_TESTS_DIR "/../CITATION.cff"), title[200];
+    const char *entry = strstr(f.out, "title   = {");
+    cr_assert(citation && entry);
+    snprintf(version, sizeof version, "\nversion: %s\n", WISPLAB_VERSION);
+    snprintf(title, sizeof title, "\ntitle: \"%.*s\"\n",
+             (int)strcspn(entry + strlen("title   = {"), "}"), entry + strlen("title   = {"));
+    cr_expect(strstr(citation, version) && strstr(citation, title), "CITATION.cff has not %s%s",
+              version, title);
+    free(citation);
+    PROGRAM(&f, NULL, "cite", "leapfrog");
+    cr_assert(f.code == 1 && strstr(f.err, "no stepper 'leapfrog'") && count_lines(f.err) == 1,
+              "%d: %s", f.code, f.err);
 }

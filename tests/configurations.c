@@ -34,8 +34,8 @@ Test(configurations, every_method_has_one_that_is_plain) {
 
 Test(configurations, are_chosen_by_kind_and_capability) {
     struct configuration *all = choose(CONFIGURATION_ANY, STEPPER_SOLVES | STEPPER_ADAPTIVE);
-    cr_assert(all[0].name);
-    for (int i = 0; all[i].name; i++)
+    cr_assert(all[0].name && strcmp(all[0].stepper, "arkode-dirk") == 0 && all[1].name);
+    for (int i = 1; all[i].name; i++)
         cr_assert_str_eq(all[i].stepper, "cvode");
     free(all);
     all = choose(CONFIGURATION_FORMULA, 0);
@@ -126,8 +126,11 @@ Test(configurations, options_are_those_that_were_given_last) {
 
 Test(configurations, lanes_and_usual_rates_are_facts_with_defaults) {
     struct stepper_method method = {.step = NULL};
-    struct settings settings = {.method = &method};
+    struct settings settings = {.method = &method, .lanes = 8};
+    cr_assert_eq(settings_lanes(&settings), 8);
+    settings.diagnostics = 1; /* of sums over parts */
     cr_assert_eq(settings_lanes(&settings), 4);
+    settings.diagnostics = 0;
     cr_assert_eq(stepper_usual_rate(&method), 9000);
     method.capabilities = STEPPER_IMPLICIT | STEPPER_ADAPTIVE;
     cr_assert_eq(settings_lanes(&settings), 1);

@@ -12,6 +12,7 @@
 #include "run/runs.h"
 #include "scene/scene_load.h"
 #include "support.h"
+#include "wisp/body.h"
 #include "wisp_support.h"
 
 #include <criterion/criterion.h>
@@ -29,6 +30,25 @@ static const char *const power_names[] = {
 #undef X
 };
 
+/* Bodies that push by penalty: one around the middle of a wisp, and one around its root. */
+enum { PUSHERS = 2 };
+static void make_pushers(const struct wisp *wisp, struct body *bodies, struct surroundings *around,
+                         unsigned *seed) {
+    for (int b = 0; b < PUSHERS; b++) {
+        bodies[b] = (struct body){.response = RESPONSE_PENALTY,
+                                  .friction = lab_between(seed, 0, 60),
+                                  .frequency = lab_between(seed, 2, 20),
+                                  .damping_ratio = lab_between(seed, 0, 1.5)};
+        for (int k = 0; k < 3; k++) {
+            bodies[b].centre[k] = wisp->root[k] + b * wisp->length / 2 * wisp->direction[k];
+            bodies[b].radii[k] = lab_between(seed, 0.05, 0.3);
+            bodies[b].velocity[k] = lab_between(seed, -0.5, 0.5);
+        }
+    }
+    around->pushing = bodies;
+    around->pushing_count = PUSHERS;
+}
+
 /* --- energies --- */
 
 /* Each term of the kernel is what the twin's energy loses with that term's constants. */
@@ -37,13 +57,16 @@ Test(diagnostics, each_energy_is_the_twins) {
     static double q[LAB_SIZE], v[LAB_SIZE], none[LAB_SIZE], Q[LAB_SIZE];
     static const int samples[] = {0, 3, 4, 8};
     unsigned seed = 71;
+    int touched = 0;
     for (int treatment = 0; treatment < TREATMENTS; treatment++)
         for (int law = 0; law < LAWS; law++)
             for (int nodes = 3; nodes <= 20; nodes++) {
-                const struct surroundings around = lab_surroundings(WIND_NONE, &seed);
+                struct surroundings around = lab_surroundings(WIND_NONE, &seed);
                 const struct wisp wisp = lab_wisp(nodes, samples[nodes % 4], law, &seed);
+                struct body bodies[PUSHERS];
                 struct lab_part part;
                 struct energies got;
+                make_pushers(&wisp, bodies, &around, &seed);
                 double expected[ENERGY_COUNT], all;
                 lab_part_make(&part, 1, &wisp, 1, &around, treatment);
                 lab_state(&wisp, treatment, STATE_RANDOM, 0, &seed, q, v);
@@ -57,7 +80,10 @@ Test(diagnostics, each_energy_is_the_twins) {
                 expected[2] = all - wisp_twin_energy(&twin, 0, q, v);
                 twin.bend_constant = 0;
                 expected[3] = all - expected[2] - wisp_twin_energy(&twin, 0, q, v);
-                expected[4] = all - expected[0] - expected[2] - expected[3];
+                twin.pushing_count = 0;
+                expected[5] = all - expected[2] - expected[3] - wisp_twin_energy(&twin, 0, q, v);
+                expected[4] = all - expected[0] - expected[2] - expected[3] - expected[5];
+                touched += expected[5] > 0;
                 expected[1] += lab_root_potential(&wisp, &around); /* 0 there, the twin's at 0 */
                 lab_place(&part, 0, q, Q);
                 cr_assert_eq(part.system.ops->energies(part.system.ctx, 0, Q, v, &got), 0);
@@ -69,6 +95,7 @@ Test(diagnostics, each_energy_is_the_twins) {
                               ((double *)&got)[k], expected[k]);
                 lab_part_free(&part);
             }
+    cr_assert_gt(touched, 100, "bodies held something in %d states", touched);
 }
 
 /* --- powers --- */
@@ -107,11 +134,13 @@ static double energy_rate(struct point *point) {
 static struct surroundings restless(int head, int style, unsigned *seed) {
     struct surroundings around = lab_surroundings(WIND_IRREGULAR, seed);
     around.style.knots = style ? 2 : 0;
+    around.style.parting = (struct parting){.width = 0.05, .normal = {0.6, 0, -0.8}};
     around.head.knots = head ? 3 : 0;
     for (int k = 0; k < 3; k++) {
         around.style.time[k] = around.head.time[k] = k;
         for (int c = 0; c < 3; c++) {
             around.style.acceleration[k][c] = lab_between(seed, -20, 20);
+            around.style.parting.acceleration[k][c] = lab_between(seed, -20, 20);
             around.head.position[k][c] = lab_between(seed, -0.01, 0.01);
             around.head.rotation[k][c] = lab_between(seed, -0.5, 0.5);
         }
@@ -156,21 +185,26 @@ Test(diagnostics, powers_are_the_derivative_of_the_energy) {
     static const int samples[] = {0, 3, 4, 8};
     unsigned seed = 72;
     double worst = 0;
+    int pushed = 0;
     for (int treatment = 0; treatment < TREATMENTS; treatment++)
         for (int law = 0; law < LAWS; law++)
             for (int nodes = 3; nodes <= 16; nodes++)
-                for (int lanes = 1; lanes <= 4; lanes += 3) {
-                    const int count = lanes == 1 ? 1 : 1 + nodes % 4;
-                    const struct surroundings around = restless(nodes % 3 > 0, 1, &seed);
+                for (int lanes = 1; lanes <= LAB_LANES; lanes = lab_wider(lanes)) {
+                    const int count = 1 + nodes % lanes;
+                    struct surroundings around = restless(nodes % 3 > 0, 1, &seed);
                     struct wisp wisps[LAB_LANES];
+                    struct body bodies[PUSHERS];
                     double power[POWER_COUNT], sum = 0;
                     for (int k = 0; k < LAB_LANES; k++)
                         wisps[k] = lab_wisp(nodes, samples[nodes % 4], law, &seed);
+                    if (nodes % 2)
+                        make_pushers(&wisps[0], bodies, &around, &seed);
                     make_point(&point, lanes, wisps, count, &around, treatment, seed);
                     powers_of(&point, power);
                     const double rate = energy_rate(&point);
                     for (int k = 0; k < POWER_COUNT; k++)
                         sum += power[k];
+                    pushed += fabs(power[POWER_COUNT - 1]) > 1e-3 * size_of(power);
                     cr_assert(lab_close(sum, rate, 1e-6 * size_of(power), &worst),
                               "%s, bending %s, %d nodes, %d of %d lanes: %.12g W, differences "
                               "%.12g",
@@ -178,6 +212,7 @@ Test(diagnostics, powers_are_the_derivative_of_the_energy) {
                               rate);
                     lab_part_free(&point.part);
                 }
+    cr_assert_gt(pushed, 20, "bodies put in a thousandth of all power in %d states", pushed);
     cr_log_info("largest difference: %.2g of the tolerance", worst);
 }
 
@@ -633,7 +668,7 @@ Test(diagnostics, the_program_writes_them_where_asked) {
     PROGRAM(&finished, NULL, "run", "circle", "--diagnostics", "--out", folder);
     cr_assert_eq(finished.code, 1);
     cr_assert_eq(count_lines(finished.err), 1);
-    cr_assert(strstr(finished.err, "scene circle has none"), "%s", finished.err);
+    cr_assert(strstr(finished.err, "scene circle is of problem"), "%s", finished.err);
     folder_remove(folder);
 }
 
@@ -711,4 +746,17 @@ Test(diagnostics, diagnosed_runs_have_folders_of_their_own) {
     }
     cr_assert_str_neq(folder[0], folder[1]);
     scene_free(scene);
+}
+
+/* What the table has of works the figure draws; energies it takes from the table's columns. */
+Test(diagnostics, the_figure_draws_every_work) {
+    char *script = file_read(WISPLAB_TESTS_DIR "/../plots/diagnostics.gp");
+    const char *works = strstr(script, "WORKS = ");
+    cr_assert(works);
+#define X(name, meaning)                                  \
+    const char *at_##name = strstr(works, "work_" #name); \
+    cr_expect(at_##name &&at_##name < strstr(works, "title_of"), "no work_" #name " in it");
+    POWERS(X)
+#undef X
+    free(script);
 }

@@ -8,8 +8,12 @@
 extern char disk_done[64];
 extern int disk_noting;
 
-/* Called once, before the next rename; may be NULL. */
-extern void (*disk_before_rename)(void);
+/* Called once, before the next file is removed; may be NULL. */
+extern void (*disk_before_unlink)(void);
+
+/* Whether the disk keeps one waiting, for anything from no time to a millisecond: what two
+ * processes do then happens in any order. */
+extern int disk_hesitates;
 
 /* Added to the times of files: the clock of the file server against this machine's, s. */
 extern long disk_clock;

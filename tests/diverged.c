@@ -182,8 +182,8 @@ static void look_at_run(const char *file, void *ctx) {
     free(text);
 }
 
-/* Where an experiment has a reference, its contestants may stretch twice as far. */
-Test(diverged, contestants_may_stretch_as_the_reference_does, .init = open_folder,
+/* Where an experiment has a reference, its configurations may stretch twice as far. */
+Test(diverged, configurations_may_stretch_as_the_reference_does, .init = open_folder,
      .fini = close_folder) {
     char scene[PATH_SIZE];
     file_write(folder, "hook.cfg", HOOK, scene);
@@ -207,7 +207,7 @@ Test(diverged, the_quick_look_finds_what_the_slow_one_does) {
                           "across=([0.0, 1.0, 0.0], [0.0, 0.0, 1.0]); })");
     unsigned state = 1;
     int found = 0, tried = 0;
-    for (int lanes = 1; lanes <= 4; lanes += 3) {
+    for (int lanes = 1; lanes <= LAB_LANES; lanes = lab_wider(lanes)) {
         struct model *model = wisp_problem.create(scene, WISP_GENERALISED, lanes);
         const struct kernel *kernel = ((struct wisp_model *)model)->kernel;
         struct part *part = &model->parts[0];

@@ -145,8 +145,20 @@ static void assemble(void *ctx, double alpha, double beta, double *values) {
         }
 }
 
+/* By differences of fourth order, to about 1e-12. */
+static void time_rate(void *ctx, double t, const double *q, const double *v, double *rate) {
+    const struct fixture *f = ctx;
+    const double h = 1e-3;
+    double a[4][FIXTURE_SIZE_MAX] = {{0}};
+    for (int k = 0; k < 4; k++)
+        f->rate(f, t + h * (k < 2 ? k - 2 : k - 1), q, v, a[k]);
+    for (int i = 0; i < f->n; i++)
+        rate[i] = (8 * (a[2][i] - a[1][i]) - (a[3][i] - a[0][i])) / (12 * h);
+}
+
 static const struct system_ops without_projection = {
     .acceleration = acceleration,
+    .time_rate = time_rate,
     .linearise = linearise,
     .product = product,
     .factor = factor,
@@ -156,6 +168,7 @@ static const struct system_ops without_projection = {
 
 static const struct system_ops with_projection = {
     .acceleration = acceleration,
+    .time_rate = time_rate,
     .project = project,
     .linearise = linearise,
     .product = product,

@@ -2,7 +2,8 @@
  * files without an end. */
 #include "base/visible.h"
 #include "report/html.h"
-#include "scene/config.h"
+#include "scene/scene_settings.h"
+#include "scene/setting_read.h"
 #include "support.h"
 
 #include <criterion/criterion.h>
@@ -197,15 +198,16 @@ Test(foreign, what_is_refused_reads_as_a_number_in_range, .init = open_folder,
     for (size_t i = 0; i < sizeof values / sizeof *values; i++) {
         char path[PATH_SIZE], text[64], reason[REASON_SIZE];
         struct config_reader reader;
-        double list[1] = {-1};
-        snprintf(text, sizeof text, "limit = %s; list = ( %s );", values[i], values[i]);
+        double grid[2] = {-1, -1};
+        snprintf(text, sizeof text, "limit = %s; grid = ( %s, 1 );", values[i], values[i]);
         file_write(folder, "scene.cfg", text, path);
         config_open(&reader, path, NULL, 0, reason);
+        reader.problem = OF_WISPS;
         cr_assert_not(reader.failed, "%s", reason);
-        const double limit = config_number(&reader, config_top(&reader), "limit", WHOLE, 400);
+        const double limit = setting_number(&reader, config_top(&reader), "subdivision", "limit");
         cr_expect(reader.failed && limit == 400, "%s reads as %g", values[i], limit);
-        config_numbers(&reader, config_top(&reader), "list", 1, 1, list);
-        cr_expect(isfinite(list[0]), "%s reads as %g", values[i], list[0]);
+        setting_numbers(&reader, config_top(&reader), "wisps", "grid", grid);
+        cr_expect(grid[0] >= 1 && grid[0] <= 1000, "%s reads as %g", values[i], grid[0]);
         config_close(&reader);
     }
 }

@@ -3,6 +3,7 @@
 #include "run/frame_text.h"
 
 #include "base/digits.h"
+#include "model/state.h"
 
 #include <criterion/criterion.h>
 #include <math.h>
@@ -51,13 +52,16 @@ Test(frame_text, any_number_of_rows_and_threads_makes_the_same_table) {
             FILE *stream = open_memstream(&written, &size),
                  *twin = open_memstream(&expected, &expected_size);
             model.row_count = counts[i];
-            frame_text_names(stream, &model);
+            state_write_columns(stream, &model);
             cr_assert_eq(frame_text_write(&text, stream, &model, 1. / 3, rows), 0);
-            fputs("t\twisp\tnode\tx\ty\tz\tparent\n", twin);
             print_rows(twin, &model, 1. / 3, rows);
             fclose(stream);
             fclose(twin);
-            cr_assert(size == expected_size && memcmp(written, expected, size) == 0,
+            const char *rows_written = written;
+            while (*rows_written == '#' || *rows_written == 't') /* what the columns are */
+                rows_written = strchr(rows_written, '\n') + 1;
+            cr_assert(size - (size_t)(rows_written - written) == expected_size &&
+                          memcmp(rows_written, expected, expected_size) == 0,
                       "%d rows, %d threads: another table", counts[i], threads);
             free(written);
             free(expected);

@@ -222,24 +222,43 @@ Test(hair, hairs_are_inside_the_envelope) {
     strand_free(s);
 }
 
-/* Other numbers of them: outwards along the place's own direction, by what is between the two
- * samples beside it, in proportion to the angles. */
-Test(hair, between_samples_the_distance_is_linear_in_angle) {
+/* On four samples each coordinate of a place grows with the sample on its side: to the bit. */
+Test(hair, wedges_of_four_samples_are_quadrants) {
+    unsigned seed = 12;
+    struct wisp wisp;
+    struct strand *s = bent(&wisp, 4, 4, &seed);
+    for (int trial = 0; trial < 2000; trial++) {
+        double place[2] = {lab_between(&seed, -1, 1), lab_between(&seed, -1, 1)}, x[2];
+        if (trial % 10 == 0) /* hardly off an axis: the angle does not tell on which side */
+            place[trial / 10 % 2] *= 1e-20;
+        const double expected[2] = {place[0] * section_radius(s, 3, place[0] < 0 ? 2 : 0),
+                                    place[1] * section_radius(s, 3, place[1] < 0 ? 3 : 1)};
+        hair_position(s, 3, place, x);
+        cr_assert(memcmp(x, expected, sizeof x) == 0, "(%g, %g): (%.17g, %.17g)", place[0],
+                  place[1], x[0] - expected[0], x[1] - expected[1]);
+    }
+    strand_free(s);
+}
+
+/* Any number of samples: what is f of the way to one sample and g of that to the next is so after
+ * they have moved. */
+Test(hair, places_keep_their_parts_along_the_samples_beside_them) {
     unsigned seed = 12;
     for (int samples = 3; samples <= 16; samples++) {
         struct wisp wisp;
         struct strand *s = bent(&wisp, 4, samples, &seed);
-        for (int trial = 0; trial < 200 && samples != 4; trial++) {
-            const double part = lab_between(&seed, 0, 1), r = lab_between(&seed, 0, 1);
-            const int j = trial % samples;
-            const double angle = 2 * M_PI * (j + part) / samples;
-            const double place[2] = {r * cos(angle), r * sin(angle)};
-            const double reach = (1 - part) * section_radius(s, 3, j) +
-                                 part * section_radius(s, 3, (j + 1) % samples);
+        for (int trial = 0; trial < 200; trial++) {
+            const int j = trial % samples, next = (j + 1) % samples;
+            const double f = trial % 7 ? lab_between(&seed, 0, 1) : 0,
+                         g = trial % 5 ? lab_between(&seed, 0, 1) : 0;
+            const double a = 2 * M_PI * j / samples, b = 2 * M_PI * (j + 1) / samples;
+            const double place[2] = {f * cos(a) + g * cos(b), f * sin(a) + g * sin(b)};
+            const double fr = f * section_radius(s, 3, j), gr = g * section_radius(s, 3, next);
             double x[2];
             hair_position(s, 3, place, x);
-            cr_assert(hypot(x[0] - reach * place[0], x[1] - reach * place[1]) < 1e-13 * wisp.radius,
-                      "%d samples, angle %g", samples, angle);
+            cr_assert(hypot(x[0] - fr * cos(a) - gr * cos(b), x[1] - fr * sin(a) - gr * sin(b)) <
+                          1e-14 * wisp.radius,
+                      "%d samples: %g to sample %d and %g to the next", samples, f, j, g);
         }
         strand_free(s);
     }

@@ -2,6 +2,7 @@
 #include "experiments/chapter5/hair_frames.h"
 
 #include "experiments/chapter5/crossing.h"
+#include "experiments/chapter5/misses.h"
 #include "scene/scene_load.h"
 #include "wisp/section.h"
 #include "wisp_support.h"
@@ -179,6 +180,63 @@ Test(hair, overlap_counts_points_of_one_wisp_in_another) {
         cr_assert_eq(found > 0, apart[f] < 2 * radius, "%g m apart: %d", apart[f], found);
     }
     unmake(&made);
+}
+
+/* Figure 4.13: thin wisps at right angles, the third section of one across the middle of the
+ * other's; then with a node there, whose samples are in the sections beside it; hardly across it;
+ * and beside it, where their boxes still have a part in common. */
+Test(hair, crossings_are_missed_where_no_point_shows_them) {
+    static const double thin = 0.003, l = 0.06, half = M_SQRT1_2;
+    static const struct {
+        double way[3], beside[3], node, radius[2]; /* of the second: which node is nearest */
+        struct misses sections, wisps;
+    } at[FRAMES] = {
+        {{1, 0, 0}, {0, 0, 0}, 2.5, {0.003, 0.003}, {1, 1}, {1, 1}},
+        {{1, 0, 0}, {0, 0, 0}, 2, {0.04, 0.008}, {6, 0}, {1, 0}},
+        {{1, 0, 0}, {0, 0, 0.0055}, 2.5, {0.003, 0.003}, {1, 1}, {1, 1}},
+        {{half, 0, half}, {0.01 * half, 0, -0.01 * half}, 2.5, {0.003, 0.003}, {0, 0}, {0, 0}}};
+    struct made made;
+    struct brute *brute = brute_create();
+    make(&made, 2, always_two);
+    for (int f = 0; f < FRAMES; f++)
+        for (int i = 0; i < NODES; i++)
+            for (int w = 0; w < 2; w++) {
+                double *row = row_of(&made, f, w, i);
+                for (int j = 0; j < SAMPLES; j++)
+                    row[9 + 2 * j] = w == 0 ? thin : at[f].radius[j % 2];
+                for (int k = 0; k < 3 && w == 1; k++)
+                    row[3 + k] =
+                        at[f].beside[k] + (i - at[f].node) * l * at[f].way[k] - (k == 1) * 2.5 * l;
+            }
+    struct hair *hair = opened(&made);
+    for (int f = 0; f < FRAMES; f++) {
+        struct misses sections = {0, 0}, wisps = {0, 0};
+        hair_misses(brute, hair, f, &sections, &wisps);
+        cr_expect(memcmp(&sections, &at[f].sections, sizeof sections) == 0,
+                  "frame %d: %d crossings, %d missed", f, sections.crossings, sections.missed);
+        cr_expect(memcmp(&wisps, &at[f].wisps, sizeof wisps) == 0, "frame %d: %d wisps, %d missed",
+                  f, wisps.crossings, wisps.missed);
+    }
+    brute_free(brute);
+    unmake(&made);
+}
+
+/* The same each time; and lines that are infinitely thin have no points in each other. */
+Test(hair, the_thinner_the_more_crossings_are_missed) {
+    static const double slenderness[] = {1, 4, 16, 64};
+    struct brute *brute = brute_create();
+    struct misses misses, again;
+    double before = 0.1;
+    for (int i = 0; i < 4; i++) {
+        cr_assert_eq(random_misses(brute, slenderness[i], 300, &misses), 0);
+        cr_assert_eq(random_misses(brute, slenderness[i], 300, &again), 0);
+        const double share = misses.missed / 300.;
+        cr_expect(misses.crossings == 300 && misses.missed == again.missed);
+        cr_expect(share > before, "%g diameters: %g", slenderness[i], share);
+        before = share;
+    }
+    cr_expect_gt(before, 0.85);
+    brute_free(brute);
 }
 
 Test(hair, strain_is_the_largest_change_of_a_length) {

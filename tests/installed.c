@@ -67,11 +67,12 @@ static const struct {
 } completions[] = {
     {"\"\"", {"run", "report", "list", "eval"}, {"man", "completion"}},
     {"rep", {"report"}, {"run"}},
-    {"list \"\"", {"scenes", "steppers", "linear", "experiments"}, {"circle"}},
+    {"list \"\"", {"scenes", "steppers", "settings", "experiments"}, {"circle"}},
     {"run sw", {"swing", "swing-envelope"}, {"circle"}},
     {"run swing --stepper \"\"", {"rk4", "implicit-euler", "reference"}, {"swing"}},
     {"run swing --treatment p", {"projection", "penalty"}, {"free"}},
     {"run swing --linear \"\"", {"direct", "klu", "cholmod", "cg"}, {"rk4"}},
+    {"run swing --set material.d", {"material.drag_rate="}, {"material"}},
     {"run swing --option n", {"newton.iterations="}, {"max_order="}},
     {"run swing --st", {"--step", "--stepper"}, {"--rate"}},
     {"experiment w", {"work-precision", "wind"}, {"circle"}},
@@ -123,11 +124,14 @@ Test(installed, program_works_from_any_folder) {
         "bin/wisplab",
         "bin/wisplab-bench",
         "share/man/man1/wisplab.1",
+        "share/man/man5/wisplab-scene.5",
         "share/bash-completion/completions/wisplab",
         "share/wisplab/experiments/circle.cfg",
         "share/wisplab/experiments/figure.inc",
         "share/wisplab/experiments/wind-start.tsv",
+        "share/wisplab/experiments/parting-start.tsv",
         "share/wisplab/experiments/wind-start-projection.tsv",
+        "share/wisplab/experiments/scipy_swing.py",
         "share/wisplab/plots/style.gp",
         "share/wisplab/plots/work-precision.gp",
     };
@@ -151,7 +155,7 @@ Test(installed, program_works_from_any_folder) {
     for (size_t i = 0; i < sizeof commands_there / sizeof *commands_there; i++)
         cr_assert_eq(shell(elsewhere, commands_there[i], prefix, out), 0, "%s: %s",
                      commands_there[i], out);
-    path_format(path, "%s/results/interactions/frames.svg", elsewhere);
+    path_format(path, "%s/results/interactions/series.svg", elsewhere);
     cr_assert(file_exists(path), "no figure");
     folder_remove(prefix);
     folder_remove(elsewhere);

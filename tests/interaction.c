@@ -202,6 +202,43 @@ Test(interaction, crowds_coincident_wisps_and_outliers_are_found_too) {
     cluster_free(&c);
 }
 
+/* Where points are few and far between, cells of one box have numbers in common. */
+Test(interaction, cells_that_share_a_number_are_looked_at_once) {
+    unsigned seed = 98;
+    int contacts = 0;
+    for (int repeat = 0; repeat < 300; repeat++) {
+        struct cluster c;
+        cluster_make(&c, 4, 4, 3, 0.01, WISP_GENERALISED, &seed);
+        for (int k = 0; k < 4; k++)
+            for (int j = 0; j < 3; j++)
+                c.strand[3]->p[k][j] += 1e3;
+        for (int at = 0; at < 4 * 3; at++) /* over many cells */
+            c.strand[0]->r[at] *= 12;
+        strand_refresh(c.strand[0]);
+        strand_refresh(c.strand[3]);
+        contacts += check_against_brute_force(&c, "few");
+        cluster_free(&c);
+    }
+    cr_assert_gt(contacts, 300, "only %d contacts", contacts);
+}
+
+/* The grid looks at coordinates in single precision, which there are millimetres apart. */
+Test(interaction, far_from_the_origin_nothing_is_lost) {
+    unsigned seed = 99;
+    for (int repeat = 0; repeat < 8; repeat++) {
+        const double away = repeat % 2 ? 1e4 : -3e5;
+        struct cluster c;
+        cluster_make(&c, 12, 6, 4, 0.02, WISP_GENERALISED, &seed);
+        for (int i = 0; i < c.count; i++) {
+            for (int k = 0; k < c.wisp[i].nodes; k++)
+                c.strand[i]->p[k][repeat % 3] += away;
+            strand_refresh(c.strand[i]);
+        }
+        cr_assert_gt(check_against_brute_force(&c, "far away"), 50);
+        cluster_free(&c);
+    }
+}
+
 /* --- the tick, by the model's text --- */
 
 /* What the tick did to a cluster, against the twin's word on what it was. */

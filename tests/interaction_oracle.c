@@ -19,7 +19,7 @@ void twin_mean_velocity(const struct strand *s, int k, double v[3]) {
 }
 
 /* 1/m of a node with its samples, or of a sample; 0 where it is prescribed. */
-static double yield(const struct strand *s, int k, int slot) {
+static double inverse_mass(const struct strand *s, int k, int slot) {
     const double mu = wisp_sample_mass(s->wisp, k);
     return k < 2 ? 0 : slot ? 1 / mu : 1 / (wisp_node_mass(s->wisp, k) + mu * s->wisp->samples);
 }
@@ -98,11 +98,11 @@ static void act(struct twin *t, const struct meeting *m, const double change[3],
     double *x = t->dv[m->b * TWIN_NODES + m->k][m->slot];
     double *ends[2] = {t->dv[m->a * TWIN_NODES + m->i][0], t->dv[m->a * TWIN_NODES + m->i + 1][0]};
     const double weight[2] = {1 - lambda, lambda};
-    double sum = yield(t->strand[m->b], m->k, m->slot);
+    double sum = inverse_mass(t->strand[m->b], m->k, m->slot);
     const double of_point = sum;
     int most = t->shares[m->b * TWIN_NODES + m->k][m->slot];
     for (int e = 0; e < 2; e++) {
-        sum += weight[e] * weight[e] * yield(t->strand[m->a], m->i + e, 0);
+        sum += weight[e] * weight[e] * inverse_mass(t->strand[m->a], m->i + e, 0);
         if (m->i + e >= 2)
             most = (int)fmax(most, t->shares[m->a * TWIN_NODES + m->i + e][0]);
     }
@@ -115,7 +115,7 @@ static void act(struct twin *t, const struct meeting *m, const double change[3],
         const double impulse = change[c] / sum / most;
         x[c] += impulse * of_point;
         for (int e = 0; e < 2; e++)
-            ends[e][c] -= weight[e] * impulse * yield(t->strand[m->a], m->i + e, 0);
+            ends[e][c] -= weight[e] * impulse * inverse_mass(t->strand[m->a], m->i + e, 0);
     }
 }
 

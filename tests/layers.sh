@@ -22,9 +22,9 @@ src/kernel
 src/model
 src/scene
 src/run
-src/picture
+src/picture src/library
 experiments/common
-experiments/chapter5 experiments/contact_rate experiments/ladder experiments/needs experiments/speed experiments/stability experiments/work_precision
+experiments/chapter5 experiments/contact_rate experiments/history experiments/ladder experiments/needs experiments/speed experiments/stability experiments/sweep experiments/work_precision
 experiments
 src/report
 src/command experiments/bench
@@ -43,7 +43,7 @@ includes() {
 # that is no more does not count.
 symbols() {
     find "$objects" \( -path '*/wisplab-core.dir/*' -o -path '*/kernel-*.dir/*' -o \
-        -path '*/wisplab.dir/*' \) -name '*.c.o' -print0 | sort -z | xargs -0 nm -A -P -g |
+        -path '*/wisplab.dir/*' -o -path '*/libwisplab.dir/*' \) -name '*.c.o' -print0 | sort -z | xargs -0 nm -A -P -g |
         sed -E 's,^[^ ]*\.dir/([^ ]*)\.o: ([^ ]+) ([A-Z]).*,\3\t\2\t\1,; s,^[^U],T,' |
         awk -F'\t' -v tree="$tree" '
             !($3 in there) { there[$3] = system("test -f \"" tree "/" $3 "\"") == 0 }

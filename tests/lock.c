@@ -123,9 +123,10 @@ Test(lock, a_number_that_another_process_has_by_now_holds_nothing, .init = set_u
     expect(LOCK_TAKEN, "that process began before this one");
 }
 
-/* Of those who see that a holder is gone, one gets the lock. */
+/* Of those who see that a holder is gone, one gets the lock, in whatever order they come to it. */
 Test(lock, one_of_many_gets_what_is_stale, .init = set_up, .fini = clean_up) {
     enum { MANY = 8, ROUNDS = 40 };
+    disk_hesitates = 1;
     for (int round = 0; round < ROUNDS; round++) {
         int start[2], results[2], taken = 0;
         pid_t pids[MANY];
@@ -159,6 +160,22 @@ Test(lock, one_of_many_gets_what_is_stale, .init = set_up, .fini = clean_up) {
         close(results[0]);
         close(results[1]);
     }
+}
+
+/* Who takes a stale lock away may be killed meanwhile, and who takes that one's lock away too. */
+Test(lock, who_breaks_it_may_be_gone, .init = set_up, .fini = clean_up) {
+    char text[LOCK_TEXT_SIZE];
+    const struct owner self = owner_self();
+    snprintf(text, sizeof text, "%s %ld %llu 0\n", self.host, self.pid, self.start - 1);
+    file_write(folder, ".lock-break-break", text, NULL);
+    file_write(folder, ".lock-break", text, NULL);
+    put(text, 0);
+    expect(LOCK_TAKEN, "three that are gone");
+    snprintf(text, sizeof text, "%s %ld %llu 0\n", self.host, self.pid, self.start);
+    file_write(folder, ".lock-break", text, NULL);
+    put("gone 1 1 0\n", 100);
+    cr_assert_eq(take(), LOCK_HELD, "one that is slow: %s", reason);
+    cr_assert(says("gone 1 1 0\n"), "it is that one's to take away");
 }
 
 /* --- two hosts --- */
@@ -242,10 +259,11 @@ static void seize(void) {
     file_write(folder, ".lock", elsewhere, NULL);
 }
 
-/* Between the look at a stale lock and the hand on it, another one has taken it. */
-Test(lock, who_comes_late_gives_it_back, .init = set_up, .fini = clean_up) {
+/* Between the look at a stale lock and the hand on it, another one has taken it. (The file that is
+ * removed there is the one that told the time.) */
+Test(lock, who_comes_late_leaves_it, .init = set_up, .fini = clean_up) {
     put("gone 1 1 0\n", 100);
-    disk_before_rename = seize;
+    disk_before_unlink = seize;
     expect(LOCK_HELD, "by the one who was faster");
     cr_assert(says(elsewhere));
 }

@@ -29,6 +29,7 @@
 extern void *__libc_malloc(size_t size);
 extern void *__libc_calloc(size_t count, size_t size);
 extern void *__libc_realloc(void *old, size_t size);
+extern void *__libc_memalign(size_t alignment, size_t size);
 extern void __libc_free(void *memory);
 
 static long counted, failing, fail_after; /* calls; whether calls are counted; which fails, or 0 */
@@ -62,6 +63,13 @@ void *realloc(void *old, size_t size) {
     return __libc_realloc(old, size);
 }
 
+void *aligned_alloc(size_t alignment, size_t size) {
+    if (refuse())
+        return NULL;
+    held += failing;
+    return __libc_memalign(alignment, size);
+}
+
 void free(void *memory) {
     held -= failing && memory;
     __libc_free(memory);
@@ -93,11 +101,16 @@ static int in_child(int (*make)(const void *what), const void *what, long k) {
  * SUNDIALS 6.4 and gsl_odeiv2_control_standard_new of GSL 2.7 write to what malloc gave without
  * looking. A death is allowed to them; to leak, or to give a wrong code, is not. */
 static int may_die(const char *name) {
-    static const char *const names[] = {"cvode", "cg", "reference"};
-    for (int i = 0; i < 3; i++)
+    static const char *const names[] = {"cvode", "arkode", "cg", "reference"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         if (strncmp(name, names[i], strlen(names[i])) == 0)
             return 1;
     return 0;
+}
+
+/* ARKStepCreate of SUNDIALS 6.4 forgets the memory that it has where it cannot have the rest. */
+static int may_leak(const char *name) {
+    return strncmp(name, "arkode", strlen("arkode")) == 0;
 }
 
 /* Lets each allocation fail in turn until none is left to fail. */
@@ -112,7 +125,8 @@ static void try_all(const char *name, int (*make)(const void *what), const void 
                   k);
         cr_assert(result <= LEAKED, "%s: wrong code (%d) when allocation %ld and later ones fail",
                   name, result, k);
-        cr_assert_neq(result, LEAKED, "%s: leaks when allocation %ld and later ones fail", name, k);
+        cr_assert(result != LEAKED || may_leak(name),
+                  "%s: leaks when allocation %ld and later ones fail", name, k);
     }
     cr_assert_eq(result, MADE, "%s: is never made", name);
     cr_assert(refused > 0, "%s: allocates nothing, so nothing was tested", name);
@@ -292,7 +306,7 @@ static struct scene *splitting_scene(int rigid) {
 Test(memory, wisps_split_or_not) {
     for (int rigid = 0; rigid < 2; rigid++) {
         struct scene *scene = splitting_scene(rigid);
-        for (int lanes = 1; lanes <= 4; lanes += 3)
+        for (int lanes = 1; lanes <= LANES_MOST; lanes = lanes < 4 ? 4 : 2 * lanes)
             try_all(scene->name, split_once, &(struct splitting){scene, lanes});
         scene_free(scene);
     }

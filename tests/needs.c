@@ -288,25 +288,26 @@ struct row {
 enum { ROWS_MAX = 40 };
 
 static int read_rows(struct row *rows) {
-    char path[PATH_SIZE];
-    int count = 0;
-    path_format(path, "%s/needs/needs.tsv", folder);
-    char *text = file_read(path);
-    cr_assert(text, "no table");
-    for (char *rest = text, *line; (line = strsep(&rest, "\n")) != NULL;) {
-        struct row *r = &rows[count];
-        if (line[0] == '#' || line[0] == '\0' || strncmp(line, "scene\t", 6) == 0)
-            continue;
-        cr_assert(count++ < ROWS_MAX &&
-                      sscanf(line,
-                             "short\t%31[^\t]\t%39[^\t]\t%lf\t%lf\t%lf\t%lf\t%lf\t%lf\t%lf\t%lf"
-                             "\t%31[^\t]\t%239[^\t]",
-                             r->thing, r->option, &r->rms, &r->largest, &r->end, &r->cpu[0],
-                             &r->cpu[1], &r->cpu[2], &r->ratio, &r->step, r->verdict,
-                             r->model) == 12,
-                  "cannot read '%s'", line);
+    struct text_table text;
+    table_must_be_read(&text, folder, "needs/needs");
+    const int count = text.row_count;
+    cr_assert_leq(count, ROWS_MAX);
+    for (int i = 0; i < count; i++) {
+        struct row *r = &rows[i];
+        *r = (struct row){.rms = text_table_number(&text, i, "change_rms"),
+                          .largest = text_table_number(&text, i, "change_largest"),
+                          .end = text_table_number(&text, i, "change_end"),
+                          .cpu = {text_table_number(&text, i, "cpu_median"),
+                                  text_table_number(&text, i, "cpu_least"),
+                                  text_table_number(&text, i, "cpu_greatest")},
+                          .ratio = text_table_number(&text, i, "cost_ratio"),
+                          .step = text_table_number(&text, i, "step")};
+        snprintf(r->thing, sizeof r->thing, "%s", text_table_cell(&text, i, "thing"));
+        snprintf(r->option, sizeof r->option, "%s", text_table_cell(&text, i, "option"));
+        snprintf(r->verdict, sizeof r->verdict, "%s", text_table_cell(&text, i, "verdict"));
+        snprintf(r->model, sizeof r->model, "%s", text_table_cell(&text, i, "model"));
     }
-    free(text);
+    text_table_free(&text);
     return count;
 }
 
@@ -318,6 +319,26 @@ static const struct row *row_named(const struct row *rows, int count, const char
     return NULL;
 }
 
+/* Whoever is near enough is within a millimetre, and the best is the cheapest of these. */
+static void check_methods(void) {
+    struct text_table methods;
+    double least = INFINITY, best = NAN;
+    table_must_be_read(&methods, folder, "needs/methods");
+    cr_assert_gt(methods.row_count, 3);
+    for (int i = 0; i < methods.row_count; i++) {
+        const int reached = text_table_number(&methods, i, "reached") == 1;
+        const double counted = text_table_number(&methods, i, "counted");
+        cr_assert_eq(reached, text_table_number(&methods, i, "error") <= 1e-3);
+        if (reached)
+            least = fmin(least, counted);
+        if (text_table_number(&methods, i, "best") == 1)
+            best = counted;
+    }
+    cr_assert_eq(best, least);
+    cr_assert_lt(text_table_number(&methods, 0, "cost_ratio"), 1e9);
+    text_table_free(&methods);
+}
+
 Test(needs, slow_verdicts_follow_from_the_numbers, .init = set_up, .fini = clean_up) {
     static struct row rows[ROWS_MAX];
     static struct finished f;
@@ -325,7 +346,7 @@ Test(needs, slow_verdicts_follow_from_the_numbers, .init = set_up, .fini = clean
     PROGRAM(&f, NULL, "experiment", "needs", "--quick", "--scene", scene_path, "--out", folder);
     cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
     const int count = read_rows(rows);
-    cr_assert_eq(count, 1 + 2 + 4 + 2 + 1 + 2 + 3 + 2 + 4 + 2, "%d rows", count);
+    cr_assert_eq(count, 1 + 2 + 4 + 2 + 1 + 2 + 3 + 2 + 6 + 2, "%d rows", count);
     for (int i = 0; i < count; i++) {
         if (strcmp(rows[i].option, "3 samples") == 0) {
             cr_assert_str_eq(rows[i].verdict, "impossible"); /* wisps split by diameters */
@@ -352,9 +373,12 @@ Test(needs, slow_verdicts_follow_from_the_numbers, .init = set_up, .fini = clean
     cr_assert(style > 0.08 && style < 0.13, "%g", style);
     cr_assert(row_named(rows, count, "no wisp contact")->rms > 1e-5, "contact changes nothing");
     cr_assert(row_named(rows, count, "no bodies")->rms > 1e-5, "bodies change nothing");
+    cr_assert(row_named(rows, count, "bodies by penalty, 30 Hz")->rms > 1e-5, "nor does penalty");
     cr_assert(row_named(rows, count, "bodies at 75 Hz")->rms > 1e-5, "their rate does not either");
     cr_assert(row_named(rows, count, "wisps at 45 Hz")->rms > 1e-5, "nor that of wisps");
-    cr_assert(strstr(f.out, "short"), "%s", f.out);
+    cr_assert(strstr(f.out, "The cheapest method for the smallest model of short is "), "%s",
+              f.out);
+    check_methods();
     PROGRAM(&f, NULL, "experiment", "needs", "--quick", "--scene", scene_path, "--out", folder);
     cr_assert(strstr(f.out, " 0 of them new"), "a complete search does more: %s", f.out);
     cr_assert_eq(count_files(folder, "short.svg"), 1, "no figure");
@@ -370,7 +394,7 @@ Test(needs, without_its_runs_it_says_so, .init = set_up, .fini = clean_up) {
     PROGRAM(&f, NULL, "experiment", "needs", "--quick", "--scene", scene_path, "--out", folder,
             "--time-limit", "0.0001");
     cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
-    cr_assert(strstr(f.out, "short has no answer, for its full model's runs fail: 9 nodes: out of"),
+    cr_assert(strstr(f.out, "short has no answer, for its full model's runs fail (9 nodes: out of"),
               "%s", f.out);
     path_format(path, "%s/needs", folder);
     statements_must_be_whole(path);

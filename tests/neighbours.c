@@ -264,8 +264,9 @@ Test(neighbours, parts_open_and_box_their_wisps_as_rows_do) {
         struct tally tally = {0};
         for (int round = 0; round < 80; round++)
             for (int m = 0; m < 4; m++) {
-                check_part(4, 1 + round % 4, samples[m], (enum wisp_treatment)treatment, &seed,
-                           &tally);
+                const int lanes = round % 2 ? 8 : 4;
+                check_part(lanes, 1 + round % lanes, samples[m], (enum wisp_treatment)treatment,
+                           &seed, &tally);
                 check_part(1, 1, samples[m], (enum wisp_treatment)treatment, &seed, &tally);
             }
         cr_assert(tally.near_border > 0, "boxes are larger than need be");

@@ -261,11 +261,11 @@ Test(published, reference_ends_on_the_printed_digits) {
     }
 }
 
-/* Here the truth is known that a second opinion stands for: the difference of the two opinions, as
+/* Here the truth is known that a cross-check stands for: the difference of the two opinions, as
  * runs state it, bounds the distance of the first from the printed solution. */
-Test(published, the_second_opinion_bounds_the_error_of_the_reference) {
+Test(published, the_cross_check_bounds_the_error_of_the_reference) {
     const struct variant reference = variant_of("reference", NULL);
-    const struct second_opinion *check = reference.method->checked_by;
+    const struct cross_check *check = reference.method->checked_by;
     const struct variant second = variant_of(check->method, check->options[1]);
     const double rtol = reference.method->rtol;
     cr_assert_str_eq(check->options[1], "max_order=5");

@@ -106,6 +106,24 @@ static int rows_of(const char *table, const char *beginning) {
     return count;
 }
 
+/* How many wisps a method computes side by side is in each of its rows. */
+static void lanes_must_be(const char *path, const char *method, int lanes) {
+    struct text_table table;
+    char reason[REASON_SIZE];
+    int found = 0;
+    cr_assert_eq(text_table_read(&table, path, reason), 0, "%s", reason);
+    for (int row = 0; row < table.row_count; row++) {
+        if (strcmp(text_table_cell(&table, row, "method"), method) != 0)
+            continue;
+        found++;
+        cr_expect(text_table_number(&table, row, "lanes") == lanes &&
+                      text_table_number(&table, row, "threads") == 1,
+                  "%s in row %d", method, row);
+    }
+    cr_expect(found > 0, "no %s", method);
+    text_table_free(&table);
+}
+
 Test(race, a_small_one_has_every_point_and_runs_nothing_twice, .timeout = 120) {
     char folder[PATH_SIZE], scene[PATH_SIZE], path[PATH_SIZE];
     struct finished f;
@@ -121,9 +139,12 @@ Test(race, a_small_one_has_every_point_and_runs_nothing_twice, .timeout = 120) {
     cr_expect(rows_of(table, "cvode order 2\tgeneralised\t") == 6);
     cr_expect(rows_of(table, "rk4\tgeneralised\t") >= 9, "two beyond its largest stable step, six "
                                                          "below it");
-    cr_expect(strstr(table, "\tstrain\tpenetration\tdrift\tnote\n"), "measures of the state");
+    cr_expect(strstr(table, "\tstrain\tpenetration\tdrift\tlanes\tthreads\trun\tnote\n"),
+              "measures of the state");
     cr_expect(strstr(table, "diverged") || strstr(table, "not finite"), "a long step of rk4 fails");
     free(table);
+    lanes_must_be(path, "cvode", 1);
+    lanes_must_be(path, "cvode 4 lanes", 4);
     path_format(path, "%s/work-precision", folder);
     statements_must_be_whole(path);
     PROGRAM(&f, NULL, "experiment", "work-precision", "--scene", scene, "--quick", "--stepper",
@@ -139,23 +160,23 @@ Test(race, a_small_one_has_every_point_and_runs_nothing_twice, .timeout = 120) {
 struct chart {
     struct scene *scene;
     struct plan plan;
-    struct configuration contestants[3];
+    struct configuration configurations[3];
     struct entry entries[3];
     struct field field;
 };
 
 static void open_chart(struct chart *c) {
     static const char *const names[] = {"euler", "implicit-euler", "cvode"};
-    static const double costs[] = {50e-9, 30e-9, 35e-9}; /* Euler is the dearest */
+    static const double costs[] = {50e-9, 30e-9, 35e-9}; /* Euler is the costliest */
     *c = (struct chart){.scene = lab_load("swing", NULL, 0)};
     for (int i = 0; i < 3; i++) {
-        c->contestants[i] = (struct configuration){.name = names[i],
-                                                   .stepper = names[i],
-                                                   .method = stepper_find(names[i]),
-                                                   .cost = costs[i],
-                                                   .finest = 1e-8,
-                                                   .order = 2};
-        c->entries[i] = (struct entry){.contestant = &c->contestants[i]};
+        c->configurations[i] = (struct configuration){.name = names[i],
+                                                      .stepper = names[i],
+                                                      .method = stepper_find(names[i]),
+                                                      .cost = costs[i],
+                                                      .finest = 1e-8,
+                                                      .order = 2};
+        c->entries[i] = (struct entry){.configuration = &c->configurations[i]};
     }
     c->field = (struct field){.whole = c->scene,
                               .scene = c->scene,
@@ -170,8 +191,8 @@ static void search(struct chart *c, int who, double limit) {
     struct entry *entry = &c->entries[who];
     race_search(&c->plan, &c->field, entry);
     for (int turn = 0; entry->searching; turn++) {
-        cr_assert(turn < 20, "the search of %s does not end", entry->contestant->name);
-        if (contestant_is_adaptive(entry->contestant))
+        cr_assert(turn < 20, "the search of %s does not end", entry->configuration->name);
+        if (configuration_is_adaptive(entry->configuration))
             entry->pace = 1000;
         race_search_on(&c->plan, &c->field, entry,
                        race_setting(&c->field, entry, entry->place.at) <= limit ? FINISHED
@@ -179,7 +200,7 @@ static void search(struct chart *c, int who, double limit) {
     }
 }
 
-Test(race, a_chart_goes_from_beyond_the_largest_stable_step_as_deep_as_its_dearest_needs) {
+Test(race, a_chart_goes_from_beyond_the_largest_stable_step_as_deep_as_its_costliest_needs) {
     static struct chart c;
     open_chart(&c);
     const double limit = 1 / 9100.;
@@ -191,10 +212,10 @@ Test(race, a_chart_goes_from_beyond_the_largest_stable_step_as_deep_as_its_deare
     const int b = euler->place.reached;
     cr_assert(race_setting(&c.field, euler, b) <= limit &&
               race_setting(&c.field, euler, b - 1) > limit);
-    cr_expect_eq(euler->first, b - RUNGS_BEYOND);
-    cr_expect_geq(euler->last, b + RUNGS_BELOW);
+    cr_expect_eq(euler->first, b - LEVELS_BEYOND);
+    cr_expect_geq(euler->last, b + LEVELS_BELOW);
     cr_expect_eq(implicit->first, 0, "it is stable at any step");
-    cr_expect_geq(implicit->last, RUNGS_BELOW);
+    cr_expect_geq(implicit->last, LEVELS_BELOW);
     cr_expect_eq(cvode->last, TOLERANCES - 1);
     /* nothing that is left out is cheaper than anything that is run */
     double most = 0;
@@ -202,12 +223,12 @@ Test(race, a_chart_goes_from_beyond_the_largest_stable_step_as_deep_as_its_deare
         most = fmax(most, race_predicted(&c.field, &c.entries[i], c.entries[i].last));
     for (int i = 0; i < 2; i++)
         cr_expect_gt(race_predicted(&c.field, &c.entries[i], c.entries[i].last + 1), most, "%s",
-                     c.entries[i].contestant->name);
+                     c.entries[i].configuration->name);
     scene_free(c.scene);
 }
 
-/* Where no step is stable that costs less than the dearest run, those tried are in the chart, and a
- * word says so; linear theory being wrong by far is no matter. */
+/* Where no step is stable that costs less than the costliest run, those tried are in the chart, and
+ * a word says so; linear theory being wrong by far is no matter. */
 Test(race, a_method_without_a_stable_step_is_in_the_chart_with_what_was_tried) {
     static struct chart c;
     open_chart(&c);
@@ -219,7 +240,7 @@ Test(race, a_method_without_a_stable_step_is_in_the_chart_with_what_was_tried) {
     cr_expect(strstr(c.entries[0].left_out, "no step is stable"), "%s", c.entries[0].left_out);
     cr_expect_geq(c.entries[0].last, c.entries[0].place.missed);
     cr_expect(race_setting(&c.field, &c.entries[1], c.entries[1].place.reached) <= 1e-5);
-    cr_expect_eq(c.entries[1].first, c.entries[1].place.reached - RUNGS_BEYOND);
+    cr_expect_eq(c.entries[1].first, c.entries[1].place.reached - LEVELS_BEYOND);
     scene_free(c.scene);
 }
 
@@ -237,8 +258,8 @@ Test(race, a_limit_ends_the_search) {
     scene_free(c.scene);
 }
 
-/* A scene is run for what the budget allows; where that is not even a second, the dearest treatment
- * goes first, and one is left. */
+/* A scene is run for what the budget allows; where that is not even a second, the costliest
+ * treatment goes first, and one is left. */
 Test(race, what_a_budget_does_not_allow_is_left_out_by_name) {
     static struct chart c;
     static const struct race rich = {.seconds = 1e6}, poor = {.seconds = 1e-3};
@@ -246,7 +267,7 @@ Test(race, what_a_budget_does_not_allow_is_left_out_by_name) {
     struct scene *scene = LAB_LOAD("swing-envelope", "duration=2.0");
     char left_out[64];
     int treatments[] = {WISP_PROJECTION, WISP_PENALTY, WISP_GENERALISED}, count = 3;
-    c.plan.configurations = c.contestants;
+    c.plan.configurations = c.configurations;
     c.plan.configuration_count = 3;
     c.plan.subject_count = 1;
     cr_expect_eq(race_afford(&c.plan, &rich, scene, treatments, &count, left_out), 2);
@@ -265,9 +286,10 @@ Test(race, costs_are_predicted_from_counts) {
     const double one = race_predicted(&c.field, &c.entries[0], 10);
     const double finer = race_predicted(&c.field, &c.entries[0], 12);
     const double start = 2 * one - finer; /* a process */
-    cr_expect_float_eq(finer - start, 2 * (one - start), 1e-12, "an octave down is twice as dear");
+    cr_expect_float_eq(finer - start, 2 * (one - start), 1e-12,
+                       "an octave down is twice as expensive");
     c.entries[2].pace = 1000;
-    const double loose = race_predicted(&c.field, &c.entries[2], RUNG_PROBED);
+    const double loose = race_predicted(&c.field, &c.entries[2], LEVEL_PROBED);
     cr_expect_float_eq(loose - start, 35e-9 * 27 * 1000, 1e-9, "%g", loose - start);
     scene_free(c.scene);
 }
@@ -281,7 +303,7 @@ enum { FIELDS = 2, EULER = 0, RK4, CVODE, POINTS = 6 };
 struct prepared {
     struct scene *scene;
     struct subject subject;
-    struct configuration contestants[3];
+    struct configuration configurations[3];
     struct entry entries[FIELDS][3];
     struct point points[FIELDS][POINTS];
     struct field fields[FIELDS];
@@ -310,11 +332,11 @@ static void prepare(struct prepared *p) {
     *p = (struct prepared){.scene = lab_load("swing-envelope", NULL, 0)};
     p->subject = (struct subject){.scene = p->scene, .name = "swing"};
     for (int who = 0; who < 3; who++)
-        p->contestants[who] = (struct configuration){
+        p->configurations[who] = (struct configuration){
             .name = names[who], .stepper = names[who], .method = stepper_find(names[who])};
     for (int f = 0; f < FIELDS; f++) {
         for (int who = 0; who < 3; who++)
-            p->entries[f][who] = (struct entry){.contestant = &p->contestants[who]};
+            p->entries[f][who] = (struct entry){.configuration = &p->configurations[who]};
         p->fields[f] = (struct field){.subject = &p->subject,
                                       .whole = p->scene,
                                       .scene = p->scene,
@@ -364,31 +386,32 @@ Test(race, statements_follow_from_the_points) {
     folder_make(folder);
     state(&p, folder, &rows);
     row_is(&rows, "swing, 10 mm", "holds",
-           "On swing the cheapest within 10 mm (its treatment's error included) is rk4 with "
-           "projection at h = 0.0002: 2 ms of CPU time; next is cvode, 3 ms.");
+           "Within 10 mm on swing (with its treatment's error) the cheapest is rk4 with "
+           "projection, which takes 2 ms of CPU time at h = 0.0002 s; cvode is next with 3 ms.");
     row_is(&rows, "swing, 1 mm", "holds",
-           "On swing the cheapest within 1 mm (its treatment's error included) is cvode with "
-           "generalised at rtol 0.001: 3 ms of CPU time; next is rk4, 5 ms.");
+           "Within 1 mm on swing (with its treatment's error) the cheapest is cvode with "
+           "generalised, which takes 3 ms of CPU time at rtol 0.001; rk4 is next with 5 ms.");
     row_is(&rows, "swing, 0.1 mm", "not reached",
-           "No run on swing is within 0.1 mm (its treatment's error included).");
+           "No run on swing is within 0.1 mm (with its treatment's error).");
     row_is(&rows, "swing, choice of method", "does not hold",
            "On swing explicit Euler with projection at 10000 Hz is the right method: rk4 errs no "
-           "more (0.5 mm) and takes 2 ms, not 8.");
+           "more (0.5 mm) and takes 2 ms against 8 ms.");
     row_is(&rows, "swing, choice of treatment", "does not hold",
            "On swing projection itself errs no more than the method: it is 4.5 mm from the exact "
            "constrained motion, 9 times the method's error.");
     row_is(&rows, "swing, failures of euler", "holds",
            "On swing euler fails at 1 of 3 settings (diverged), and at none from h = 0.1 ms on.");
-    row_is(&rows, "swing, no failures", "holds", "On swing these never fail: rk4, cvode.");
+    row_is(&rows, "swing, no failures", "holds", "On swing these methods never fail: rk4, cvode.");
     row_is(&rows, "swing, settings", "holds",
-           "On swing 5 settings finish, 1 fail, 0 are refused or left out.");
+           "On swing 5 settings finish, 1 fail, and 0 are refused or left out.");
     row_is(&rows, "swing, smallest error", "holds",
-           "The smallest error on swing is euler's, 0.05 mm.");
-    row_is(&rows, "10 mm", "holds", "Cheapest within 10 mm is rk4 on 1 of 1 scenes.");
+           "The smallest error on swing is that of euler, 0.05 mm.");
+    row_is(&rows, "10 mm", "holds", "Within 10 mm rk4 is the cheapest on 1 of 1 scenes.");
     row_is(&rows, "0.1 mm", "not reached", "No run on any scene is within 0.1 mm.");
-    row_is(&rows, "choice as a method", "does not hold",
-           "The thesis's choice is right as a method on every scene that was tried: on 0 of 1 no "
-           "run as accurate is clearly cheaper.");
+    row_is(
+        &rows, "choice of the method", "does not hold",
+        "No method is as accurate as explicit Euler with projection at 9000 Hz and cheaper: of 1 "
+        "scenes tried, one is on 1.");
     text_table_free(&rows);
     folder_remove(folder);
     scene_free(p.scene);
@@ -403,18 +426,16 @@ Test(race, a_winner_is_beyond_both_spreads) {
     prepare(&p);
     folder_make(folder);
     p.points[0][3].cost.cpu.greatest = 3.1e-3; /* rk4's times reach cvode's */
-    p.points[1][0].cost.counted = 4e-3;        /* and by counts not clearly dearer */
+    p.points[1][0].cost.counted = 4e-3;        /* and by counts not clearly costlier */
     state(&p, folder, &rows);
-    row_is(
-        &rows, "swing, 10 mm", "holds",
-        "On swing the cheapest within 10 mm (its treatment's error included) are rk4 with "
-        "projection at h = 0.0002 (2 ms of CPU time) and cvode (3 ms), whose costs are too close "
-        "to part them.");
+    row_is(&rows, "swing, 10 mm", "holds",
+           "Within 10 mm on swing (with its treatment's error) the cheapest are rk4 (2 ms of CPU "
+           "time) and cvode (3 ms), too close to tell apart.");
     row_is(&rows, "swing, 1 mm", "holds",
-           "On swing the cheapest within 1 mm (its treatment's error included) are cvode with "
-           "generalised at rtol 0.001 (3 ms of CPU time) and rk4 (5 ms), whose costs are too "
-           "close to part them.");
-    row_is(&rows, "10 mm", "holds", "Cheapest within 10 mm is several (tied) on 1 of 1 scenes.");
+           "Within 1 mm on swing (with its treatment's error) the cheapest are cvode (3 ms of CPU "
+           "time) and rk4 (5 ms), too close to tell apart.");
+    row_is(&rows, "10 mm", "holds",
+           "Within 10 mm several methods cost about the same on 1 of 1 scenes.");
     text_table_free(&rows);
     folder_remove(folder);
     scene_free(p.scene);
@@ -430,11 +451,9 @@ Test(race, a_busy_machine_makes_no_winner) {
     folder_make(folder);
     p.points[0][3].cost.cpu = (struct spread){4e-3, 3.9e-3, 4.1e-3}; /* rk4, and cvode took 3 */
     state(&p, folder, &rows);
-    row_is(
-        &rows, "swing, 10 mm", "holds",
-        "On swing the cheapest within 10 mm (its treatment's error included) are rk4 with "
-        "projection at h = 0.0002 (4 ms of CPU time) and cvode (3 ms), whose costs are too close "
-        "to part them.");
+    row_is(&rows, "swing, 10 mm", "holds",
+           "Within 10 mm on swing (with its treatment's error) the cheapest are rk4 (4 ms of CPU "
+           "time) and cvode (3 ms), too close to tell apart.");
     text_table_free(&rows);
     folder_remove(folder);
     scene_free(p.scene);
@@ -448,13 +467,14 @@ Test(race, who_is_limited_keeps_nobody_off_the_front) {
     struct point *best = &p.points[0][3], *beaten = &p.points[0][1];
     race_mark_fronts(field);
     cr_expect(best->front[0] && !beaten->front[0], "rk4 is cheaper and better than Euler");
-    best->limited = 1;
+    best->reference_limited = 1;
     race_mark_fronts(field);
     cr_expect(!best->front[0] && beaten->front[0]);
     scene_free(p.scene);
 }
 
-/* What is left out is said to be dearer than all that was run: it may still reach what none has. */
+/* What is left out is said to be costlier than all that was run: it may still reach what none has.
+ */
 Test(race, what_is_left_out_is_said_with_what_it_could_have_won) {
     static struct prepared p;
     char folder[PATH_SIZE];
@@ -464,9 +484,9 @@ Test(race, what_is_left_out_is_said_with_what_it_could_have_won) {
     snprintf(p.entries[0][RK4].left_out, sizeof p.entries[0][RK4].left_out, "this and shorter");
     state(&p, folder, &rows);
     row_is(&rows, "swing, left out", "not reached",
-           "On swing 1 ladders end where runs are predicted to cost more than any that was made, "
-           "and so could not have been the cheapest within an error that one has reached; they "
-           "could have been within 0.1 mm.");
+           "On swing the settings of 1 method end where runs are predicted to cost more than any "
+           "that was made, and could not have been the cheapest within an error that was reached; "
+           "they could have been within 0.1 mm.");
     text_table_free(&rows);
     folder_remove(folder);
     scene_free(p.scene);
@@ -502,12 +522,14 @@ Test(race, verdicts_turn_with_the_points) {
     p.points[0][1].setting = 1.3e-4; /* 7692 Hz is not the thesis's rate */
     state(&p, folder, &rows);
     row_is(&rows, "swing, choice", "not reached",
-           "On swing explicit Euler with projection has no run near 9000 Hz, the thesis's choice.");
+           "On swing explicit Euler with projection at 9000 Hz is the right method: it has no run "
+           "near that rate.");
     text_table_free(&rows);
-    p.contestants[EULER].name = "midpoint";
+    p.configurations[EULER].name = "midpoint";
     state(&p, folder, &rows);
     row_is(&rows, "swing, choice", "not asked",
-           "On swing explicit Euler with projection was not asked for.");
+           "On swing explicit Euler with projection at 9000 Hz is the right method: it was not "
+           "asked for.");
     text_table_free(&rows);
     folder_remove(folder);
     scene_free(p.scene);

@@ -1,5 +1,6 @@
 /* README's walk: a stepper of one file and one line in the registry, in lists, runs and charts. The
  * program here is built of what README shows; its loops of tests are walk/... in ctest. */
+#include "base/text_table.h"
 #include "support.h"
 
 #include <criterion/criterion.h>
@@ -21,23 +22,18 @@ static void clean_up(void) {
 
 /* Whether a table has a row in which all these are, as cells. */
 static int has_row(const char *table, const char *const *cells) {
-    char path[PATH_SIZE];
+    struct text_table text;
     int found = 0;
-    path_format(path, "%s/%s.tsv", folder, table);
-    char *text = file_read(path);
-    cr_assert(text, "no table %s", table);
-    for (char *rest = text, *line; (line = strsep(&rest, "\n")) != NULL;) {
-        char row[2048];
-        int all = line[0] != '#';
-        snprintf(row, sizeof row, "\t%s\t", line);
-        for (const char *const *cell = cells; *cell && all; cell++) {
-            char wanted[128];
-            snprintf(wanted, sizeof wanted, "\t%s\t", *cell);
-            all = strstr(row, wanted) != NULL;
+    table_must_be_read(&text, folder, table);
+    for (int i = 0; i < text.row_count && !found; i++) {
+        found = 1;
+        for (const char *const *wanted = cells; *wanted && found; wanted++) {
+            found = 0;
+            for (int k = 0; k < text.column_count; k++)
+                found |= strcmp(text.cell[i * text.column_count + k], *wanted) == 0;
         }
-        found |= all;
     }
-    free(text);
+    text_table_free(&text);
     return found;
 }
 #define HAS_ROW(table, ...) has_row(table, (const char *const[]){name, __VA_ARGS__, NULL})
@@ -51,6 +47,29 @@ static int is_drawn(const char *figure) {
     const int found = strstr(text, name) != NULL || strstr(text, "more, see the table") != NULL;
     free(text);
     return found;
+}
+
+/* The files that README tells to read first, in a list "1. `path`: ...", are there and not long. */
+Test(readme, the_ten_files_to_read_first_are_short) {
+    enum { LINES_MOST = 300 };
+    char path[PATH_SIZE], listed[200];
+    int number, count = 0, at_list = 0;
+    path_format(path, "%s/../README.md", WISPLAB_TESTS_DIR);
+    char *readme = file_read(path), *left = readme;
+    cr_assert(readme);
+    for (char *line; (line = strsep(&left, "\n")) != NULL && count < 10;) {
+        at_list |= strncmp(line, "Ten files to read first", 23) == 0;
+        if (!at_list || sscanf(line, "%d. `%199[^`]`", &number, listed) != 2)
+            continue;
+        cr_assert_eq(number, ++count, "%s", line);
+        path_format(path, "%s/../%s", WISPLAB_TESTS_DIR, listed);
+        char *text = file_read(path);
+        cr_assert(text, "%s is not there", listed);
+        cr_expect_lt(count_lines(text), LINES_MOST, "%s", listed);
+        free(text);
+    }
+    cr_assert_eq(count, 10);
+    free(readme);
 }
 
 Test(readme, the_stepper_is_in_the_list_and_runs, .init = set_up, .fini = clean_up) {
@@ -107,7 +126,13 @@ Test(readme, slow_it_is_in_the_circle, IN_FOLDER, .timeout = 300) {
     experiment("circle", NULL);
     cr_assert(HAS_ROW("circle/work-precision", "finished"));
     cr_assert(is_drawn("circle/work-precision"));
-    cr_assert_not(HAS_ROW("circle/radius-predicted", name), "there is no table to foretell it");
+    cr_assert_not(HAS_ROW("circle/radius-predicted", name), "there is no table to predict it");
+}
+
+Test(readme, slow_its_news_is_counted, IN_FOLDER, .timeout = 300) {
+    experiment("history", NULL);
+    cr_assert(HAS_ROW("history/news", "skip springs", "solves", "same"));
+    cr_assert_not(HAS_ROW("history/rates", "11"), "it is stable at all steps");
 }
 
 Test(readme, slow_it_is_in_stability_without_a_prediction, IN_FOLDER, .timeout = 300) {

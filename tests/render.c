@@ -3,6 +3,7 @@
 #include "base/vector.h"
 #include "command/cli.h"
 #include "picture/strip.h"
+#include "picture/usd.h"
 #include "picture/vtk.h"
 #include "scene/scene_load.h"
 #include "support.h"
@@ -285,6 +286,10 @@ static const struct {
     {{"--format", "gif"}, "png, svg"},
     {{"--film", "--strip"}, "--film"},
     {{"--style"}, "no style field"},
+    {{"--section", "x"}, "--section x: must be the number of a node, or of wisp and node"},
+    {{"--section", "1"}, "wisp 0 has no free node 1, but nodes 2 to 3"},
+    {{"--section", "2:2"}, "there is no wisp 2; there are wisps 0 to 1"},
+    {{"--section", "3", "--skeleton"}, "leave out --skeleton"},
     {{"--set", "render={hairs=-1;}"}, "hairs"},
     {{"--error", "nowhere"}, "nowhere"},
     {{"--error", "nowhere.tsv"}, "nowhere.tsv: no such file"},
@@ -318,7 +323,7 @@ Test(render, wrong_commands_are_refused_in_one_line) {
     PROGRAM(&f, NULL, "export", "circle", "--vtk", out);
     cr_expect(f.code == 1 && strstr(f.err, "neither a file of states nor the folder"), "%s", f.err);
     PROGRAM(&f, NULL, "export", folder, "--vtk", out);
-    cr_expect(f.code == 0 && count_files(out, ".pvd") == 1, "of a folder: %s", f.err);
+    cr_expect(f.code == 0 && count_files(out, ".pvd") == 3, "of a folder: %s", f.err);
     scene_free(scene);
     folder_remove(folder);
 }
@@ -487,6 +492,100 @@ Test(render, hair_behind_a_body_is_not_drawn) {
     scene_free(scene);
 }
 
+/* --- the style field --- */
+
+/* The arrows of a field; the caller frees the picture. */
+static const struct layer *arrows(struct picture *picture, const char *style) {
+    char folder[PATH_SIZE];
+    struct scene *scene = scene_of(style);
+    struct frames frames;
+    write_frames(folder, scene, 1, 0);
+    open_frames(&frames, folder);
+    draw(picture, &frames, VIEW_STYLE, 1, 320, 240);
+    frames_close(&frames);
+    folder_remove(folder);
+    scene_free(scene);
+    return &picture->layer[LAYER_STYLE];
+}
+
+Test(render, arrows_of_a_uniform_field_are_parallel) {
+    struct picture picture;
+    const struct layer *layer =
+        arrows(&picture, "style={ times=[0.0]; accelerations=([1.0,2.0,-9.0]); }");
+    cr_assert_eq(layer->count, 63);
+    for (size_t i = 0; i < layer->count; i++) {
+        const struct segment *s = &layer->segments[i];
+        cr_expect(s->dx == layer->segments->dx && s->dy == layer->segments->dy, "arrow %zu", i);
+        cr_expect(hypot(s->dx, s->dy) > 5);
+    }
+    picture_free(&picture);
+}
+
+/* On both sides of the plane they point away from it. */
+Test(render, arrows_of_a_parting_point_to_both_sides) {
+    struct picture picture;
+    const struct layer *layer = arrows(
+        &picture, "style={ times=[0.0]; accelerations=([0.0,0.0,0.0]); parting={ width=1e-3; "
+                  "origin=[0.0,0.0,0.0]; normal=[1.0,0.0,0.0]; accelerations=([3.0,0.0,0.0]); }; "
+                  "}");
+    int sides[2] = {0, 0};
+    for (size_t i = 0; i < layer->count; i++)
+        sides[layer->segments[i].dx > 0]++;
+    cr_expect(sides[0] >= 20 && sides[1] >= 20, "%d and %d arrows", sides[0], sides[1]);
+    for (size_t i = 0; i < layer->count; i++)
+        for (size_t j = 0; j < layer->count; j++) {
+            const struct segment *a = &layer->segments[i], *b = &layer->segments[j];
+            cr_assert(!(a->dx < 0 && b->dx > 0 && a->y == b->y && a->x > b->x),
+                      "arrows point at each other");
+        }
+    picture_free(&picture);
+}
+
+/* --- a plane --- */
+
+/* Of six samples the first is at half of its distance, and takes along what hairs have of it:
+ * between lines at 60 degrees a place (x, y) has x - |y| / sqrt 3 of the middle one. */
+Test(render, a_plane_shows_samples_and_hairs) {
+    char folder[PATH_SIZE];
+    struct scene *scene = scene_of("envelope={ samples=6; }");
+    struct frames frames;
+    struct drawing drawing;
+    struct picture picture;
+    write_frames(folder, scene, 1, 0);
+    open_frames(&frames, folder);
+    frames.states->table.value[3 * frames.states->table.column_count + 9] = 0.01;
+    cr_assert_eq(drawing_create(&drawing, &frames, VIEW_PLANE), 0);
+    drawing.camera = camera_at(frames.scene, 320, 240);
+    drawing.plane = (struct plane_view){.wisp = 0, .node = 3, .extent = 0.02};
+    cr_assert_eq(picture_draw(&picture, &drawing, 1), 0);
+    const struct layer *layer = picture.layer;
+    const double reach = 0.46 * 240;
+    cr_assert(layer[LAYER_SAMPLES].count == 6 && layer[LAYER_STYLE].count == 6);
+    for (int j = 0; j < 6; j++) {
+        const struct segment *s = &layer[LAYER_SAMPLES].segments[j];
+        const double r = j == 0 ? reach / 2 : reach;
+        cr_expect_float_eq(s->x, 160 + r * cos(2 * M_PI * j / 6), 1e-3);
+        cr_expect_float_eq(s->y, 120 + r * sin(2 * M_PI * j / 6), 1e-3);
+    }
+    cr_assert_eq(layer[LAYER_NODES].count, 50);
+    for (int i = 0; i < 50; i++) {
+        const double *place = drawing.hairs[0]->place[i * drawing.hairs[0]->nodes + 3];
+        const struct segment *is = &layer[LAYER_NODES].segments[i],
+                             *way = &layer[LAYER_HAIR].segments[i];
+        const double back = reach / 2 * fmax(0, place[0] - fabs(place[1]) / sqrt(3));
+        cr_expect_float_eq(is->x, 160 + reach * place[0] - back, 1e-3);
+        cr_expect_float_eq(is->y, 120 + reach * place[1], 1e-3);
+        cr_expect_float_eq(way->x, 160 + reach * place[0], 1e-3);
+        cr_expect_float_eq(way->dx, -back, 1e-3);
+        cr_expect_float_eq(way->dy, 0, 1e-3);
+    }
+    picture_free(&picture);
+    drawing_free(&drawing);
+    frames_close(&frames);
+    folder_remove(folder);
+    scene_free(scene);
+}
+
 /* With a reference colour is the distance from it: 0 at the root, all of it at the tip. */
 Test(render, the_error_is_the_distance_from_the_reference) {
     char folder[PATH_SIZE], other[PATH_SIZE];
@@ -569,7 +668,7 @@ Test(render, an_interruption_leaves_whole_pictures) {
     write_frames(folder, scene, 300, 0.0001);
     path_format(out, "%s/out", folder);
     const char *const words[] = {"render",  folder,  "--frames", "all", "--size",
-                                 "100x100", "--out", out,        NULL};
+                                 "900x600", "--out", out,        NULL};
     const struct process process = program_start(NULL, words);
     for (int i = 0; i < 1000 && count_files(out, "-0001.png") < 1; i++)
         usleep(10000);
@@ -608,10 +707,79 @@ Test(render, a_strip_says_what_it_shows) {
     folder_remove(other);
 }
 
+/* Runs beside each other have their names above them; a large frame has its own caption, and is not
+ * among the others. */
+Test(render, a_strip_shows_runs_beside_each_other_and_one_frame_large) {
+    char folder[PATH_SIZE], other[PATH_SIZE], out[PATH_SIZE], path[PATH_SIZE];
+    struct scene *scene = scene_of(two_wisps);
+    struct finished f;
+    write_frames(folder, scene, 3, 0.01);
+    write_frames(other, scene, 3, 0.02);
+    path_format(out, "%s/out", folder);
+    path_format(path, "%s/swing-envelope-strip.svg", out);
+    PROGRAM(&f, NULL, "render", folder, other, "--skeleton", "--frames", "1,2", "--format", "svg",
+            "--beside", "--out", out);
+    cr_assert_eq(f.code, 0, "%s", f.err);
+    char *svg = file_read(path);
+    cr_expect_eq(count_of(svg, "rk4 generalised, 0.000 s"), 2);
+    cr_expect_eq(count_of(svg, "rk4 generalised, 0.033 s"), 2);
+    free(svg);
+    PROGRAM(&f, NULL, "render", folder, "--skeleton", "--frames", "1,2", "--format", "svg",
+            "--large", "3", "--out", out);
+    cr_assert_eq(f.code, 0, "%s", f.err);
+    svg = file_read(path);
+    cr_expect(strstr(svg, "<svg width=\"1298\" height=\"540\"") != NULL, "%.300s", svg);
+    cr_expect(strstr(svg, "<svg x=\"0\" y=\"54\" width=\"640\" height=\"480\"") != NULL,
+              "what is large is not");
+    cr_expect_eq(count_of(svg, "frame 3, 0.067 s"), 1);
+    cr_expect_eq(count_of(svg, "frame 2, 0.033 s"), 1);
+    free(svg);
+    PROGRAM(&f, NULL, "render", folder, "--skeleton", "--large", "4", "--out", out);
+    cr_assert_eq(f.code, 1);
+    cr_assert(strstr(f.err, "there is no frame 4"), "%s", f.err);
+    scene_free(scene);
+    folder_remove(folder);
+    folder_remove(other);
+}
+
+/* The palest where the two are one, and what is far away darker. */
+Test(render, colour_tells_the_distance) {
+    char folder[PATH_SIZE], other[PATH_SIZE], out[PATH_SIZE], path[PATH_SIZE];
+    struct scene *scene = scene_of(two_wisps);
+    struct finished f;
+    write_frames(folder, scene, 2, 0.08);
+    write_frames(other, scene, 2, 0);
+    path_format(out, "%s/out", folder);
+    PROGRAM(&f, NULL, "render", folder, "--skeleton", "--frames", "1,2", "--strip", "--format",
+            "svg", "--error", other, "--out", out);
+    cr_assert_eq(f.code, 0, "%s", f.err);
+    path_format(path, "%s/swing-envelope-strip.svg", out);
+    char *svg = file_read(path), *second = strstr(strstr(svg, "overflow") + 1, "overflow");
+    cr_assert(second);
+    cr_expect(strstr(svg, "stroke=\"#f2c14e\"") < second, "what is nowhere off is not pale");
+    for (char *at = svg; (at = strstr(at, "stroke=\"#")) && at < second; at++)
+        cr_expect_eq(strncmp(at, "stroke=\"#f2c14e", 15), 0, "frame 1: %.16s", at);
+    cr_expect(strstr(second, "stroke=\"#18088a\"") != NULL, "no tip is as far off as it is");
+    free(svg);
+    scene_free(scene);
+    folder_remove(folder);
+    folder_remove(other);
+}
+
 /* --- other tools --- */
 
-/* Every state is in the files to the last digit, as any reader of XML finds it. */
-Test(render, exported_frames_have_all_digits) {
+/* The numbers of an array of a file, which stand behind their length where the document says. */
+static const char *appended(const char *file, const char *name) {
+    char mark[60];
+    snprintf(mark, sizeof mark, "Name=\"%s\"", name);
+    const char *array = strstr(file, mark), *data = strstr(file, "encoding=\"raw\"");
+    cr_assert(array && data, "no %s", name);
+    return strchr(data, '_') + 1 +
+           strtol(strstr(array, "offset=\"") + strlen("offset=\""), NULL, 10);
+}
+
+/* Every state is in the files to the last bit. */
+Test(render, exported_frames_have_all_bits) {
     char folder[PATH_SIZE], path[PATH_SIZE], reason[REASON_SIZE];
     struct scene *scene = scene_of(two_wisps);
     struct frames frames;
@@ -623,19 +791,19 @@ Test(render, exported_frames_have_all_digits) {
     cr_assert(text);
     static const struct {
         const char *name;
-        int first, components;
-    } arrays[] = {{"position", 3, 3}, {"velocity", 6, 3}};
+        int first;
+    } arrays[] = {{"position", 3}, {"velocity", 6}};
     for (int a = 0; a < 2; a++) {
-        char mark[40];
-        snprintf(mark, sizeof mark, "Name=\"%s\"", arrays[a].name);
-        char *at = strstr(text, mark);
-        cr_assert(at);
-        at = strchr(at, '>') + 1;
+        const char *at = appended(text, arrays[a].name);
+        unsigned long long bytes;
+        memcpy(&bytes, at, sizeof bytes);
+        cr_assert_eq(bytes, (4 + 5) * 3 * sizeof(double));
+        at += sizeof bytes;
         for (int row = frames.first_row[1]; row < frames.states->table.row_count; row++)
-            for (int k = 0; k < arrays[a].components; k++)
-                cr_assert_eq(strtod(at, &at),
-                             table_value(&frames.states->table, row, arrays[a].first + k));
-        cr_expect_eq(strncmp(at, "\n</DataArray>", 13), 0);
+            for (int k = 0; k < 3; k++, at += sizeof(double)) {
+                const double x = table_value(&frames.states->table, row, arrays[a].first + k);
+                cr_assert_eq(memcmp(at, &x, sizeof x), 0, "%s, row %d", arrays[a].name, row);
+            }
     }
     free(text);
     path_format(path, "%s/name.pvd", folder);
@@ -648,23 +816,34 @@ Test(render, exported_frames_have_all_digits) {
     folder_remove(folder);
 }
 
-/* VTK's own reader, where Debian's python3-vtk9 is installed, which is for Debian's python3. */
+/* VTK's own reader, where Debian's python3-vtk9 is installed, which is for Debian's python3. Bodies
+ * are closed and have their outside outside: their volume by Gauss's theorem is nearly an
+ * ellipsoid's. A hair starts in its wisp's first plane, and an envelope is as wide as it is. */
 static const char *const reader =
     "import sys\n"
     "try:\n"
     "    from vtkmodules.vtkIOXML import vtkXMLPolyDataReader\n"
     "except ImportError:\n"
     "    sys.exit(42)\n"
-    "import xml.etree.ElementTree as tree, os\n"
+    "import xml.etree.ElementTree as tree, os, math\n"
     "folder = sys.argv[1]\n"
-    "sets = tree.parse(folder + '/name.pvd').getroot().findall('.//DataSet')\n"
-    "assert len(sets) == 2\n"
-    "r = vtkXMLPolyDataReader()\n"
-    "r.SetFileName(os.path.join(folder, sets[1].get('file')))\n"
-    "r.Update()\n"
-    "d = r.GetOutput()\n"
+    "def second(name):\n"
+    "    sets = tree.parse(folder + '/' + name + '.pvd').getroot().findall('.//DataSet')\n"
+    "    assert len(sets) == 2\n"
+    "    r = vtkXMLPolyDataReader()\n"
+    "    r.SetFileName(os.path.join(folder, sets[1].get('file')))\n"
+    "    r.Update()\n"
+    "    d = r.GetOutput()\n"
+    "    assert r.GetErrorCode() == 0, r\n"
+    "    t = d.GetFieldData().GetArray('TimeValue').GetTuple1(0)\n"
+    "    assert t == float(sets[1].get('timestep')), t\n"
+    "    return d\n"
+    "def corners(cell):\n"
+    "    return [cell.GetPointId(k) for k in range(cell.GetNumberOfPoints())]\n"
+    "d = second('name')\n"
     "assert d.GetNumberOfPoints() == 9 and d.GetNumberOfLines() == 2, d\n"
     "assert [d.GetCell(i).GetNumberOfPoints() for i in (0, 1)] == [4, 5]\n"
+    "assert corners(d.GetCell(1)) == [4, 5, 6, 7, 8]\n"
     "assert d.GetPoint(8) == (0.1 + 0.0625, -0.3, 0.0), d.GetPoint(8)\n"
     "p = d.GetPointData()\n"
     "assert p.GetArray('velocity').GetTuple(8) == (1.0, 2.0, 4.0)\n"
@@ -673,12 +852,58 @@ static const char *const reader =
     "assert p.GetArray('strain').GetTuple1(8) > 0.01\n"
     "assert d.GetCellData().GetArray('wisp').GetTuple1(1) == 1\n"
     "assert d.GetCellData().GetArray('parent').GetTuple1(1) == 1\n"
-    "assert d.GetFieldData().GetArray('TimeValue').GetTuple1(0) == "
-    "float(sets[1].get('timestep'))\n";
+    "d = second('name-envelopes')\n"
+    "assert d.GetNumberOfPoints() == 24 * (3 + 4), d\n"
+    "assert d.GetNumberOfPolys() == 24 * (2 + 3), d\n"
+    "assert d.GetCellData().GetArray('wisp').GetTuple1(24 * 2 - 1) == 0\n"
+    "assert d.GetCellData().GetArray('wisp').GetTuple1(24 * 2) == 1\n"
+    "edges = set()\n"
+    "for i in range(d.GetNumberOfCells()):\n"
+    "    c = corners(d.GetCell(i))\n"
+    "    edges.update(zip(c, c[1:] + c[:1]))\n"
+    "assert len(edges) == 4 * d.GetNumberOfCells()\n"
+    "assert sum((b, a) not in edges for a, b in edges) == 4 * 24\n"
+    "nodes = second('name')\n"
+    "for i in range(24 * 7):\n"
+    "    ring = i // 24\n"
+    "    node = 1 + ring if ring < 3 else 4 + 1 + ring - 3\n"
+    "    gap = math.dist(d.GetPoint(i), nodes.GetPoint(node))\n"
+    "    assert abs(gap - 0.02) < 1e-12, (i, gap)\n"
+    "d = second('name-hairs')\n"
+    "assert d.GetNumberOfLines() == 2 * 50, d\n"
+    "assert d.GetCellData().GetArray('hair').GetTuple1(99) == 49\n"
+    "for i in (0, 99):\n"
+    "    start = d.GetPoint(d.GetCell(i).GetPointId(0))\n"
+    "    assert math.dist(start, nodes.GetPoint(0 if i == 0 else 4)) < 0.02, start\n"
+    "d = second('name-bodies')\n"
+    "assert d.GetCellData().GetNumberOfArrays() == 1\n"
+    "owner = d.GetCellData().GetArray('body')\n"
+    "volume, edges = [0, 0], {}\n"
+    "for i in range(d.GetNumberOfCells()):\n"
+    "    c = corners(d.GetCell(i))\n"
+    "    p = [d.GetPoint(k) for k in c]\n"
+    "    for k in range(1, len(c) - 1):\n"
+    "        (a, b, e), (f, g, h), (l, m, n) = p[0], p[k], p[k + 1]\n"
+    "        volume[int(owner.GetTuple1(i))] += (a * (g * n - h * m) + b * (h * l - f * n)\n"
+    "                                            + e * (f * m - g * l)) / 6\n"
+    "    for edge in zip(c, c[1:] + c[:1]):\n"
+    "        assert edge not in edges, edge\n"
+    "        edges[edge] = i\n"
+    "for v, radii in zip(volume, ((0.03, 0.02, 0.01), (0.02, 0.02, 0.02))):\n"
+    "    exact = 4 / 3 * math.pi * radii[0] * radii[1] * radii[2]\n"
+    "    assert 0.98 < v / exact < 1, (v, exact)\n";
+
+static const char *const with_bodies[] = {
+    two_wisps,
+    "body=({name=\"a\";center=[0.3,0.1,0.0];radii=[0.03,0.02,0."
+    "01];friction=0.0;elasticity=0.0;offset=0.0;},"
+    "{name=\"b\";center=[-0.3,0.1,0.2];radii=[0.02,0.02,0.02];"
+    "friction=0.0;elasticity=0.0;offset=0.0;})",
+    "head={times=[0.0];positions=([0.0,0.0,0.0]);rotations=([0.3,0.2,0.7]);}"};
 
 Test(render, exported_frames_are_read_by_vtk) {
     char folder[PATH_SIZE], script[PATH_SIZE], command[3 * PATH_SIZE], reason[REASON_SIZE];
-    struct scene *scene = scene_of(two_wisps);
+    struct scene *scene = lab_load("swing-envelope", with_bodies, 3);
     struct frames frames;
     write_frames(folder, scene, 2, 0.0625);
     open_frames(&frames, folder);
@@ -692,4 +917,64 @@ Test(render, exported_frames_are_read_by_vtk) {
     if (status == 127 << 8 || status == 42 << 8)
         skip_test("VTK's own reader, for there is no python3-vtk9");
     cr_expect_eq(status, 0, "VTK reads something else");
+}
+
+/* The numbers of an attribute at a frame; returns how many. */
+static int numbers_at(const char *layer, const char *attribute, int frame, double *number,
+                      int most) {
+    char key[32];
+    const char *at = strstr(layer, attribute);
+    cr_assert(at, "no %s", attribute);
+    snprintf(key, sizeof key, "\n            %d: ", frame);
+    at = strstr(at, key);
+    cr_assert(at, "no frame %d of %s", frame, attribute);
+    at += strlen(key);
+    int count = 0;
+    while (*at != '\n' && count < most) {
+        char *end;
+        const double x = strtod(at, &end);
+        if (end != at)
+            number[count++] = x;
+        at = end != at ? end : at + 1;
+    }
+    return count;
+}
+
+/* Curves go through the nodes and are as wide as envelopes; a row of 4 numbers, on the left of a
+ * body's matrix, takes the ends of the unit sphere's axes to those of the body's. */
+Test(render, a_usd_layer_has_all_frames) {
+    char folder[PATH_SIZE], path[PATH_SIZE], reason[REASON_SIZE];
+    struct scene *scene = lab_load("swing-envelope", with_bodies, 3);
+    struct frames frames;
+    double number[40];
+    write_frames(folder, scene, 2, 0.0123456789012345);
+    open_frames(&frames, folder);
+    cr_assert_eq(usd_write(&frames, folder, "name", reason), 0, "%s", reason);
+    path_format(path, "%s/name.usda", folder);
+    char *layer = file_read(path);
+    cr_assert(layer && strncmp(layer, "#usda 1.0\n", 10) == 0);
+    cr_expect_eq(numbers_at(layer, "curveVertexCounts", 2, number, 40), 2);
+    cr_expect(number[0] == 4 && number[1] == 5);
+    cr_expect_eq(numbers_at(layer, "point3f[] points", 2, number, 40), 27);
+    for (int row = 0; row < 9; row++)
+        for (int k = 0; k < 3; k++)
+            cr_expect_eq(number[3 * row + k],
+                         table_value(&frames.states->table, frames.first_row[1] + row, 3 + k));
+    cr_expect_eq(numbers_at(layer, "float[] widths", 1, number, 40), 9);
+    for (int i = 0; i < 9; i++)
+        cr_expect_float_eq(number[i], 0.04, 1e-15);
+    cr_expect_eq(numbers_at(strstr(layer, "\"body_0\""), "xformOp:transform.", 1, number, 40), 16);
+    const struct body *body = &scene->bodies[0];
+    struct placement head;
+    head_placement(&scene->around.head, 0, &head);
+    const struct body_motion motion = body_motion(body, &head, 0);
+    for (int axis = 0; axis < 3; axis++)
+        for (int k = 0; k < 3; k++)
+            cr_expect_float_eq(number[12 + k] + number[4 * axis + k],
+                               motion.centre[k] + body->radii[axis] * motion.axes[k][axis], 1e-15,
+                               "axis %d, %c", axis, "xyz"[k]);
+    free(layer);
+    frames_close(&frames);
+    scene_free(scene);
+    folder_remove(folder);
 }

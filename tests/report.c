@@ -3,10 +3,14 @@
 
 #include "base/text_table.h"
 #include "experiments/registry.h"
+#include "picture/canvas.h"
+#include "picture/tips.h"
+#include "report/svg.h"
 #include "support.h"
 
 #include <criterion/criterion.h>
 #include <ctype.h>
+#include <math.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
@@ -147,16 +151,18 @@ static const char circle_table[] = "# positions <exact & computed>\n"
 static const char points[] = "# points\nmethod\tstatus\terror\nrk4\tfinished\t0.0004\n";
 
 #define STATED "# found\nkey\tfigure\tquestion\tstatement\tverdict\tvalue\tunit\tby\ttables\n"
-static const char circle_rows[] = STATED
-    "near\torbits-30s\t-\trk4 is < 0.02 m away.\tholds\t0.0125\tm\tours\ttable\n"
-    "far\torbits-160s\t-\tEuler is not far.\tdoes not hold\t0.75\tm\tthesis\ttable orbits-30s\n"
-    "left\tradius\t-\tNobody asked for the radius.\tnot asked\t-\t-\tours\t-\n";
-static const char race_rows[] =
-    STATED "a\tswing\ttargets\tOn swing rk4 takes 2 ms.\tholds\t2\tms\tours\tswing\n"
-           "b\tswing\tchoice\tOn swing Euler is right.\tdoes not hold\t4\t1\tthesis\tswing\n"
-           "c\tswing\tfailures\tOn swing Euler fails.\tholds\t1\t1\tours\tswing\n"
-           "d\t-\ttargets\tIn all rk4 is cheapest.\tholds\t-\t-\tours\tscenes\n"
-           "e\t-\tchoice\tIn all Euler is right.\tnot reached\t-\t-\tthesis\tscenes\n";
+static const char circle_rows[] =
+    STATED "near\torbits-30s\t-\trk4 is < 0.02 m away.\tholds\t0.0125\tm\tours\ttable\n"
+           "far\torbits-160s\t-\tEuler is not far: it is 0.75 m away.\tdoes not "
+           "hold\t0.75\tm\tthesis\ttable orbits-30s\n"
+           "left\tradius\t-\tNobody asked for the radius.\tnot asked\t-\t-\tours\t-\n";
+static const char race_rows[] = STATED
+    "a\tswing\ttargets\tOn swing rk4 takes 2 ms.\tholds\t2\tms\tours\tswing\n"
+    "b\tswing\tchoice\tOn swing Euler is right: rk4 is four times cheaper.\tdoes not "
+    "hold\t4\t1\tthesis\tswing\n"
+    "c\tswing\tfailures\tOn swing Euler fails.\tholds\t1\t1\tours\tswing\n"
+    "d\t-\ttargets\tIn all rk4 is cheapest.\tholds\t-\t-\tours\tscenes\n"
+    "e\t-\tchoice\tIn all Euler is right: nobody knows.\tnot reached\t-\t-\tthesis\tscenes\n";
 
 /* A part of the report whose folder is there. */
 static struct report_part *add_part(struct report *report, const char *name, char *folder) {
@@ -245,42 +251,280 @@ Test(report, every_figure_has_its_statements_and_its_data) {
     cr_assert_eq(page.figures, 3);
     cr_assert_eq(page.captions, 3);
     HAS(page.text, "<figure id=\"circle-orbits-30s\">", "</figcaption>",
-        "<li><span class=\"verdict\">holds</span> rk4 is &lt; 0.02 m away.</li>",
-        "aria-label=\"rk4 is &lt; 0.02 m away.\"", "<a href=\"circle/orbits-30s.tsv\">",
-        "<a href=\"circle/table.tsv\">");
+        "<p class=\"claim\">rk4 is &lt; 0.02 m away <a", "aria-label=\"rk4 is &lt; 0.02 m away.\"",
+        "<a href=\"circle/orbits-30s.tsv\">", "<a href=\"circle/table.tsv\">");
     HAS(page.text, "<figure id=\"circle-orbits-160s\">", "</figcaption>",
-        "<span class=\"verdict fails\">thesis: does not hold</span> Euler is not far.</li>",
+        "<p class=\"claim\">Euler is not far? <span class=\"verdict fails\">does not hold</span> "
+        "it is "
+        "0.75 m away <a",
+        "<tr><td>Euler is not far</td><td>it is 0.75 m away.</td><td><span class=\"verdict fails\">"
+        "does not hold</span></td></tr>",
         "<a href=\"circle/orbits-160s.tsv\">", "<a href=\"circle/orbits-30s.tsv\">");
-    HAS(page.text, "<section id=\"circle\"", "<figure",
+    HAS(page.text, "<details class=\"part\" id=\"circle\"", "<figure",
         "<span class=\"verdict\">not asked</span> Nobody asked for the radius.");
     HAS(page.text, "<figure id=\"work-precision-swing\">", "</figcaption>",
-        "<a href=\"work-precision/swing-slopes.tsv\">", "On swing rk4 takes 2 ms.");
+        "<a href=\"work-precision/swing-slopes.tsv\">",
+        "<p class=\"claim\">On swing rk4 takes 2 ms <a", "<li>On swing Euler fails.</li>");
     HAS(page.text, "positions &lt;", "</details>", "&lt;exact &amp; computed&gt;",
         "left &quot;the&quot; plane");
+    char *swing = part_of(page.text, "<figure id=\"work-precision-swing\">", "</figcaption>");
+    cr_assert(!strstr(swing, "swing-envelope.tsv"), "another figure's table");
+    free(swing);
     page_free(&page);
     folder_remove(root);
 }
 
-/* Under each question the rows that answer it, those that sum up first, and nothing else. */
+/* In the chapter of each question the rows that answer it, those that sum up first and the others
+ * in a fold, and nothing else. */
 Test(report, answers_are_the_rows_of_their_question) {
     struct report report;
     struct page page;
     char root[PATH_SIZE];
     prepare(&report, root);
     make_page(&report, &page);
-    char *answers = part_of(page.text, "<section id=\"answers\">", "</section>");
-    char *targets = part_of(answers, "What would one choose today", "<h3>");
+    char *targets = part_of(page.text, "What would one choose today", "<figure");
     const char *sum = strstr(targets, "In all rk4 is cheapest."),
+               *fold = strstr(targets, "<details><summary>Scene by scene: 1 sentences"),
                *one = strstr(targets, "On swing rk4 takes 2 ms.");
-    cr_assert(sum && one && sum < one && !strstr(targets, "Euler"), "%s", targets);
-    HAS(answers, "Was explicit Euler with projection", "<h3>", "In all Euler is right.",
-        "On swing Euler is right.",
-        "Of the thesis's 1 claims on single scenes 0 hold, 1 does not.");
-    HAS(answers, "Where does each method fail?", "<h3>", "On swing Euler fails.");
+    cr_assert(sum && fold && one && sum < fold && fold < one && !strstr(targets, "Euler"), "%s",
+              targets);
+    HAS(page.text, "Was explicit Euler with projection", "</section>",
+        "<td>In all Euler is right</td><td>nobody knows.</td>",
+        "<td>On swing Euler is right</td><td>rk4 is four times cheaper.</td>",
+        "None of the thesis's 1 claims on single scenes holds.");
+    HAS(page.text, "Where does each method fail?", "</section>", "On swing Euler fails.");
+    HAS(page.text, "What does each scene need?", "</section>",
+        "No experiment of this report answers it.");
     free(targets);
-    free(answers);
     page_free(&page);
     folder_remove(root);
+}
+
+/* The page begins with the sentence of an experiment that its headline names, and links to its
+ * fold; a figure that is shown at the head of a chapter is not shown again in that. */
+Test(report, what_matters_most_comes_first_and_once) {
+    struct report report;
+    struct page page;
+    char root[PATH_SIZE], folder[PATH_SIZE];
+    prepare(&report, root);
+    add_part(&report, "ladder", folder);
+    file_write(folder, "ladder.svg", picture, NULL);
+    file_write(folder, "statements.tsv",
+               STATED "other\tladder\t-\tSomething else.\tholds\t1\t1\tours\t-\n"
+                      "price, default\tladder\t-\tA millimetre is cheap.\tholds\t1\t1\tours\t-\n",
+               NULL);
+    add_part(&report, "stability", folder);
+    file_write(folder, "limits.svg", picture, NULL);
+    file_write(folder, "statements.tsv",
+               STATED "swing, longest steps\t-\t-\tSteps are long.\tholds\t1\tms\tours\t-\n"
+                      "one\tlimits\t-\tOne is.\tholds\t1\tms\tours\t-\n",
+               NULL);
+    make_page(&report, &page);
+    read_page(&page);
+    HAS(page.text, "<figure id=\"ladder-ladder\"", "</figure>",
+        "<p class=\"claim\">A millimetre is cheap <a", "<li>Something else.</li>");
+    HAS(page.text, "<figure id=\"stability-limits\"", "</figure>",
+        "<p class=\"claim\">Steps are long <a", "<li>One is.</li>");
+    HAS(page.text, "<ol", "</ol>", "Steps are long. <a href=\"#stability\">stability</a>");
+    const char *figure = strstr(page.text, "<figure id=\"ladder-ladder\"");
+    cr_assert(figure && figure < strstr(page.text, "<ol") &&
+              !strstr(figure + 1, "<figure id=\"ladder-ladder\""));
+    HAS(page.text, "<details class=\"part\" id=\"ladder\"", "</details>",
+        "<a href=\"#ladder-ladder\">");
+    page_free(&page);
+    folder_remove(root);
+}
+
+/* Writes a picture of some pixels, all of one colour but for a line. */
+static void write_png(const char *folder, const char *name, int width, int height) {
+    char path[PATH_SIZE], reason[REASON_SIZE];
+    struct canvas *canvas = canvas_create(width, height, 0);
+    canvas_line(canvas, 1, 1, 5, 5, 0x8F6136);
+    path_format(path, "%s/%s", folder, name);
+    cr_assert_eq(canvas_write(canvas, path, reason), 0, "%s", reason);
+    canvas_free(canvas);
+}
+
+/* Photographs, as it were, are in the page as WebP. A film is the sheet of its frames behind a
+ * window of the height of one: it moves without a script, not where motion is not wanted, and not
+ * on paper. */
+Test(report, pictures_of_hair_and_films_are_in_the_page) {
+    struct report report;
+    struct page page;
+    char root[PATH_SIZE], folder[PATH_SIZE];
+    prepare(&report, root);
+    add_part(&report, "wind", folder);
+    write_png(folder, "hair.png", 64, 48);
+    write_png(folder, "film.png", 64, 3 * 50);
+    file_write(folder, "film.tsv", "# frames\nframe\tt\n1\t0\n2\t1\n3\t2\n", NULL);
+    file_write(folder, "statements.tsv",
+               STATED "hair\thair\t-\tAll is drawn.\tholds\t1\t1\tours\t-\n"
+                      "film\tfilm\t-\tIt moves.\tholds\t1\ts\tours\tfilm\n",
+               NULL);
+    make_page(&report, &page);
+    read_page(&page);
+    cr_assert_eq(count_of(page.text, "<img "), 2);
+    HAS(page.text, "<figure id=\"wind-hair\">", "<figcaption>",
+        "<img style=\"--legible:49px\" alt=\"All is drawn.\" src=\"data:image/webp;base64,UklGR");
+    HAS(page.text, "<figure id=\"wind-film\">", "<figcaption>",
+        "alt=\"It moves.\" src=\"data:image/webp;base64,UklGR", "aspect-ratio:64/50",
+        "steps(3,jump-none)", "translateY(-66.6667%)",
+        "@media screen and (prefers-reduced-motion:no-preference){\n.film img{animation:");
+    char *style = part_of(page.text, "<figure id=\"wind-film\">", "@media");
+    cr_assert(!strstr(style, "animation:"), "it moves everywhere: %s", style);
+    cr_assert(!strstr(page.text, "<script"));
+    free(style);
+    page_free(&page);
+    folder_remove(root);
+}
+
+/* What is no picture is said, and not put into the page. */
+Test(report, a_png_that_is_none_is_a_failure) {
+    struct report report;
+    char root[PATH_SIZE], folder[PATH_SIZE], reason[REASON_SIZE];
+    prepare(&report, root);
+    add_part(&report, "wind", folder);
+    file_write(folder, "hair.png", "half a", NULL);
+    file_write(folder, "statements.tsv",
+               STATED "hair\thair\t-\tAll is drawn.\tholds\t1\t1\tours\t-\n", NULL);
+    cr_assert(report_write(&report, reason) != 0);
+    cr_assert(strstr(reason, "hair.png: cannot be read"), "%s", reason);
+    folder_remove(root);
+}
+
+/* Every experiment has a chapter, the page every chapter. */
+Test(report, chapters_hold_their_experiments) {
+    struct report report = {.quick = 1};
+    struct page page;
+    char root[PATH_SIZE], folder[PATH_SIZE];
+    folder_make(root);
+    report.root = root;
+    for (int i = 0; experiments[i]; i++) {
+        add_part(&report, experiments[i]->name, folder);
+        report.parts[i].included = 0;
+        snprintf(report.parts[i].note, REASON_SIZE, "left out");
+    }
+    make_page(&report, &page);
+    read_page(&page);
+    references_are_there(&page, "href=\"#", '"');
+    for (int i = 0; experiments[i]; i++) {
+        static const char *const anchors[] = {
+#define X(symbol, anchor, title, about) "<section id=\"" anchor "\">",
+            CHAPTERS(X)
+#undef X
+        };
+        char *chapter = part_of(page.text, anchors[experiments[i]->chapter], "</section>");
+        char id[128];
+        snprintf(id, sizeof id, "id=\"%s\"", experiments[i]->name);
+        cr_assert(strstr(chapter, id), "%s", experiments[i]->name);
+        free(chapter);
+    }
+    page_free(&page);
+    folder_remove(root);
+}
+
+/* --- pictures for the page --- */
+
+static char *fit(const char *attributes) {
+    static char *text; /* a stream keeps its place, as compilers know */
+    static size_t size;
+    FILE *stream = open_memstream(&text, &size);
+    svg_write(stream, attributes, "p-");
+    fclose(stream);
+    return text;
+}
+
+/* Lines are written from point to point in tenths, and end where they ended however many there are;
+ * a second move stays a move. Marks keep their shapes. */
+Test(report, pictures_lose_nothing_that_can_be_seen) {
+    static const char *const pairs[][2] = {
+        {" viewBox=\"0 0 9 9\"\n >\n\n<g id='a'  fill=\"rgb( 1,  2,3)\">\n</g><path  d='M1.04,2.00 "
+         "L2.06,1.5 L2.06,1.5 L0,1.5  '/></svg>",
+         " viewBox=\"0 0 9 9\">\n<path d='M1,2l1.1-.5-2.1,0'/></svg>"},
+        {"><path d='M10,10 M12,10 L13,10 Z'/></svg>", "><path d='M10,10m2,0l1,0z'/></svg>"},
+        {"><defs><path d='M0,-1.33 L-1.33,0.67 z'/></defs></svg>",
+         "><defs><path d='M0,-1.33 L-1.33,0.67 z'/></defs></svg>"},
+        {"><path d='M0,0 c 1.234,5'/><text>a  b</text></svg>",
+         "><path d='M0,0 c 1.234,5'/><text>a  b</text></svg>"},
+        {"><use xlink:href='#m' fill=\"url(#g)\" clip-path=\"url('#h')\"/><a "
+         "href=\"x#y\">#z</a></svg>",
+         "><use xlink:href='#p-m' fill=\"url(#p-g)\" clip-path=\"url('#p-h')\"/><a "
+         "href=\"x#y\">#z</a></svg>"},
+        {"><defs><filter id='f'><x/></filter></defs></svg>", "><defs></defs></svg>"},
+        {"><defs><filter id='f'><x/></filter></defs><g filter=\"url(#f)\">a</g></svg>",
+         "><defs><filter id='p-f'><x/></filter></defs><g filter=\"url(#p-f)\">a</g></svg>"},
+        {"><title>G</title><g ><desc>d</desc></g></svg>", "><g></g></svg>"},
+        {"><g stroke-linecap=\"butt\" stroke-linejoin='miter' font-family=\"sans-serif\" "
+         "stroke-width=\"1\">a</g><g stroke-linecap=\"round\" stroke-linejoin=\"round\" "
+         "font-family=\"sans-serif,a\">b</g></svg>",
+         "><g stroke-width=\"1\">a</g><g stroke-linecap=\"round\" stroke-linejoin=\"round\" "
+         "font-family=\"sans-serif,a\">b</g></svg>"},
+    };
+    for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++) {
+        char *text = fit(pairs[i][0]);
+        cr_assert_str_eq(text, pairs[i][1], "%s", text);
+        free(text);
+    }
+}
+
+/* What gnuplot leaves to a script of its own is a title, and a link to the run where there is one;
+ * on the page, which lies beside the runs, the link has one folder less. */
+Test(report, points_say_what_they_are) {
+    static const char drawn[] =
+        "<svg><title>Gnuplot</title><g stroke='red'><path d='M0,0'/></g>\n"
+        "<g fill=\"none\">\n\t<g onmousemove=\"gnuplot_svg.showHypertext(evt,'swing-rk4-1\\nrk4 at "
+        "0.1: "
+        "finished\\n&lt; 1')\" onmouseout=\"gnuplot_svg.hideHypertext()\"><title> </title>\n\t"
+        "<use xlink:href='#m' transform='translate(54.53,91.00) scale(4.50)' opacity='0.00'/></g>\n"
+        "</g>"
+        "<g stroke='blue'><path d='M0,0'/><g "
+        "onmousemove=\"gnuplot_svg.showHypertext(evt,'-\\neuler')\" "
+        "onmouseout=\"gnuplot_svg.hideHypertext()\"><title> </title>\n\t"
+        "<use transform='translate(1,2) scale(3)'/></g></g></svg>\n";
+    static const char linked[] =
+        "<svg><title>Gnuplot</title><g stroke='red'><path d='M0,0'/></g>\n"
+        "<a xlink:href=\"../runs/swing-rk4-1/run.json\"><title>rk4 at 0.1: finished\n&lt; 1</title>"
+        "<circle cx=\"54.5\" cy=\"91.0\" r=\"4.5\" fill-opacity=\"0\"/></a>"
+        "<g stroke='blue'><path d='M0,0'/><g class=\"tip\"><title>euler</title>"
+        "<circle cx=\"1.0\" cy=\"2.0\" r=\"3.0\" fill-opacity=\"0\"/></g></g></svg>\n";
+    char *text = tips_text(drawn);
+    cr_assert_str_eq(text, linked, "%s", text);
+    char *page = fit(text + strlen("<svg"));
+    cr_assert_str_eq(page,
+                     "><g stroke='red'><path d='M0,0'/></g>\n"
+                     "<a xlink:href=\"runs/swing-rk4-1/run.json\"><title>rk4 at 0.1: finished\n"
+                     "&lt; 1</title><circle cx=\"54.5\" cy=\"91.0\" r=\"4.5\" "
+                     "fill-opacity=\"0\"/></a><g stroke='blue'><path d='M0,0'/><g class=\"tip\">"
+                     "<title>euler</title><circle cx=\"1.0\" cy=\"2.0\" r=\"3.0\" "
+                     "fill-opacity=\"0\"/></g></g></svg>\n",
+                     "%s", page);
+    free(page);
+    free(text);
+    char *half = tips_text("<svg><g onmousemove=\"gnuplot_svg.showHypertext(evt,'a");
+    cr_assert_str_eq(half, "<svg><g onmousemove=\"gnuplot_svg.showHypertext(evt,'a");
+    free(half);
+}
+
+/* Of ten thousand points the last is where it was: roundings do not add up. */
+Test(report, long_lines_end_where_they_ended) {
+    char *given = NULL;
+    size_t size;
+    double x = 0, y = 0;
+    FILE *stream = open_memstream(&given, &size);
+    fputs("><path d='", stream);
+    for (int i = 0; i < 10000; i++)
+        fprintf(stream, "%c%.2f,%.2f ", i ? 'L' : 'M', 300 + 0.033 * i, 200 - 0.017 * i);
+    fputs("'/></svg>", stream);
+    fclose(stream);
+    char *text = fit(given);
+    for (char *at = strstr(text, "d='M") + 4, *end; *at != '\''; at = end) {
+        x += strtod(at + (*at == 'l' || *at == ' '), &end);
+        y += strtod(end + (*end == ','), &end);
+    }
+    cr_assert(fabs(x - (300 + 0.033 * 9999)) < 0.06 && fabs(y - (200 - 0.017 * 9999)) < 0.06,
+              "%g, %g", x, y);
+    free(text);
+    free(given);
 }
 
 Test(report, what_is_missing_is_said_with_its_reason) {
@@ -289,14 +533,16 @@ Test(report, what_is_missing_is_said_with_its_reason) {
     char root[PATH_SIZE];
     prepare(&report, root);
     make_page(&report, &page);
-    cr_assert(strstr(page.text, "Not in this report: left out for want of time"));
+    HAS(page.text, "<section id=\"stable\">", "</section>",
+        "Not in this report: ", "left out for want of time.");
+    HAS(page.text, "<ol", "<nav>", "What was not tried", "<a href=\"#horizon\">");
     page_free(&page);
     report.parts[1].included = 0;
     snprintf(report.parts[1].note, REASON_SIZE, "failed: disk & all");
     make_page(&report, &page);
     read_page(&page);
-    cr_assert(strstr(page.text, "Not in this report: experiment work-precision, failed: disk "
-                                "&amp; all."));
+    HAS(page.text, "<section id=\"accuracy\">", "</section>",
+        "Not in this report: ", "failed: disk &amp; all.");
     cr_assert(strstr(page.text, "No experiment of this report answers it."));
     page_free(&page);
     folder_remove(root);
@@ -428,24 +674,32 @@ Test(report, tables_that_are_none_are_refused_in_one_line) {
 /* --- the command --- */
 
 /* Where a part begins on the page. */
-static const char *part_at(const struct page *page, int place) {
-    char section[128];
-    for (int i = 0; experiments[i]; i++) {
-        snprintf(section, sizeof section, "<section id=\"%s\"", experiments[i]->name);
-        if (experiments[i]->place == place)
-            return strstr(page->text, section);
-    }
-    return NULL;
+static const char *part_at(const struct page *page, const struct experiment *experiment) {
+    char id[128];
+    snprintf(id, sizeof id, "id=\"%s\">", experiment->name);
+    return strstr(page->text, id);
 }
 
-/* Every experiment has a place of its own, from 1 on, and the page has them in this order. */
+/* Every experiment has a place of its own, from 1 on; of those of a chapter that are there, the
+ * page has them in this order. */
 static void parts_must_be_in_place(const struct page *page) {
     int count = 0;
     while (experiments[count])
         count++;
-    for (int place = 1; place <= count; place++) {
-        cr_assert(part_at(page, place), "nobody has place %d", place);
-        cr_assert(place == 1 || part_at(page, place - 1) < part_at(page, place), "place %d", place);
+    for (int i = 0; i < count; i++) {
+        const struct experiment *e = experiments[i];
+        cr_assert(part_at(page, e), "%s is not there", e->name);
+        cr_assert(e->place >= 1 && e->place <= count, "%s has place %d", e->name, e->place);
+        for (int k = 0; k < i; k++) {
+            const struct experiment *other = experiments[k];
+            cr_assert(other->place != e->place, "two have place %d", e->place);
+            const char *here = part_at(page, e), *there = part_at(page, other);
+            const int both = strncmp(here - 13, "class=\"part\"", 12) == 0 &&
+                             strncmp(there - 13, "class=\"part\"", 12) == 0;
+            if (both && other->chapter == e->chapter)
+                cr_assert((here < there) == (e->place < other->place), "%s and %s", e->name,
+                          other->name);
+        }
     }
 }
 
@@ -463,9 +717,12 @@ Test(report, slow_failures_are_reported_as_results) {
     cr_assert(page.text);
     read_page(&page);
     cr_assert(page.figures > 0 && page.figures == page.captions);
-    cr_assert(strstr(page.text, "Not in this report: failed: no reference run reached its end"));
+    cr_assert(strstr(page.text, "failed: no reference run reached its end"));
     cr_assert(strstr(page.text, "left out of --quick"));
     cr_assert(strstr(page.text, "out of time"));
+    HAS(page.text, "<section id=\"machine\">", "</section>",
+        "<td>command</td><td>wisplab report --quick --time-limit 0.003</td>", "<td>its clock</td>",
+        "<td>date</td>");
     parts_must_be_in_place(&page);
     for (int i = 0; experiments[i]; i++) {
         path_format(path, "%s/%s/statements.tsv", folder, experiments[i]->name);
@@ -475,6 +732,43 @@ Test(report, slow_failures_are_reported_as_results) {
         statements_must_be_whole(path);
     }
     page_free(&page);
+    folder_remove(folder);
+}
+
+/* Each point of a chart, here two of each run, says its row and leads to the run's record. */
+Test(report, slow_points_of_a_chart_tell_their_runs) {
+    char folder[PATH_SIZE], path[PATH_SIZE], reason[REASON_SIZE], link[512];
+    struct finished f;
+    struct text_table rows;
+    folder_make(folder);
+    PROGRAM(&f, NULL, "experiment", "work-precision", "--quick", "--scene", "swing", "--stepper",
+            "rk4", "--no-progress", "--out", folder);
+    cr_assert_eq(f.code, 0, "%s", f.err);
+    path_format(path, "%s/work-precision/swing.tsv", folder);
+    cr_assert_eq(text_table_read(&rows, path, reason), 0, "%s", reason);
+    path_format(path, "%s/work-precision/swing.svg", folder);
+    char *drawn = file_read(path);
+    int shown = 0, failed = 0;
+    for (int row = 0; row < rows.row_count; row++) {
+        const char *status = text_table_cell(&rows, row, "status"),
+                   *run = text_table_cell(&rows, row, "run");
+        if (strcmp(status, "finished") != 0 && strcmp(status, "diverged") != 0)
+            continue;
+        snprintf(link, sizeof link,
+                 "<a xlink:href=\"../runs/%s/run.json\"><title>rk4\ntreatment generalised\n"
+                 "setting ",
+                 run);
+        cr_assert_eq(count_of(drawn, link), 2, "%s", link);
+        path_format(path, "%s/runs/%s/run.json", folder, run);
+        cr_assert(file_exists(path), "%s", path);
+        shown++;
+        failed += strcmp(status, "diverged") == 0;
+    }
+    cr_assert(shown > failed && failed > 0, "%d, of which %d failed", shown, failed);
+    cr_assert_eq(count_of(drawn, "<title>rk4\n"), 2 * shown);
+    cr_assert_eq(count_of(drawn, "\nstatus diverged\n"), 2 * failed);
+    free(drawn);
+    text_table_free(&rows);
     folder_remove(folder);
 }
 

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -119,35 +120,57 @@ Test(resume, slow_two_processes_share_a_folder, .init = gnuplot_stub_quiet,
     cr_assert(shared, "one did all the runs every time");
 }
 
-/* Shares for a cluster: 1/2 and 2/2 leave nothing to do, and neither does the work of the other. */
-Test(resume, slow_shards_add_up, .init = gnuplot_stub_quiet, .fini = gnuplot_stub_remove) {
+Test(resume, slow_fresh_keeps_nothing, .init = gnuplot_stub_quiet, .fini = gnuplot_stub_remove) {
     char folder[PATH_SIZE];
     struct finished f;
-    int runs, halves[2], new;
+    int runs, new;
+    struct inventory before = {0};
     folder_make(folder);
-    for (int i = 0; i < 2; i++) {
+    for (int round = 0; round < 3; round++) {
         PROGRAM(&f, NULL, "experiment", "circle", "--quick", "--stepper", "rk4", "--stepper",
-                "euler", "--out", folder, "--shard", i ? "2/2" : "1/2");
+                "euler", "--out", folder, round == 2 ? "--fresh" : NULL);
         cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
-        read_counts(&f, &halves[i], &new);
-        cr_assert_eq(new, halves[i], "shard %d: %d of %d runs are new", i + 1, new, halves[i]);
-        cr_assert((strstr(f.out, "missing") != NULL) == (i == 0), "shard %d says '%s'", i + 1,
-                  f.out);
+        read_counts(&f, &runs, &new);
+        cr_assert_eq(new, round == 1 ? 0 : runs, "round %d: %d new runs", round, new);
+        const struct inventory after = look(folder);
+        cr_assert_eq(kept(&before, &after), round == 1 ? runs : 0, "round %d", round);
+        before = after;
     }
-    PROGRAM(&f, NULL, "experiment", "circle", "--quick", "--stepper", "rk4", "--stepper", "euler",
-            "--out", folder);
+    folder_remove(folder);
+}
+
+/* Kills the children that a process has now. */
+static void kill_children(pid_t parent) {
+    char path[64];
+    long pid;
+    snprintf(path, sizeof path, "/proc/%ld/task/%ld/children", (long)parent, (long)parent);
+    FILE *file = fopen(path, "r");
+    while (file && fscanf(file, "%ld", &pid) == 1)
+        kill((pid_t)pid, SIGKILL);
+    if (file)
+        fclose(file);
+}
+
+/* What is killed again and again is left out, and that is said; then the same command does it. */
+Test(resume, slow_runs_that_are_killed_are_missed, .init = gnuplot_stub_quiet,
+     .fini = gnuplot_stub_remove) {
+    char folder[PATH_SIZE];
+    const char *const words[] = {"experiment", "circle", "--quick", "--stepper",
+                                 "reference",  "--out",  folder,    NULL};
+    struct finished f;
+    folder_make(folder);
+    const struct process process = program_start(NULL, words);
+    for (siginfo_t info = {0};
+         waitid(P_PID, (id_t)process.pid, &info, WEXITED | WNOWAIT | WNOHANG) == 0 &&
+         info.si_pid == 0;)
+        kill_children(process.pid);
+    program_wait(&process, &f);
+    cr_assert_eq(f.code, 2, "exit code %d: %s", f.code, f.err);
+    cr_assert(strstr(f.err, "killed from outside and are left out"), "'%s'", f.err);
+    cr_assert_eq(count_files(folder, "statements.tsv"), 0, "a table is made of what there is");
+    const struct process again = program_start(NULL, words);
+    program_wait(&again, &f);
     cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
-    read_counts(&f, &runs, &new);
-    cr_assert_eq(new, 0, "%d runs are new after both shards", new);
-    cr_assert_eq(halves[0] + halves[1], runs, "%d + %d runs in shards of %d", halves[0], halves[1],
-                 runs);
-    const struct inventory before = look(folder);
-    PROGRAM(&f, NULL, "experiment", "circle", "--quick", "--stepper", "rk4", "--stepper", "euler",
-            "--out", folder, "--fresh");
-    read_counts(&f, &runs, &new);
-    const struct inventory after = look(folder);
-    cr_assert_eq(new, runs, "--fresh: %d of %d runs are new", new, runs);
-    cr_assert_eq(kept(&before, &after), 0, "--fresh keeps old runs");
     folder_remove(folder);
 }
 
@@ -279,13 +302,6 @@ static void damage(const char *path, int how) {
     fwrite(text, 1, how == 0 ? 0 : how == 1 ? length / 2 : length, file);
     fclose(file);
     free(text);
-}
-
-static int count_of(const char *text, const char *what) {
-    int count = 0;
-    for (const char *at = text; (at = strstr(at, what)) != NULL; at++)
-        count++;
-    return count;
 }
 
 /* What is damaged is set aside and done again; everything else stays, and all tables appear as they

@@ -3,6 +3,7 @@
 
 #include "base/vector.h"
 #include "scene/scene_load.h"
+#include "wisp/ellipsoid.h"
 #include "wisp_support.h"
 
 #include <criterion/criterion.h>
@@ -217,7 +218,7 @@ Test(scalp, what_is_wrong_is_refused) {
         {"{ scalp=\"head\"; count=5; length=0.2; nodes=5; direction=[0, 0, 1]; }",
          {"direction", "scalp"}},
         {"{ scalp=\"head\"; count=5; length=0.2; nodes=5; grid=[2, 2]; }", {"grid", "scalp"}},
-        {"{ scalp=\"head\"; count=5; length=0.2; nodes=5; spacing=0.1; }", {"spacing", "scalp"}},
+        {"{ scalp=\"head\"; count=5; length=0.2; nodes=5; spacing=0.1; }", {"spacing", "grid"}},
         {"{ scalp=\"head\"; count=5; length=0.2; nodes=5; crown=[0, 0, 0]; }",
          {"crown", "no length"}},
         {"{ scalp=\"head\"; count=5; length=0.2; nodes=5; crown=[0, 1]; }", {"crown", "3 numbers"}},

@@ -267,6 +267,37 @@ Test(section, a_point_on_the_axis_is_in_one_section_only) {
     strand_free(s);
 }
 
+/* Whatever is asked beside them: points are looked at several at a time. */
+Test(section, what_is_no_number_or_far_is_in_none) {
+    static const double far[] = {NAN, INFINITY, -INFINITY, 1e300, -1e160};
+    struct wisp wisp = {
+        .nodes = 5, .samples = 5, .length = 4, .radius = 0.5, .direction = {1, 0, 0}};
+    struct strand *s = strand_create(&wisp, WISP_GENERALISED);
+    for (int i = 0; i < 5; i++)
+        s->p[i][0] = i;
+    for (int i = 0; i < 25; i++)
+        s->r[i] = 0.5;
+    strand_refresh(s);
+    struct section section;
+    section_make(&section, s, 2);
+    for (size_t c = 0; c < sizeof far / sizeof *far; c++)
+        for (int k = 0; k < 3; k++) {
+            const double in[3] = {2.5, 0.1, 0.1};
+            double out[3] = {2.5, 0.1, 0.1};
+            const double *points[SECTION_POINTS];
+            struct section_places places;
+            unsigned expected = 0;
+            out[k] = far[c];
+            for (int i = 0; i < SECTION_POINTS; i++) {
+                points[i] = i % 3 ? in : out;
+                expected |= (unsigned)(i % 3 > 0) << i;
+            }
+            cr_assert_eq(section_find(&section, points, &places), expected, "%g along axis %d",
+                         far[c], k);
+        }
+    strand_free(s);
+}
+
 /* Sections that lean on a plane, have no length, or are far out: nothing in them, all finite. */
 Test(section, sections_without_a_shape_contain_nothing) {
     struct wisp wisp = {

@@ -206,9 +206,9 @@ Test(shipped, slow_shake_shows_what_it_says) {
     scene_free(scene);
 }
 
-/* The start is what wind-settle makes: its end, to what trembles on the figure. */
-Test(shipped, slow_wind_start_is_the_end_of_wind_settle) {
-    struct scene *settle = lab_load("wind-settle", NULL, 0), *wind = lab_load("wind", NULL, 0);
+/* The start of a scene is another's end, to what trembles on the figure. */
+static void start_is_the_end_of(const char *combed, const char *blown, struct lab_run *end) {
+    struct scene *settle = lab_load(combed, NULL, 0), *wind = lab_load(blown, NULL, 0);
     struct lab_run run;
     double sum = 0;
     run_scene(settle, "rk4", 4000, &run);
@@ -219,7 +219,46 @@ Test(shipped, slow_wind_start_is_the_end_of_wind_settle) {
             sum += d * d;
         }
     cr_assert_lt(sqrt(sum / run.rows), 2e-3, "rms distance %g m", sqrt(sum / run.rows));
-    lab_run_free(&run);
+    *end = run;
     scene_free(settle);
     scene_free(wind);
+}
+
+/* Wisps with a node before the face, seen from the front, at a frame. */
+static int before_the_face(const struct lab_run *run, int nodes, int frame) {
+    int wisps = 0;
+    for (int w = 0; w < run->rows / nodes; w++) {
+        int there = 0;
+        for (int i = 2; i < nodes; i++) {
+            const double *x = root_of(run, nodes, frame, w) + i * run->columns + 2;
+            there |= fabs(x[0]) < 0.05 && x[1] > -0.13 && x[1] < 0.06 && x[2] > 0;
+        }
+        wisps += there;
+    }
+    return wisps;
+}
+
+/* How far the nearest tip is from the middle on the side of its root, m; negative: on the other. */
+static double parted_by(const struct lab_run *run, int nodes, int frame) {
+    double least = INFINITY;
+    for (int w = 0; w < run->rows / nodes; w++) {
+        const double *root = root_of(run, nodes, frame, w) + 2,
+                     *tip = root + (nodes - 1) * run->columns;
+        least = fmin(least, root[0] > 0 ? tip[0] : -tip[0]);
+    }
+    return least;
+}
+
+/* wind-settle is the control of parting: a field that does not part, and a face that is not free.
+ */
+Test(shipped, slow_starts_of_wind_are_ends_of_what_combs) {
+    struct lab_run back, parted;
+    start_is_the_end_of("wind-settle", "wind", &back);
+    start_is_the_end_of("parting", "wind-parted", &parted);
+    cr_expect_gt(parted_by(&parted, 11, 30), 0.15, "parted by %g m", parted_by(&parted, 11, 30));
+    cr_expect_lt(parted_by(&back, 11, 30), 0.05, "parted by %g m", parted_by(&back, 11, 30));
+    cr_expect_eq(before_the_face(&parted, 11, 180), 0);
+    cr_expect_gt(before_the_face(&back, 11, 180), 1, "%d", before_the_face(&back, 11, 180));
+    lab_run_free(&back);
+    lab_run_free(&parted);
 }

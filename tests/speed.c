@@ -1,6 +1,7 @@
 /* The experiment `speed`: what it chooses is exact enough, and the measurement says what it
  * measured. No time is judged here. */
 #include "base/text_table.h"
+#include "experiments/common/measure.h"
 #include "scene/scene_load.h"
 #include "support.h"
 #include "wisp_support.h"
@@ -30,19 +31,16 @@ static void clean_up(void) {
     folder_remove(folder);
 }
 
-static void read_table(const char *name, struct text_table *table) {
-    char path[PATH_SIZE], reason[REASON_SIZE];
-    path_format(path, "%s/speed/%s.tsv", folder, name);
-    cr_assert_eq(text_table_read(table, path, reason), 0, "%s", reason);
-}
-
 /* rms over free nodes and all frames of a run against the reference, done again. */
-static double error_of(const char *stepper, const char *treatment, double step) {
+static double error_of(const char *stepper, const char *treatment, double setting) {
     struct scene *scene = LAB_LOAD(scene_path, "frame_rate=30.0");
     struct lab_run run, tight;
     lab_run(scene, &(struct run_request){.stepper = "reference", .treatment = treatment}, &tight);
-    lab_run(scene, &(struct run_request){.stepper = stepper, .treatment = treatment, .step = step},
-            &run);
+    const struct configuration method = configuration_of(stepper_find(stepper));
+    struct run_request request =
+        configuration_request(&method, setting, scene->run.atol / scene->run.rtol);
+    request.treatment = treatment;
+    lab_run(scene, &request, &run);
     const double error =
         run.result.outcome == FINISHED ? lab_distance(&run, &tight, 0, 2).rms : INFINITY;
     lab_run_free(&run);
@@ -54,17 +52,17 @@ static double error_of(const char *stepper, const char *treatment, double step) 
 /* Of each target both are within it, and no attempt that is as exact is cheaper than the best. */
 static void check_choices(void) {
     struct text_table choices, attempts;
-    read_table("choices", &choices);
-    read_table("attempts", &attempts);
+    table_must_be_read(&choices, folder, "speed/choices");
+    table_must_be_read(&attempts, folder, "speed/attempts");
     cr_assert_eq(choices.row_count, 4, "%d rows", choices.row_count);
     for (int row = 0; row < choices.row_count; row++) {
         const double target = text_table_number(&choices, row, "target"),
                      error = text_table_number(&choices, row, "error"),
-                     step = text_table_number(&choices, row, "step");
+                     setting = text_table_number(&choices, row, "setting");
         const char *method = text_table_cell(&choices, row, "method"),
                    *treatment = text_table_cell(&choices, row, "treatment");
         const int recipe = strcmp(text_table_cell(&choices, row, "who"), "recipe") == 0;
-        const double again = error_of(method, treatment, step);
+        const double again = error_of(method, treatment, setting);
         cr_assert(again <= target && fabs(again - error) <= 1e-9 * error,
                   "%s: %g, and %g in the "
                   "table",
@@ -78,7 +76,7 @@ static void check_choices(void) {
             if (text_table_number(&attempts, i, "error") <= target)
                 least = fmin(least, counted);
             if (strcmp(text_table_cell(&attempts, i, "method"), method) == 0 &&
-                text_table_number(&attempts, i, "step") == step)
+                text_table_number(&attempts, i, "setting") == setting)
                 cost = counted;
         }
         cr_assert(cost == least, "%s costs %g, another one %g", method, cost, least);
@@ -91,7 +89,7 @@ static void check_choices(void) {
 static void check_peers(void) {
     struct text_table peers;
     int ones = 0;
-    read_table("peers", &peers);
+    table_must_be_read(&peers, folder, "speed/peers");
     for (int row = 0; row < peers.row_count; row++) {
         const char *question = text_table_cell(&peers, row, "question");
         const double target = strstr(question, "1e-9") ? 1e-9 : 1e-4;

@@ -266,7 +266,8 @@ static void check_child(const struct strand *parent, const struct strand *child,
 Test(subdivision, children_go_the_ways_of_the_text) {
     for (int trial = 0; trial < 120; trial++) {
         const int treatment = trial % TREATMENTS, samples = 4 + 2 * (trial % 3);
-        const int lanes = trial % 2 ? 4 : 1, count = 1 + trial % 5, which = trial % count;
+        static const int widths[] = {1, 4, 8, 4};
+        const int lanes = widths[trial % 4], count = 1 + trial % 5, which = trial % count;
         struct flock f;
         struct flattening at;
         double head[3], v[3], d[3], child[2][3], dv[2][3];
@@ -408,7 +409,8 @@ Test(subdivision, children_move_as_the_twin_of_half_a_wisp) {
     static double accelerations[WISPS_MAX][4 * LAB_SIZE];
     double *by_part[WISPS_MAX];
     for (int trial = 0; trial < 18; trial++) {
-        const int treatment = trial % TREATMENTS, lanes = trial / 3 % 2 ? 4 : 1;
+        static const int widths[] = {1, 4, 8};
+        const int treatment = trial % TREATMENTS, lanes = widths[trial / 3 % 3];
         const int count = 1 + trial % 5, which = trial % count;
         struct flock f;
         flock_make(&f, count, 8, 4, lanes, treatment, &resting, &usual, (unsigned)trial);
@@ -465,14 +467,15 @@ static double energy(const struct flock *f) {
     return sum;
 }
 
-/* The same wisps in parts of one and of four: the same bits, the same energy; and parts whose wisps
- * are left alone are not written to. */
+/* The same wisps in parts of one, and of four or eight: the same bits, the same energy; and parts
+ * whose wisps are left alone are not written to. */
 Test(subdivision, packing_does_not_matter_and_other_parts_stay) {
     for (int trial = 0; trial < 60; trial++) {
         const int count = 1 + trial % 7;
         struct flock f[2];
         for (int i = 0; i < 2; i++) {
-            flock_make(&f[i], count, 8, 4, i ? 4 : 1, trial % TREATMENTS, &nodding, &usual,
+            const int lanes = i == 0 ? 1 : trial % 2 ? 8 : 4;
+            flock_make(&f[i], count, 8, 4, lanes, trial % TREATMENTS, &nodding, &usual,
                        (unsigned)trial);
             for (int k = 0; k < count; k += 1 + trial % 3)
                 press(f[i].before[k], 2 + k % 5, 1, 0.3);
@@ -485,7 +488,7 @@ Test(subdivision, packing_does_not_matter_and_other_parts_stay) {
                                  sizeof *f[0].rows) == 0,
                   "packing matters");
         const double whole = energy(&f[0]);
-        cr_assert_leq(fabs(energy(&f[1]) - whole), 1e-12 * fabs(whole), "energy of parts of four");
+        cr_assert_leq(fabs(energy(&f[1]) - whole), 1e-12 * fabs(whole), "energy of wider parts");
         for (int i = 0; i < count; i++) /* part i of one lane is wisp i */
             cr_assert_eq(f[0].changed[i], i % (1 + trial % 3) == 0, "wisp %d", i);
         flock_free(&f[0]);

@@ -286,15 +286,17 @@ Test(subdivision_runs, runs_that_part_are_compared_up_to_there) {
     const int f = first_split(&film);
 
     cr_assert_eq(measure_deviation(scene, &run, &run, 1, &d, reason), 0, "%s", reason);
-    cr_assert(isnan(d.parted) && d.rms == 0 && d.end == 0, "a run and itself");
+    cr_assert(isnan(d.history_diverged) && d.rms == 0 && d.end == 0, "a run and itself");
     cr_assert_eq(measure_deviation(scene, &run, &other, 1, &d, reason), 0, "%s", reason);
-    cr_assert(d.parted == film.t[f] && d.rms == 0, "they part at %g, not %g", d.parted, film.t[f]);
+    cr_assert(d.history_diverged == film.t[f] && d.rms == 0, "they part at %g, not %g",
+              d.history_diverged, film.t[f]);
     cr_assert(isnan(d.end) && isnan(d.end_largest) && isnan(d.mescd), "ends are compared");
     trajectory_free(&other);
 
     trajectory_of(&film, film.frames, 1, &other); /* equally many, in another order */
     cr_assert_eq(measure_deviation(scene, &run, &other, 1, &d, reason), 0, "%s", reason);
-    cr_assert_eq(d.parted, film.t[film.frames - 1], "they part at %g", d.parted);
+    cr_assert_eq(d.history_diverged, film.t[film.frames - 1], "they part at %g",
+                 d.history_diverged);
     trajectory_free(&other);
 
     trajectory_of(&film, film.frames - 1, 0, &other); /* a frame less is no subdivision */
@@ -307,8 +309,8 @@ Test(subdivision_runs, runs_that_part_are_compared_up_to_there) {
     scene_free(without);
 }
 
-/* A second opinion whose wisps split elsewhere gives no bound, and says why. */
-Test(subdivision_runs, a_second_opinion_that_parts_gives_no_bound) {
+/* A cross-check whose wisps split elsewhere gives no bound, and says why. */
+Test(subdivision_runs, a_cross_check_that_parts_gives_no_bound) {
     struct scene *scene = LAB_LOAD("subdivision", "duration=0.9"),
                  *without = LAB_LOAD("subdivision", "duration=0.9", "subdivision.limit=2");
     for (int same_scene = 0; same_scene < 2; same_scene++) {
@@ -320,7 +322,7 @@ Test(subdivision_runs, a_second_opinion_that_parts_gives_no_bound) {
         cr_assert_eq(settings_resolve(scene, &request, &settings, reason), 0, "%s", reason);
         simulate(scene, &settings, &(struct observer){keep_frame, &kept}, NULL, &result);
         cr_assert_eq(result.outcome, FINISHED, "%s", result.reason);
-        json_t *json = second_opinion(same_scene ? scene : without, &settings, &kept, NULL);
+        json_t *json = cross_check(same_scene ? scene : without, &settings, &kept, NULL);
         const json_t *bound = json_object_get(json, "bound");
         if (same_scene)
             cr_assert(json_is_real(bound) && json_real_value(bound) < 1e-6, "no bound");

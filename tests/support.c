@@ -65,8 +65,10 @@ struct stepper_settings variant_settings(const struct variant *variant, double r
 
 int integrate(struct stepper *stepper, double from, double to, int steps, double *q, double *v) {
     const struct stepper_method *method = stepper->method;
-    double t[LANES_MOST] = {from, from, from, from};
+    double t[LANES_MOST];
     int code = 0;
+    for (int k = 0; k < LANES_MOST; k++)
+        t[k] = from;
     if (method->advance)
         while (t[0] < to && !code)
             code = method->advance(stepper, t, to, q, v);
@@ -190,9 +192,8 @@ void gnuplot_stub(const char *action) {
 }
 
 void gnuplot_stub_quiet(void) {
-    /* the variables are given as a shell has them too; pictures of hair are asked for by name */
-    gnuplot_stub("eval \"$3\"; case \"$4\" in *pictures.gp) name=picture;; *) name=quiet;; esac\n"
-                 "echo . >\"$out/$name.$format\"");
+    /* the variables are given as a shell has them too */
+    gnuplot_stub("eval \"$3\"; echo . >\"$out/quiet.$format\"");
 }
 
 void gnuplot_stub_remove(void) {
@@ -338,6 +339,68 @@ static void figure_must_have_row(const char *path, const struct text_table *rows
     cr_assert(found, "no statement is of figure %s", path);
 }
 
+void table_must_be_read(struct text_table *table, const char *folder, const char *name) {
+    char path[PATH_SIZE], reason[REASON_SIZE];
+    path_format(path, "%s/%s.tsv", folder, name);
+    cr_assert_eq(text_table_read(table, path, reason), 0, "%s", reason);
+}
+
+/* Cuts the first line off a text. */
+static char *cut_line(char **text) {
+    char *line = *text, *end = line ? strchr(line, '\n') : NULL;
+    if (end)
+        *end = '\0';
+    *text = end ? end + 1 : NULL;
+    return line;
+}
+
+/* Whether a line is "# name, unit: meaning", with something in each. */
+static int describes(const char *line, const char *name) {
+    const size_t length = strlen(name);
+    if (strncmp(line, "# ", 2) != 0 || strncmp(line + 2, name, length) != 0 ||
+        strncmp(line + 2 + length, ", ", 2) != 0)
+        return 0;
+    const char *unit = line + 2 + length + 2, *colon = strstr(unit, ": ");
+    return colon && colon > unit && strlen(colon) > 3;
+}
+
+void columns_must_be_described(const char *path) {
+    enum { COLUMNS_MOST = 200 };
+    char *text = file_read(path), *left = text, *before[COLUMNS_MOST], *line;
+    int count = 0;
+    cr_assert(text, "%s: cannot be read", path);
+    while ((line = cut_line(&left)) != NULL && line[0] == '#' && count < COLUMNS_MOST)
+        before[count++] = line;
+    cr_assert(line && line[0] != '#', "%s: no column names", path);
+    int columns = 1;
+    for (const char *at = line; (at = strchr(at, '\t')) != NULL; at++)
+        columns++;
+    cr_assert_geq(count, columns, "%s: %d lines before %d columns", path, count, columns);
+    for (char **said = before + count - columns, *name; (name = strsep(&line, "\t")) != NULL;
+         said++)
+        cr_assert(describes(*said, name), "%s: nothing says what column %s is, but '%s'", path,
+                  name, *said);
+    free(text);
+}
+
+/* Columns and gaps, the latter as the report demands of every table. */
+static void tables_must_be_whole(const char *folder) {
+    glob_t found;
+    char reason[REASON_SIZE];
+    cr_assert_eq(files_like(folder, "*.tsv", &found), 0);
+    for (size_t i = 0; i < found.gl_pathc; i++) {
+        struct text_table table;
+        const char *name = strrchr(found.gl_pathv[i], '/') + 1;
+        columns_must_be_described(found.gl_pathv[i]);
+        if (strcmp(name, "samples.tsv") == 0)
+            continue; /* of measurements: rows of any length */
+        cr_assert_eq(text_table_read(&table, found.gl_pathv[i], reason), 0, "%s", reason);
+        cr_assert_eq(text_table_check(&table, found.gl_pathv[i], reason), 0, "%s", reason);
+        text_table_free(&table);
+    }
+    globfree(&found);
+}
+
 void statements_must_be_whole(const char *folder) {
     static const char *const kinds[] = {"*.svg", "*.png"};
     struct text_table rows;
@@ -356,4 +419,12 @@ void statements_must_be_whole(const char *folder) {
         globfree(&found);
     }
     text_table_free(&rows);
+    tables_must_be_whole(folder);
+}
+
+int count_of(const char *text, const char *part) {
+    int count = 0;
+    for (const char *at = text; (at = strstr(at, part)) != NULL; at += strlen(part))
+        count++;
+    return count;
 }

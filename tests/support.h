@@ -112,8 +112,20 @@ int count_files(const char *folder, const char *part);
 
 /* --- what experiments found --- */
 
+/* Reads folder/name.tsv; stops the test where it cannot be read. text_table_free it. */
+struct text_table;
+void table_must_be_read(struct text_table *table, const char *folder, const char *name);
+
+/* Stops the test where a table does not say of every column what it is: before the line of their
+ * names there must be as many lines "# name, unit: meaning", in their order. */
+void columns_must_be_described(const char *path);
+
 /* Checks an experiment's folder: its statements have one of the four verdicts, no empty cell, a key
- * of their own, a sentence that ends; and every figure there has one. */
+ * of their own, a sentence that ends; every figure there has one; every table says what its
+ * columns are, and every gap in one has a reason. */
 void statements_must_be_whole(const char *folder);
+
+/* How often a text has a part. */
+int count_of(const char *text, const char *part);
 
 #endif

@@ -114,7 +114,7 @@ Test(wisp_clock, the_clamp_sets_what_is_inside_and_nothing_else) {
     unsigned seed = 51;
     for (int treatment = 0; treatment < TREATMENTS; treatment++)
         for (int m = 0; m < 5; m++)
-            for (int lanes = 1; lanes <= 4; lanes += 3)
+            for (int lanes = 1; lanes <= LAB_LANES; lanes = lab_wider(lanes))
                 for (int repeat = 0; repeat < 5; repeat++)
                     check_clamp(lanes, (enum wisp_treatment)treatment, samples[m], &seed);
 }
@@ -267,8 +267,8 @@ Test(wisp_clock, multistep_methods_restart_only_what_a_tick_changed) {
     }
 }
 
-/* The reference and its second opinion across ticks that do something. */
-Test(wisp_clock, slow_the_reference_with_ticks_agrees_with_its_second_opinion) {
+/* The reference and its cross-check across ticks that do something. */
+Test(wisp_clock, slow_the_reference_with_ticks_agrees_with_its_cross_check) {
     for (int treatment = 0; treatment < TREATMENTS; treatment++) {
         struct scene *scene = LAB_LOAD("swing-envelope", "duration=0.1", "frame_rate=300.0", SOFT,
                                        "wisps=(" LEVEL ")");
@@ -279,7 +279,7 @@ Test(wisp_clock, slow_the_reference_with_ticks_agrees_with_its_second_opinion) {
         char reason[REASON_SIZE];
         lab_run(scene, &request, &a);
         cr_assert_eq(settings_resolve(scene, &request, &settings, reason), 0, "%s", reason);
-        cr_assert_eq(settings_second_opinion(scene, &settings, &second, reason), 0, "%s", reason);
+        cr_assert_eq(settings_cross_check(scene, &settings, &second, reason), 0, "%s", reason);
         const struct run_request other = {.stepper = second.method->name,
                                           .treatment = treatment_names[treatment],
                                           .rtol = second.stepper.rtol,

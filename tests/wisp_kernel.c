@@ -72,7 +72,7 @@ Test(wisp_kernel, accelerations_are_the_twins) {
         for (int law = 0; law < LAWS; law++)
             for (int s = 0; s < SAMPLE_COUNTS; s++)
                 for (int nodes = 3; nodes <= LAB_NODES; nodes++)
-                    for (int lanes = 1; lanes <= 4; lanes += 3)
+                    for (int lanes = 1; lanes <= LAB_LANES; lanes = lab_wider(lanes))
                         check_part(lanes, nodes, sample_counts[s], (enum bending)law,
                                    (enum wisp_treatment)treatment, &seed, &worst);
     cr_log_info("largest difference: %.2g of the tolerance", worst);
@@ -185,7 +185,7 @@ Test(wisp_kernel, models_of_1_to_9_wisps_are_the_twins) {
     double worst = 0;
     for (int treatment = 0; treatment < TREATMENTS; treatment++)
         for (int count = 1; count <= WISPS_MOST; count++)
-            for (int lanes = 1; lanes <= 4; lanes += 3) {
+            for (int lanes = 1; lanes <= LAB_LANES; lanes = lab_wider(lanes)) {
                 make_flock(&flock, count, sample_counts[count % SAMPLE_COUNTS],
                            (enum bending)(count % LAWS), (enum wisp_treatment)treatment, &seed);
                 with_model(&flock, lanes, in_order, accelerate, a);
@@ -259,7 +259,7 @@ static void same_bits(const struct flock *flock, double (*expected)[LAB_SIZE],
 
 Test(wisp_kernel, bits_do_not_depend_on_lanes_neighbours_or_order) {
     static struct flock flock, alone;
-    static double one[WISPS_MOST][LAB_SIZE], four[WISPS_MOST][LAB_SIZE],
+    static double one[WISPS_MOST][LAB_SIZE], more[WISPS_MOST][LAB_SIZE],
         single[WISPS_MOST][LAB_SIZE];
     static const int orders[][WISPS_MOST] = {{8, 7, 6, 5, 4, 3, 2, 1, 0},
                                              {3, 1, 4, 0, 5, 8, 2, 6, 7}};
@@ -271,16 +271,18 @@ Test(wisp_kernel, bits_do_not_depend_on_lanes_neighbours_or_order) {
                            (enum wisp_treatment)treatment, &seed);
                 for (size_t u = 0; u < sizeof uses / sizeof *uses; u++) {
                     with_model(&flock, 1, in_order, uses[u].use, one);
-                    with_model(&flock, 4, in_order, uses[u].use, four);
-                    same_bits(&flock, one, four, uses[u].name);
-                    for (int o = 0; o < 2; o++) {
-                        with_model(&flock, 4, orders[o], uses[u].use, four);
-                        same_bits(&flock, one, four, uses[u].name);
+                    for (int lanes = 4; lanes <= LAB_LANES; lanes = lab_wider(lanes)) {
+                        with_model(&flock, lanes, in_order, uses[u].use, more);
+                        same_bits(&flock, one, more, uses[u].name);
+                        for (int o = 0; o < 2; o++) {
+                            with_model(&flock, lanes, orders[o], uses[u].use, more);
+                            same_bits(&flock, one, more, uses[u].name);
+                        }
+                        alone = flock; /* and with nobody beside it */
+                        alone.count = 1;
+                        with_model(&alone, lanes, in_order, uses[u].use, single);
+                        same_bits(&alone, one, single, uses[u].name);
                     }
-                    alone = flock; /* and with nobody beside it */
-                    alone.count = 1;
-                    with_model(&alone, 4, in_order, uses[u].use, single);
-                    same_bits(&alone, one, single, uses[u].name);
                 }
             }
 }

@@ -156,8 +156,8 @@ Test(wisp_physics, energy_of_the_kernel) {
         for (int law = 0; law < LAWS; law++)
             for (int nodes = 3; nodes <= 20; nodes++)
                 for (int kind = 0; kind < STATES; kind++)
-                    for (int lanes = 1; lanes <= 4; lanes += 3) {
-                        const int count = lanes == 1 ? 1 : 1 + nodes % 4;
+                    for (int lanes = 1; lanes <= LAB_LANES; lanes = lab_wider(lanes)) {
+                        const int count = 1 + nodes % lanes;
                         const struct surroundings around = lab_surroundings(WIND_NONE, &seed);
                         struct wisp wisps[LAB_LANES];
                         struct lab_part part;

@@ -68,8 +68,8 @@ Test(wisp_runs, steppers_have_their_order_on_the_swing) {
     scene_free(scene);
 }
 
-/* The reference at its default and at tighter tolerances, and its second opinion. */
-Test(wisp_runs, slow_the_reference_agrees_with_itself_and_with_its_second_opinion) {
+/* The reference at its default and at tighter tolerances, and its cross-check. */
+Test(wisp_runs, slow_the_reference_agrees_with_itself_and_with_its_cross_check) {
     static const char *const scenes[] = {"swing", "swing-envelope"};
     for (int i = 0; i < 2; i++)
         for (int treatment = 0; treatment < (i ? TREATMENTS : 1); treatment++) {
@@ -84,8 +84,7 @@ Test(wisp_runs, slow_the_reference_agrees_with_itself_and_with_its_second_opinio
             lab_run(scene, &usual, &a);
             lab_run(scene, &tight, &b);
             cr_assert_eq(settings_resolve(scene, &usual, &settings, reason), 0);
-            cr_assert_eq(settings_second_opinion(scene, &settings, &second, reason), 0, "%s",
-                         reason);
+            cr_assert_eq(settings_cross_check(scene, &settings, &second, reason), 0, "%s", reason);
             const struct run_request other = {.stepper = second.method->name,
                                               .treatment = name,
                                               .rtol = second.stepper.rtol,

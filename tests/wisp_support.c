@@ -130,8 +130,13 @@ void lab_state(const struct wisp *wisp, enum wisp_treatment treatment, enum lab_
 
 /* --- a part of the kernel --- */
 
-const struct kernel *kernel_of(int lanes) {
-    return lanes == 1 ? &kernel_1 : &kernel_4;
+int lab_wider(int lanes) {
+    return lanes < 4 ? 4 : 2 * lanes;
+}
+
+void lab_take_lanes(int lanes) {
+    const char *const text = lanes == 1 ? "1" : lanes == 4 ? "4" : "8";
+    cr_assert_eq(setenv("WISPLAB_LANES", text, 1), 0);
 }
 
 void lab_part_make(struct lab_part *part, int lanes, const struct wisp *wisps, int count,
@@ -260,6 +265,38 @@ void lab_run(const struct scene *scene, const struct run_request *request, struc
 void lab_run_free(struct lab_run *run) {
     free(run->t);
     free(run->row);
+}
+
+static int add_bits(void *ctx, const struct model *model, double t, const double *rows) {
+    struct lab_sum *sum = ctx;
+    (void)t;
+    for (int i = 0; i < model->row_count * model->column_count; i++) {
+        unsigned long long bits;
+        memcpy(&bits, &rows[i], sizeof bits);
+        sum->bits = 1099511628211u * (sum->bits ^ bits);
+    }
+    return 0;
+}
+
+void lab_sum_run(const struct scene *scene, const struct run_request *request, int lanes,
+                 struct lab_sum *sum) {
+    struct settings settings;
+    char reason[REASON_SIZE];
+    *sum = (struct lab_sum){.bits = 1};
+    cr_assert_eq(settings_resolve(scene, request, &settings, reason), 0, "%s", reason);
+    cr_assert(lanes == 0 || settings_lanes(&settings) == lanes, "%d lanes",
+              settings_lanes(&settings));
+    simulate(scene, &settings, &(struct observer){add_bits, sum}, NULL, &sum->result);
+    cr_assert_eq(sum->result.outcome, FINISHED, "%s: %s", scene->name, sum->result.reason);
+}
+
+void lab_same_sum(const struct lab_sum *a, const struct lab_sum *b, const char *what) {
+    cr_assert_eq(a->bits, b->bits, "%s: other bits", what);
+#define X(field, definition)                                                                      \
+    cr_assert_eq(a->result.counters.field, b->result.counters.field, "%s: %lld and %lld " #field, \
+                 what, a->result.counters.field, b->result.counters.field);
+    COUNTERS(X)
+#undef X
 }
 
 void lab_trajectory(struct trajectory *trajectory, double *value, int rows, int columns) {

@@ -6,9 +6,10 @@
 #include "experiments/bench/wisp_twin.h"
 #include "kernel/kernel.h"
 #include "model/trajectory.h"
+#include "model/wisp_model.h"
 #include "run/simulation.h"
 
-enum { TREATMENTS = 3, LAWS = 3, WINDS = 4, LAB_LANES = 4, LAB_NODES = 40 };
+enum { TREATMENTS = 3, LAWS = 3, WINDS = 4, LAB_LANES = LANES_MOST, LAB_NODES = 40 };
 enum { LAB_SIZE = (LAB_NODES - 2) * (3 + 3 * SAMPLES_MAX) }; /* unknowns of one wisp at most */
 
 extern const char *const treatment_names[TREATMENTS];
@@ -37,8 +38,11 @@ void lab_state(const struct wisp *wisp, enum wisp_treatment treatment, enum lab_
 
 /* --- a part of the kernel --- */
 
-/* The kernel of 1 or 4 lanes. */
-const struct kernel *kernel_of(int lanes);
+/* The number of lanes after these: 1, 4, 8. */
+int lab_wider(int lanes);
+
+/* Runs of this test have parts of so many lanes, where method and solver can. */
+void lab_take_lanes(int lanes);
 
 struct lab_part {
     int lanes, size; /* size: of one wisp */
@@ -101,6 +105,18 @@ struct run_request lab_request(const struct stepper_method *method, int treatmen
 /* Runs; stops the test where the request is refused. lab_run_free it. */
 void lab_run(const struct scene *scene, const struct run_request *request, struct lab_run *run);
 void lab_run_free(struct lab_run *run);
+
+/* A finished run by a sum of all bits of all frames; where `lanes` is not 0, one of parts of that
+ * width. */
+struct lab_sum {
+    struct run_result result;
+    unsigned long long bits;
+};
+void lab_sum_run(const struct scene *scene, const struct run_request *request, int lanes,
+                 struct lab_sum *sum);
+
+/* Stops the test where they have other bits or counts. */
+void lab_same_sum(const struct lab_sum *a, const struct lab_sum *b, const char *what);
 
 /* `rows` rows of `columns` numbers as a trajectory, for trajectory_free: t, wisp, node and so on,
  * from the tenth column on r0 rd0 ... It takes `value` over. No wisp has a parent. */

@@ -1,5 +1,5 @@
-/* Threads: each task is done once, all are done when the call returns, and a run's bits do not
- * depend on how many threads there are. */
+/* Threads: each task is done once, all are done when the call returns, and a run's bits depend
+ * neither on how many threads there are nor on how wide parts are. */
 #include "base/workers.h"
 
 #include "scene/scene_load.h"
@@ -72,10 +72,12 @@ static void check_threads(const struct scene *scene, struct run_request *request
     snprintf(what, sizeof what, "%s, %s, %s", request->stepper, request->treatment,
              request->linear ? request->linear : "explicit");
     request->threads = 1;
+    lab_take_lanes(1);
     lab_run(scene, request, &one);
     cr_assert(one.frames == 3 && one.rows == 9 * 11 + 2 * 7 + 12, "%s: %d frames of %d rows, %s",
               what, one.frames, one.rows, one.result.reason);
     for (request->threads = 2; request->threads <= 3; request->threads++) {
+        lab_take_lanes(4 * (request->threads - 1));
         lab_run(scene, request, &more);
         same_run(&one, &more, what, request->threads);
         lab_run_free(&more);
@@ -84,7 +86,7 @@ static void check_threads(const struct scene *scene, struct run_request *request
 }
 
 /* Every stepper on every treatment; implicit ones with each solver that takes its matrix. */
-Test(workers, bits_and_counts_of_a_run_do_not_depend_on_threads) {
+Test(workers, bits_and_counts_of_a_run_do_not_depend_on_threads_or_lanes) {
     struct scene *scene = LAB_LOAD("swing-envelope", GRID, WIND, "duration=0.01",
                                    "frame_rate=200.0", "run.step=1e-4", "run.rtol=1e-4");
     for (int treatment = 0; treatment < TREATMENTS; treatment++)

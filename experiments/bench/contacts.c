@@ -1,6 +1,7 @@
 /* What contact costs, per point and tick, in evaluations of the forces on a node; whether it grows
  * in proportion with the wisps; and what a second thread gains. */
 #include "base/files.h"
+#include "base/vector.h"
 #include "measure.h"
 #include "model/clock.h"
 #include "model/problems.h"
@@ -26,12 +27,6 @@ static double random_number(unsigned *seed) {
     return (double)(*seed >> 8) / (1 << 23) - 1;
 }
 
-static void normalise(double a[3]) {
-    const double length = sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
-    for (int k = 0; k < 3; k++)
-        a[k] /= length;
-}
-
 /* Roots in a square some `spacing` apart, whatever their number; directions down and aslant. */
 static struct scene *scene_of(const struct scene *scene, double spacing, int wisps) {
     struct scene *mat = zeros(sizeof *mat);
@@ -51,7 +46,7 @@ static struct scene *scene_of(const struct scene *scene, double spacing, int wis
         wisp->direction[0] = 0.35 * random_number(&seed);
         wisp->direction[1] = -1;
         wisp->direction[2] = 0.35 * random_number(&seed);
-        normalise(wisp->direction);
+        vector_normalise(wisp->direction);
     }
     return mat;
 }
@@ -68,7 +63,7 @@ static void bend(const struct wisp *wisp, double *rows, int stride, unsigned *se
         double *row = rows + i * stride;
         for (int k = 0; k < 3; k++)
             t[k] += 0.15 * random_number(seed);
-        normalise(t);
+        vector_normalise(t);
         for (int k = 0; k < 3; k++) {
             row[2 + k] = p[k] += wisp_spacing(wisp) * t[k];
             row[5 + k] = 0.3 * random_number(seed);
@@ -82,14 +77,14 @@ static void bend(const struct wisp *wisp, double *rows, int stride, unsigned *se
 
 /* --- ticks and evaluations --- */
 
-struct touching {
+struct contact_wisp {
     struct model *model;
     double **v, **a; /* velocities before the tick; room for accelerations */
     int *changed;
 };
 
-static struct touching *touching_of(const struct scene *scene, double spacing, int wisps) {
-    struct touching *t = zeros(sizeof *t);
+static struct contact_wisp *touching_of(const struct scene *scene, double spacing, int wisps) {
+    struct contact_wisp *t = zeros(sizeof *t);
     const struct scene *mat = scene_of(scene, spacing, wisps);
     unsigned seed = 7;
     t->model = wisp_problem.create(mat, WISP_GENERALISED, 4);
@@ -115,7 +110,7 @@ static struct touching *touching_of(const struct scene *scene, double spacing, i
 }
 
 static void evaluate(void *ctx) {
-    const struct touching *t = ctx;
+    const struct contact_wisp *t = ctx;
     for (int i = 0; i < t->model->part_count; i++) {
         struct part *part = &t->model->parts[i];
         if (system_acceleration(&part->system, 0, part->q, t->v[i], t->a[i]))
@@ -126,7 +121,7 @@ static void evaluate(void *ctx) {
 /* All of it: wisps are laid open, contacts found, velocities changed and put back. Positions stay,
  * velocities are set anew: every tick is the same. */
 static void tick(void *ctx) {
-    const struct touching *t = ctx;
+    const struct contact_wisp *t = ctx;
     for (int i = 0; i < t->model->part_count; i++) {
         const struct part *part = &t->model->parts[i];
         memcpy(part->v, t->v[i], (size_t)part->system.size * sizeof(double));
@@ -135,7 +130,7 @@ static void tick(void *ctx) {
         out_of_memory();
 }
 
-static double contacts_per_point(const struct touching *t, const struct scene *mat) {
+static double contacts_per_point(const struct contact_wisp *t, const struct scene *mat) {
     struct interaction *interaction = interaction_create(&mat->interaction);
     const int stride = t->model->column_count, count = mat->wisp_count;
     struct strand **strands = zeros((size_t)count * sizeof(struct strand *));
@@ -159,7 +154,7 @@ static double contacts_per_point(const struct touching *t, const struct scene *m
 
 static void enter_mat(struct contest *contest, const struct scene *scene, const struct mat *mat,
                       int wisps) {
-    struct touching *t = touching_of(scene, mat->spacing, wisps);
+    struct contact_wisp *t = touching_of(scene, mat->spacing, wisps);
     const double nodes = (KERNEL_NODES - 2.) * wisps;
     char subject[SUBJECT_SIZE];
     mat_subject(mat, wisps, subject);

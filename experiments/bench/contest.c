@@ -1,4 +1,4 @@
-/* The contest: all contestants in turn, again and again, a short sample each time, so that what the
+/* The contest: all candidates in turn, again and again, a short sample each time, so that what the
  * machine does to one it does to its neighbours too; ratios are formed round by round. */
 #include "measure.h"
 
@@ -20,8 +20,8 @@ void contest_add(struct contest *contest, const char *group, const char *subject
         if (!contest->all)
             out_of_memory();
     }
-    struct contestant *new = &contest->all[contest->count++];
-    *new = (struct contestant){.run = run, .ctx = ctx, .units = units};
+    struct candidate *new = &contest->all[contest->count++];
+    *new = (struct candidate){.run = run, .ctx = ctx, .units = units};
     snprintf(new->group, sizeof new->group, "%s", group);
     snprintf(new->subject, sizeof new->subject, "%s", subject);
     snprintf(new->name, sizeof new->name, "%s", name);
@@ -45,7 +45,7 @@ static double now(clockid_t clock) {
 }
 
 /* In CPU time: what others take of the processor is not counted. */
-static double sample(const struct contestant *c) {
+static double sample(const struct candidate *c) {
     const clockid_t clock = c->wall ? CLOCK_MONOTONIC : CLOCK_THREAD_CPUTIME_ID;
     const double start = now(clock);
     for (int i = 0; i < c->repeats; i++)
@@ -56,7 +56,7 @@ static double sample(const struct contestant *c) {
 /* How often each runs in a sample; the least of three is its time. */
 static void calibrate(struct contest *contest) {
     for (int i = 0; i < contest->count; i++) {
-        struct contestant *c = &contest->all[i];
+        struct candidate *c = &contest->all[i];
         double least = INFINITY;
         c->repeats = 1;
         for (int k = 0; k < 3; k++)
@@ -66,9 +66,9 @@ static void calibrate(struct contest *contest) {
     }
 }
 
-/* Another contestant has been here: data come back into the cache before the clock runs, unless
+/* Another candidate has been here: data come back into the cache before the clock runs, unless
  * that is soon forgotten. */
-static double warm_sample(const struct contestant *c) {
+static double warm_sample(const struct candidate *c) {
     if (!c->warms_itself)
         c->run(c->ctx);
     return sample(c);
@@ -82,12 +82,12 @@ void contest_run(struct contest *contest, double seconds, FILE *stream) {
          rounds < KERNEL_ROUNDS_MAX && (rounds < 3 || now(CLOCK_MONOTONIC) - start < seconds);
          rounds++)
         for (int i = 0; i < contest->count; i++) {
-            const struct contestant *c = &contest->all[i];
+            const struct candidate *c = &contest->all[i];
             value[(size_t)i * KERNEL_ROUNDS_MAX + (size_t)rounds] =
                 1e9 * warm_sample(c) / (c->repeats * c->units);
         }
     for (int i = 0; i < contest->count; i++) {
-        const struct contestant *c = &contest->all[i];
+        const struct candidate *c = &contest->all[i];
         fprintf(stream, "%s\t%s\t%s", c->group, c->subject, c->name);
         for (int r = 0; r < rounds; r++)
             fprintf(stream, "\t%.6g", value[(size_t)i * KERNEL_ROUNDS_MAX + (size_t)r]);

@@ -1,4 +1,4 @@
-/* Evaluations of the accelerations: the kernel with 4 lanes and with 1, and its plain twin. */
+/* Evaluations of the accelerations: the kernel with 4, 1 and 8 lanes, and its plain twin. */
 #include "measure.h"
 
 #include <math.h>
@@ -70,14 +70,15 @@ static void note_executed(struct contest *contest, const char *subject, const ch
 
 static void enter_set(struct contest *contest, const struct scene *scene,
                       const struct wisp_set *set) {
-    static const char *const names[] = {"kernel 4", "kernel 1"};
+    static const char *const names[] = {"kernel 4", "kernel 1", "kernel 8"};
+    static const int lanes[] = {4, 1, 8};
     const double units = set->wisps * (KERNEL_NODES - 2.);
     char subject[SUBJECT_SIZE];
     struct twins *twins = moving_twins(scene, set);
     wisp_set_subject(set, subject);
     evaluate_twins(twins);
-    for (int i = 0; i < 2; i++) {
-        struct evaluation *e = evaluation_of(scene, set, i ? 1 : 4);
+    for (int i = 0; i < 3; i++) {
+        struct evaluation *e = evaluation_of(scene, set, lanes[i]);
         evaluate(e);
         const double off = difference(e, twins);
         if (!(off < 1e-12))

@@ -1,6 +1,7 @@
 /* The arithmetic floor of an evaluation: the operations that the model needs, at the rates at which
  * this machine does nothing else. A kernel whose operations are all independent and whose numbers
- * are all at hand would take that long. */
+ * are all at hand would take that long. It is one for so many lanes: a wider register does more in
+ * the same time on some machines, and takes twice as long on others. */
 #include "measure.h"
 
 #include <math.h>
@@ -83,79 +84,91 @@ struct operations needed_operations(const struct wisp_set *set) {
 
 /* --- what the machine can --- */
 
-typedef double four __attribute__((vector_size(32)));
-
 /* Chains that do not wait for each other: enough to hide any latency, few enough for registers. */
 enum { CHAINS = 12, TURNS = 200 };
 
-struct chains {
-    four x[CHAINS], by, plus;
-};
-
-/* x <- by / x: the chain goes to and fro between two numbers. */
-static void divide(void *ctx) {
-    struct chains chains = *(struct chains *)ctx;
-    for (int turn = 0; turn < TURNS; turn++)
-        for (int k = 0; k < CHAINS; k++)
-            chains.x[k] = chains.by / chains.x[k];
-    *(struct chains *)ctx = chains;
-}
-
-/* x <- sqrt(by - x): goes to a number of no simple form. */
-static void take_roots(void *ctx) {
-    struct chains chains = *(struct chains *)ctx;
-    for (int turn = 0; turn < TURNS; turn++)
-        for (int k = 0; k < CHAINS; k++) {
-            const four difference = chains.by - chains.x[k];
-            for (int lane = 0; lane < 4; lane++)
-                chains.x[k][lane] = sqrt(difference[lane]);
-        }
-    *(struct chains *)ctx = chains;
-}
-
-/* x <- x by + plus: half of them multiplications, half additions, as in the model. */
-static void multiply_and_add(void *ctx) {
-    struct chains chains = *(struct chains *)ctx;
-    for (int turn = 0; turn < TURNS; turn++)
-        for (int k = 0; k < CHAINS; k++)
-            chains.x[k] = chains.x[k] * chains.by + chains.plus;
-    *(struct chains *)ctx = chains;
-}
-
-static struct chains *chains_of(double by, double plus) {
-    struct chains *chains = zeros(sizeof *chains);
-    for (int lane = 0; lane < 4; lane++) {
-        chains->by[lane] = by + 0.01 * lane;
-        chains->plus[lane] = plus;
-        for (int k = 0; k < CHAINS; k++)
-            chains->x[k][lane] = 1.1 + 0.01 * k;
+/* x <- by / x: the chain goes to and fro between two numbers. x <- sqrt(by - x): goes to a number
+ * of no simple form. x <- x by + plus: half of them multiplications, half additions, as in the
+ * model. */
+#define RATES_OF(LANES)                                                                         \
+    typedef double vector_##LANES __attribute__((vector_size(8 * LANES)));                      \
+    struct chains_##LANES {                                                                     \
+        vector_##LANES x[CHAINS], by, plus;                                                     \
+    };                                                                                          \
+    static void divide_##LANES(void *ctx) {                                                     \
+        struct chains_##LANES chains = *(struct chains_##LANES *)ctx;                           \
+        for (int turn = 0; turn < TURNS; turn++)                                                \
+            for (int k = 0; k < CHAINS; k++)                                                    \
+                chains.x[k] = chains.by / chains.x[k];                                          \
+        *(struct chains_##LANES *)ctx = chains;                                                 \
+    }                                                                                           \
+    static void take_roots_##LANES(void *ctx) {                                                 \
+        struct chains_##LANES chains = *(struct chains_##LANES *)ctx;                           \
+        for (int turn = 0; turn < TURNS; turn++)                                                \
+            for (int k = 0; k < CHAINS; k++) {                                                  \
+                const vector_##LANES difference = chains.by - chains.x[k];                      \
+                for (int lane = 0; lane < LANES; lane++)                                        \
+                    chains.x[k][lane] = sqrt(difference[lane]);                                 \
+            }                                                                                   \
+        *(struct chains_##LANES *)ctx = chains;                                                 \
+    }                                                                                           \
+    static void multiply_and_add_##LANES(void *ctx) {                                           \
+        struct chains_##LANES chains = *(struct chains_##LANES *)ctx;                           \
+        for (int turn = 0; turn < TURNS; turn++)                                                \
+            for (int k = 0; k < CHAINS; k++)                                                    \
+                chains.x[k] = chains.x[k] * chains.by + chains.plus;                            \
+        *(struct chains_##LANES *)ctx = chains;                                                 \
+    }                                                                                           \
+    static struct chains_##LANES *chains_of_##LANES(double by, double plus) {                   \
+        struct chains_##LANES *chains = zeros(sizeof *chains);                                  \
+        for (int lane = 0; lane < LANES; lane++) {                                              \
+            chains->by[lane] = by + 0.01 * lane;                                                \
+            chains->plus[lane] = plus;                                                          \
+            for (int k = 0; k < CHAINS; k++)                                                    \
+                chains->x[k][lane] = 1.1 + 0.01 * k;                                            \
+        }                                                                                       \
+        return chains;                                                                          \
+    }                                                                                           \
+    /* Units: an operation on LANES numbers. */                                                 \
+    static void enter_rates_##LANES(struct contest *contest, const char *subject) {             \
+        const double units = CHAINS * TURNS;                                                    \
+        contest_add(contest, "rate", subject, "division " #LANES, units, divide_##LANES,        \
+                    chains_of_##LANES(1.7, 0));                                                 \
+        contest_add(contest, "rate", subject, "square root " #LANES, units, take_roots_##LANES, \
+                    chains_of_##LANES(3.1, 0));                                                 \
+        contest_add(contest, "rate", subject, "add or multiply " #LANES, 2 * units,             \
+                    multiply_and_add_##LANES, chains_of_##LANES(0.9, 0.2));                     \
     }
-    return chains;
+
+RATES_OF(4)
+RATES_OF(8)
+
+void enter_rates(struct contest *contest, const char *subject) {
+    enter_rates_4(contest, subject);
+    enter_rates_8(contest, subject);
 }
 
-/* Units: an operation on 4 numbers. */
-void enter_rates(struct contest *contest, const char *subject) {
-    const double units = CHAINS * TURNS;
-    contest_add(contest, "rate", subject, "division", units, divide, chains_of(1.7, 0));
-    contest_add(contest, "rate", subject, "square root", units, take_roots, chains_of(3.1, 0));
-    contest_add(contest, "rate", subject, "add or multiply", 2 * units, multiply_and_add,
-                chains_of(0.9, 0.2));
+static const struct series *rate_series(const struct samples *samples, const struct wisp_set *set,
+                                        const char *operation, int lanes) {
+    char subject[SUBJECT_SIZE], name[32];
+    rates_subject(set, subject);
+    snprintf(name, sizeof name, "%s %d", operation, lanes);
+    return series_find(samples, "rate", subject, name);
 }
 
 /* Divisions and roots share a unit that does little else; the others go on beside them. */
-int floor_times(const struct samples *samples, const struct wisp_set *set, double *floor) {
+int floor_times(const struct samples *samples, const struct wisp_set *set, int lanes,
+                double *floor) {
     const struct operations need = needed_operations(set);
-    char subject[SUBJECT_SIZE];
-    rates_subject(set, subject);
-    const struct series *division = series_find(samples, "rate", subject, "division");
-    const struct series *root = series_find(samples, "rate", subject, "square root");
-    const struct series *other = series_find(samples, "rate", subject, "add or multiply");
+    const struct series *division = rate_series(samples, set, "division", lanes);
+    const struct series *root = rate_series(samples, set, "square root", lanes);
+    const struct series *other = rate_series(samples, set, "add or multiply", lanes);
     if (!division || !root || !other)
         return 0;
     for (int i = 0; i < division->count; i++) {
         const double slow =
             need.divisions * division->value[i] + need.square_roots * root->value[i];
-        floor[i] = fmax(slow, need.others * other->value[i]) / 4;
+        floor[i] = fmax(slow, need.others * other->value[i]) / lanes;
     }
     return division->count;
 }

@@ -1,9 +1,10 @@
 /* wisplab-bench kernel: evaluations against a plain twin and against the machine's own rates,
  * linear solvers, the seam, CVODE, contacts. wisplab-bench speed: whole scenes, steps, sizes, other
- * people's programs. Absolute times mean little, so all contestants are timed in turn and ratios
+ * people's programs. Absolute times mean little, so all candidates are timed in turn and ratios
  * count. */
 #include "base/files.h"
 #include "experiments/kernel.h"
+#include "integrators/plugin.h"
 #include "measure.h"
 #include "run/record.h"
 #include "scene/scene_load.h"
@@ -16,7 +17,8 @@
 struct bench {
     const struct measurement *measurement;
     const char *scene_name, *folder;
-    int quick, fresh;
+    const char **sets; /* changes of the scene */
+    int set_count, quick, fresh;
     struct scene *scene;
     struct choices *choices; /* of `speed`, else NULL */
     char reason[REASON_SIZE];
@@ -29,13 +31,13 @@ struct measurement {
     /* Reads what it measures on: 0, or -1 with a reason. */
     int (*open)(struct bench *bench);
     void (*enter)(const struct bench *bench, struct contest *contest);
-    int (*write)(struct bench *bench, const struct samples *samples);
+    int (*write)(struct bench *bench, const struct samples *samples, struct statements *statements);
 };
 
 /* --- kernel --- */
 
 static int open_kernel(struct bench *bench) {
-    bench->scene = kernel_scene(bench->scene_name, bench->reason);
+    bench->scene = kernel_scene(bench->scene_name, bench->sets, bench->set_count, bench->reason);
     return bench->scene ? 0 : -1;
 }
 
@@ -47,14 +49,17 @@ static void enter_kernel(const struct bench *bench, struct contest *contest) {
     enter_small_costs(contest, bench->scene);
 }
 
-static int write_kernel(struct bench *bench, const struct samples *samples) {
-    return write_tables(bench->scene, samples, bench->folder, bench->reason);
+static int write_kernel(struct bench *bench, const struct samples *samples,
+                        struct statements *statements) {
+    return write_tables(bench->scene, samples, bench->folder, statements, bench->reason);
 }
 
 /* --- speed --- */
 
 static int open_speed(struct bench *bench) {
-    bench->scene = scene_load(bench->scene_name, NULL, 0, bench->reason);
+    bench->scene = scene_load(bench->scene_name, bench->sets, bench->set_count, bench->reason);
+    if (bench->scene)
+        scene_name_sets(bench->scene, bench->sets, bench->set_count);
     bench->choices = bench->scene ? choices_read(bench->folder, bench->reason) : NULL;
     return bench->choices ? 0 : -1;
 }
@@ -66,8 +71,10 @@ static void enter_speed(const struct bench *bench, struct contest *contest) {
     enter_peers(contest);
 }
 
-static int write_speed(struct bench *bench, const struct samples *samples) {
-    return write_speed_tables(bench->scene, bench->choices, samples, bench->folder, bench->reason);
+static int write_speed(struct bench *bench, const struct samples *samples,
+                       struct statements *statements) {
+    return write_speed_tables(bench->scene, bench->choices, samples, bench->folder, statements,
+                              bench->reason);
 }
 
 static const struct measurement measurements[] = {
@@ -77,6 +84,13 @@ static const struct measurement measurements[] = {
 enum { MEASUREMENTS = sizeof measurements / sizeof *measurements };
 
 /* --- either --- */
+
+static const struct column sample_columns[] = {
+    {"group", "-", "what is measured"},
+    {"subject", "-", "what it is measured on"},
+    {"candidate", "-", "who, or what is noted of it"},
+    {"values", "ns", "per unit by round, a cell for each; of a note its number, in its own unit"},
+    {0}};
 
 /* What the file of samples begins with: program, scene and how long was measured. Samples with the
  * same heading need not be taken again. */
@@ -92,7 +106,7 @@ static char *heading_of(const struct bench *bench) {
                      bench->scene);
     if (bench->choices)
         fprintf(stream, "# choices %s\n", bench->choices->hash);
-    fputs("group\tsubject\tcontestant\tvalues\n", stream);
+    columns_write(stream, sample_columns);
     fclose(stream);
     return text;
 }
@@ -147,11 +161,20 @@ static int obtain(struct bench *bench, struct samples *samples) {
     return code;
 }
 
+static int tabulate(struct bench *bench, const struct samples *samples) {
+    struct statements statements;
+    if (statements_open(&statements, bench->folder, bench->scene, NULL, bench->reason))
+        return -1;
+    statements_of_changed(&statements, bench->sets, bench->set_count);
+    return statements_close(&statements, bench->measurement->write(bench, samples, &statements),
+                            bench->reason);
+}
+
 static int measure_and_tabulate(struct bench *bench) {
     struct samples samples;
     if (obtain(bench, &samples))
         return -1;
-    const int code = bench->measurement->write(bench, &samples);
+    const int code = tabulate(bench, &samples);
     samples_free(&samples);
     return code;
 }
@@ -160,6 +183,9 @@ static int read_arguments(int argc, char **argv, struct bench *bench) {
     if (argc < 4)
         return -1;
     *bench = (struct bench){.scene_name = argv[2], .folder = argv[3]};
+    bench->sets = calloc((size_t)argc, sizeof *bench->sets);
+    if (!bench->sets)
+        out_of_memory();
     for (int i = 0; i < MEASUREMENTS; i++)
         if (strcmp(argv[1], measurements[i].name) == 0)
             bench->measurement = &measurements[i];
@@ -168,30 +194,46 @@ static int read_arguments(int argc, char **argv, struct bench *bench) {
             bench->quick = 1;
         else if (strcmp(argv[i], "--fresh") == 0)
             bench->fresh = 1;
+        else if (strcmp(argv[i], "--set") == 0 && i + 1 < argc)
+            bench->sets[bench->set_count++] = argv[++i];
+        else if (strcmp(argv[i], "--plugin") == 0 && i + 1 < argc)
+            i++; /* load_plugins takes it */
         else
             return -1;
     }
     return bench->measurement ? 0 : -1;
 }
 
-static int fail(int code, const char *reason) {
+/* Those that wisplab has, for what it found may be one's. */
+static int load_plugins(int argc, char **argv, char *reason) {
+    for (int i = 4; i + 1 < argc; i++)
+        if (strcmp(argv[i], "--plugin") == 0 && plugin_load(argv[++i], reason))
+            return -1;
+    return 0;
+}
+
+static int fail(const struct bench *bench, int code, const char *reason) {
     fprintf(stderr, "bench: %s\n", reason);
+    free(bench->sets);
     return code;
 }
 
 int main(int argc, char **argv) {
-    struct bench bench;
+    struct bench bench = {.measurement = NULL};
     gsl_set_error_handler_off(); /* errors are return codes here, never aborts */
     if (read_arguments(argc, argv, &bench))
-        return fail(1, "usage: wisplab-bench kernel|speed SCENE FOLDER [--quick] [--fresh]");
-    if (bench.measurement->open(&bench))
-        return fail(1, bench.reason);
+        return fail(
+            &bench, 1,
+            "usage: wisplab-bench kernel|speed SCENE FOLDER [--quick] [--fresh] [--set P=V]...");
+    if (load_plugins(argc, argv, bench.reason) || bench.measurement->open(&bench))
+        return fail(&bench, 1, bench.reason);
     const int code = make_folder(bench.folder, bench.reason) || measure_and_tabulate(&bench);
     scene_free(bench.scene);
     choices_free(bench.choices);
     if (code)
-        return fail(2, bench.reason);
+        return fail(&bench, 2, bench.reason);
     if (fflush(stdout) || ferror(stdout))
-        return fail(2, "standard output cannot be written");
+        return fail(&bench, 2, "standard output cannot be written");
+    free(bench.sets);
     return 0;
 }

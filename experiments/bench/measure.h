@@ -1,8 +1,10 @@
-/* What the files of wisplab-bench share: contestants that are timed in turn, the raw
+/* What the files of wisplab-bench share: candidates that are timed in turn, the raw
  * samples they leave, and statistics of those. */
 #ifndef WISPLAB_KERNEL_MEASURE_H
 #define WISPLAB_KERNEL_MEASURE_H
 
+#include "base/columns.h"
+#include "experiments/common/statements.h"
 #include "model/model.h"
 #include "model/scene.h"
 #include "wisp_twin.h"
@@ -56,7 +58,7 @@ void out_of_memory(void) __attribute__((noreturn));
 /* --- the contest (contest.c) --- */
 
 /* `run` does its work once: `units` of whatever is counted (node evaluations, wisps, steps). */
-struct contestant {
+struct candidate {
     char group[16], subject[SUBJECT_SIZE], name[32];
     void (*run)(void *ctx);
     void *ctx;
@@ -67,7 +69,7 @@ struct contestant {
 };
 
 struct contest {
-    struct contestant *all;
+    struct candidate *all;
     int count, capacity;
     FILE *notes; /* single numbers that are not times, as lines of the samples' file */
 };
@@ -80,7 +82,7 @@ void contest_note(struct contest *contest, const char *group, const char *subjec
                   double value);
 
 /* Times all of them in turn, round after round, for about `seconds` but at least 3 rounds; writes
- * `group`, `subject`, `contestant` and then ns per unit, a number for each round. */
+ * `group`, `subject`, `candidate` and then ns per unit, a number for each round. */
 void contest_run(struct contest *contest, double seconds, FILE *stream);
 
 /* Entries, by subject of the experiment. */
@@ -145,7 +147,13 @@ struct quartiles {
     double median, lower, upper;
 };
 
-/* Of the series; of `a` over `b` formed round by round; NaN where one is NULL. */
+/* Three columns of a table (base/columns.h). */
+#define QUARTILE_COLUMNS(X, name, unit, meaning, format, q)               \
+    X(name, unit, meaning ", median of the rounds", format, (q).median)   \
+    X(name "_lower", unit, meaning ", lower quartile", format, (q).lower) \
+    X(name "_upper", unit, meaning ", upper quartile", format, (q).upper)
+
+/* Quartiles of the series; of `a` over `b` formed round by round; NaN where one is NULL. */
 struct quartiles series_quartiles(const struct series *a);
 struct quartiles ratio_quartiles(const struct series *a, const struct series *b);
 struct quartiles quartiles(const double *value, int count);
@@ -160,9 +168,10 @@ struct operations {
 /* What the model needs, by the table in floor.c. */
 struct operations needed_operations(const struct wisp_set *set);
 
-/* The time of that at the machine's rates, ns per free node of one wisp among four, by round;
- * returns the number of rounds. */
-int floor_times(const struct samples *samples, const struct wisp_set *set, double *floor);
+/* The time of that at the machine's rates on vectors of 4 or of 8 numbers, ns per free node of one
+ * wisp among so many, by round; returns the number of rounds. */
+int floor_times(const struct samples *samples, const struct wisp_set *set, int lanes,
+                double *floor);
 
 /* What one evaluation of a part executes, by stepping through it: one count for each kind. */
 enum executed {
@@ -185,9 +194,9 @@ int trace_evaluation(struct system *system, const double *q, const double *v, do
 
 /* --- tables (tables.c) --- */
 
-/* Writes all tables of the samples into a folder and prints what they say. Returns 0, or -1 with
+/* Writes all tables of the samples into a folder, and what they say. Returns 0, or -1 with
  * one line in `reason` (REASON_SIZE). */
 int write_tables(const struct scene *scene, const struct samples *samples, const char *folder,
-                 char *reason);
+                 struct statements *statements, char *reason);
 
 #endif

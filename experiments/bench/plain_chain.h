@@ -17,7 +17,8 @@ struct chain {
     double q[CHAIN_SIZE_MAX]; /* the start: straight, at rest */
 };
 
-/* Of a wisp without envelope, with skip springs, no wind, no style and a head at rest. */
+/* Makes a chain of a wisp without envelope, with skip springs, no wind, no style and a head at
+ * rest. */
 void chain_init(struct chain *chain, const struct wisp *wisp,
                 const struct surroundings *surroundings);
 

@@ -27,7 +27,7 @@ static void write_by_printf(void *ctx) {
         snprintf(n->text, sizeof n->text, "%.17g", n->x[i]);
 }
 
-/* Of the size of a wisp's positions and velocities, with all their digits. */
+/* Enters numbers of the size of a wisp's positions and velocities, with all their digits. */
 static void enter_digits(struct contest *contest) {
     struct numbers *n = zeros(sizeof *n);
     unsigned seed = 5;

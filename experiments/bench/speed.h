@@ -11,7 +11,7 @@
 struct choice {
     char subject[SUBJECT_SIZE]; /* "1 mm recipe" */
     char method[48], treatment[24];
-    double target, step, error; /* m, s, m */
+    double target, setting, error; /* m; step, s, or rtol; m */
     int is_recipe;
 };
 
@@ -44,11 +44,13 @@ struct scene *bench_scene(const char *name, const char *const *sets, int set_cou
 
 /* --- entries --- */
 
+/* That of section 5.6, which is also measured with ten times its wisps. */
+extern const char thesis_scene[];
 enum { THREADS = 2 };
 void enter_scenes(struct contest *contest, const struct scene *scene,
                   const struct choices *choices);
 
-/* A step of each fixed-step method over one of explicit Euler, four full lanes. */
+/* A step of each fixed-step method over one of explicit Euler, in full parts. */
 void enter_steps(struct contest *contest);
 enum { STEP_SETS = 2 };
 extern const char *const step_sets[STEP_SETS];
@@ -73,6 +75,7 @@ extern const struct peer_question peer_questions[PEER_QUESTIONS];
 
 /* As write_tables. */
 int write_speed_tables(const struct scene *scene, const struct choices *choices,
-                       const struct samples *samples, const char *folder, char *reason);
+                       const struct samples *samples, const char *folder,
+                       struct statements *statements, char *reason);
 
 #endif

@@ -9,7 +9,6 @@
 #include <string.h>
 
 static const double thesis_seconds = 28474; /* of the whole scene on an R4400 (section 5.6) */
-static const char thesis_scene[] = "wind";
 
 struct tables {
     const struct scene *scene;
@@ -20,18 +19,16 @@ struct tables {
     char *reason;
 };
 
-static void put(FILE *stream, struct quartiles q) {
-    fprintf(stream, "\t%.4g\t%.4g\t%.4g", q.median, q.lower, q.upper);
-}
-#define TRIPLE(name) "\t" name "\t" name "_lower\t" name "_upper"
+#define QUARTILES(X, name, unit, meaning, q) QUARTILE_COLUMNS(X, name, unit, meaning, "%.4g", q)
 
 /* --- scenes --- */
 
-static const struct series *scene_series(const struct tables *tables, const struct choice *choice,
-                                         int threads) {
+/* `group`: "scene", or "thousand" wisps in it. */
+static const struct series *scene_series(const struct tables *tables, const char *group,
+                                         const struct choice *choice, int threads) {
     char name[32];
     snprintf(name, sizeof name, "%d threads", threads);
-    return series_find(tables->samples, "scene", choice->subject, name);
+    return series_find(tables->samples, group, choice->subject, name);
 }
 
 /* The samples are ns of a simulated second. */
@@ -40,29 +37,35 @@ static struct quartiles times_real_time(const struct series *series) {
     return (struct quartiles){1e9 / ns.median, 1e9 / ns.upper, 1e9 / ns.lower};
 }
 
+#define SCENE_COLUMNS(X)                                              \
+    X("target", "m", "the error that is allowed", "%g", c->target)    \
+    X("who", "-", "recipe: the thesis's; best: the cheapest", "%s",   \
+      c->is_recipe ? "recipe" : "best")                               \
+    X("method", "-", "the configuration", "%s", c->method)            \
+    TREATED_COLUMN(X, c->treatment)                                   \
+    X("setting", "s or 1", "step, s, or rtol", "%.17g", c->setting)   \
+    X("error", "m", "error of that run", "%.6g", c->error)            \
+    X("threads", "1", "threads that share the wisps", "%d", threads)  \
+    QUARTILES(X, "real_time", "1", "simulated over wall time", speed) \
+    X("over_thesis", "1", "the thesis's 28474 s over this", "%.4g",   \
+      is_thesis ? thesis_seconds *speed.median / tables->scene->duration : (double)NAN)
+
 static int write_scenes(const struct tables *tables) {
     struct atomic_file file;
     const int is_thesis = strcmp(tables->scene->name, thesis_scene) == 0;
-    if (open_table(
-            &file, tables->folder, "scenes",
-            "the whole scene without frames; real_time: simulated over wall time, median and "
-            "quartiles over rounds; over_thesis: the thesis's 28474 s over this; nan: the "
-            "scene is not the thesis's",
-            tables->scene,
-            "target\twho\tmethod\ttreatment\tstep\terror\tthreads" TRIPLE(
-                "real_time") "\tover_thesis",
-            tables->reason))
+    if (open_table(&file, tables->folder, "scenes",
+                   "the whole scene without frames; setting: step, s, or rtol; real_time: "
+                   "simulated over wall time, median and "
+                   "quartiles over rounds; over_thesis: the thesis's 28474 s over this; nan: the "
+                   "scene is not the thesis's",
+                   tables->scene, COLUMNS(SCENE_COLUMNS), tables->reason))
         return -1;
     for (int i = 0; i < tables->choices->count; i++)
         for (int threads = 1; threads <= THREADS; threads++) {
             const struct choice *c = &tables->choices->choice[i];
-            const struct quartiles speed = times_real_time(scene_series(tables, c, threads));
-            fprintf(file.stream, "%g\t%s\t%s\t%s\t%.17g\t%.6g\t%d", c->target,
-                    c->is_recipe ? "recipe" : "best", c->method, c->treatment, c->step, c->error,
-                    threads);
-            put(file.stream, speed);
-            fprintf(file.stream, "\t%.4g\n",
-                    is_thesis ? thesis_seconds * speed.median / tables->scene->duration : NAN);
+            const struct quartiles speed =
+                times_real_time(scene_series(tables, "scene", c, threads));
+            WRITE_ROW(file.stream, SCENE_COLUMNS);
         }
     return atomic_commit(&file, tables->reason);
 }
@@ -75,22 +78,47 @@ static const struct choice *choice_of(const struct tables *tables, double target
     return NULL;
 }
 
+/* "600 Hz", or "rtol 1e-4". */
+static const char *setting_of(const struct choice *choice, char words[32]) {
+    const int adaptive = (stepper_find(choice->method)->capabilities & STEPPER_ADAPTIVE) != 0;
+    if (adaptive)
+        snprintf(words, 32, "rtol %.3g", choice->setting);
+    else
+        snprintf(words, 32, "%.5g Hz", 1 / choice->setting);
+    return words;
+}
+
 static void state_scene(const struct tables *tables, const struct choice *choice) {
-    char key[64];
-    const struct quartiles one = times_real_time(scene_series(tables, choice, 1)),
-                           two = times_real_time(scene_series(tables, choice, 2)),
-                           gain = ratio_quartiles(scene_series(tables, choice, 1),
-                                                  scene_series(tables, choice, 2));
+    char key[64], setting[32];
+    const struct quartiles one = times_real_time(scene_series(tables, "scene", choice, 1)),
+                           two = times_real_time(scene_series(tables, "scene", choice, 2)),
+                           gain = ratio_quartiles(scene_series(tables, "scene", choice, 1),
+                                                  scene_series(tables, "scene", choice, 2));
     snprintf(key, sizeof key, "real time, %s", choice->subject);
     const struct statement row = {
         .key = key, .figure = "speed", .tables = "scenes", .value = two.median, .unit = "1"};
     statements_add(tables->statements, row,
-                   "Within %g mm, %s in treatment %s at %.5g Hz (error %.2g mm) runs %s %.3g times "
+                   "Within %g mm, %s in treatment %s at %s (error %.2g mm) runs %s %.3g times "
                    "as fast as real time on one thread and %.3g times on two, a gain of %.3g (%.3g "
                    "to %.3g).",
-                   1e3 * choice->target, choice->method, choice->treatment, 1 / choice->step,
-                   1e3 * choice->error, tables->scene->name, one.median, two.median, gain.median,
-                   gain.lower, gain.upper);
+                   1e3 * choice->target, choice->method, choice->treatment,
+                   setting_of(choice, setting), 1e3 * choice->error, tables->scene->name,
+                   one.median, two.median, gain.median, gain.lower, gain.upper);
+}
+
+static void state_thousand(const struct tables *tables, const struct choice *choice) {
+    const struct quartiles two = times_real_time(scene_series(tables, "thousand", choice, THREADS));
+    char key[64], setting[32];
+    snprintf(key, sizeof key, "thousand wisps, %s", choice->subject);
+    const struct statement row = {
+        .key = key, .figure = "speed", .tables = "samples", .value = two.median, .unit = "1"};
+    if (isfinite(two.median))
+        statements_add(tables->statements, row,
+                       "A thousand wisps on the same head, which stand out from it at first, run "
+                       "by %s at %s %.3g (%.3g to %.3g) times as fast as real time on two threads "
+                       "through the first fifth of a second of the gust.",
+                       choice->method, setting_of(choice, setting), two.median, two.lower,
+                       two.upper);
 }
 
 /* Both just within the target: one over the other. */
@@ -98,12 +126,13 @@ static void state_targets(const struct tables *tables) {
     for (int i = 0; i < tables->choices->count; i++) {
         const struct choice *best = &tables->choices->choice[i],
                             *recipe = choice_of(tables, best->target, 1);
-        char key[64];
+        char key[64], setting[32];
         state_scene(tables, best);
+        state_thousand(tables, best);
         if (best->is_recipe || !recipe)
             continue;
-        const struct quartiles ratio =
-            ratio_quartiles(scene_series(tables, recipe, 1), scene_series(tables, best, 1));
+        const struct quartiles ratio = ratio_quartiles(scene_series(tables, "scene", recipe, 1),
+                                                       scene_series(tables, "scene", best, 1));
         snprintf(key, sizeof key, "over the recipe, %g mm", 1e3 * best->target);
         const struct statement row = {.key = key,
                                       .figure = "speed",
@@ -111,34 +140,35 @@ static void state_targets(const struct tables *tables) {
                                       .verdict = holds_if(ratio.lower > 1),
                                       .value = ratio.median,
                                       .unit = "1"};
-        statements_add(
-            tables->statements, row,
-            "Within %g mm the thesis's recipe at %.5g Hz takes %.3g (%.3g to %.3g) times "
-            "as long on %s as %s.",
-            1e3 * best->target, 1 / recipe->step, ratio.median, ratio.lower, ratio.upper,
-            tables->scene->name, best->method);
+        statements_add(tables->statements, row,
+                       "Within %g mm the thesis's recipe at %s takes %.3g (%.3g to %.3g) times "
+                       "as long on %s as %s.",
+                       1e3 * best->target, setting_of(recipe, setting), ratio.median, ratio.lower,
+                       ratio.upper, tables->scene->name, best->method);
     }
 }
 
 /* --- steps --- */
 
+#define STEP_COLUMNS(X)                                                               \
+    SCENE_COLUMN(X, s->subject)                                                       \
+    X("method", "-", "the configuration", "%s", s->name)                              \
+    QUARTILES(X, "ns", "ns", "a step of one wisp", series_quartiles(s))               \
+    QUARTILES(X, "euler_steps", "1", "a step of one wisp over one of explicit Euler", \
+              ratio_quartiles(s, series_find(tables->samples, "step", s->subject, "euler")))
+
 static int write_steps(const struct tables *tables) {
     struct atomic_file file;
     if (open_table(&file, tables->folder, "steps",
-                   "a step of one wisp, ns, in parts of four full lanes, and over one of explicit "
-                   "Euler, round by round; median and quartiles",
-                   tables->scene, "scene\tmethod" TRIPLE("ns") TRIPLE("euler_steps"),
-                   tables->reason))
+                   "a step of one wisp, ns, in full parts as wide as runs' are, and over one of "
+                   "explicit Euler, round by round; median and quartiles",
+                   tables->scene, COLUMNS(STEP_COLUMNS), tables->reason))
         return -1;
     for (int i = 0; i < tables->samples->count; i++) {
         const struct series *s = &tables->samples->series[i];
         if (strcmp(s->group, "step") != 0)
             continue;
-        fprintf(file.stream, "%s\t%s", s->subject, s->name);
-        put(file.stream, series_quartiles(s));
-        put(file.stream,
-            ratio_quartiles(s, series_find(tables->samples, "step", s->subject, "euler")));
-        fputc('\n', file.stream);
+        WRITE_ROW(file.stream, STEP_COLUMNS);
     }
     return atomic_commit(&file, tables->reason);
 }
@@ -159,39 +189,49 @@ static void state_step(const struct tables *tables, const char *method) {
 
 /* --- sizes --- */
 
+#define SIZE_COLUMNS(X)                                                                         \
+    X("along", "-", "wisps, nodes or samples: what is varied", "%s", s->group)                  \
+    X("number", "1", "number of these", "%s", s->subject)                                       \
+    X("candidate", "-", "the method, and along wisps its threads", "%s", s->name)               \
+    QUARTILES(X, "ns", "ns", "time of a wisp's simulated second along wisps, else of its step", \
+              series_quartiles(s))
+
 static int write_sizes(const struct tables *tables) {
     static const char *const groups[] = {"wisps", "nodes", "samples"};
     struct atomic_file file;
     if (open_table(&file, tables->folder, "sizes",
                    "along wisps: ns of wall time for a simulated second of a wisp at the method's "
-                   "usual rate, contestant: method and threads; along nodes and samples: ns for a "
+                   "usual rate, candidate: method and threads; along nodes and samples: ns for a "
                    "step of a wisp; median and quartiles",
-                   tables->scene, "along\tnumber\tcontestant" TRIPLE("ns"), tables->reason))
+                   tables->scene, COLUMNS(SIZE_COLUMNS), tables->reason))
         return -1;
     for (size_t g = 0; g < sizeof groups / sizeof *groups; g++) {
         for (int i = 0; i < tables->samples->count; i++) {
             const struct series *s = &tables->samples->series[i];
             if (strcmp(s->group, groups[g]) != 0)
                 continue;
-            fprintf(file.stream, "%s\t%s\t%s", s->group, s->subject, s->name);
-            put(file.stream, series_quartiles(s));
-            fputc('\n', file.stream);
+            WRITE_ROW(file.stream, SIZE_COLUMNS);
         }
         fprintf(file.stream, "\n\n");
     }
     return atomic_commit(&file, tables->reason);
 }
 
+#define MEMORY_COLUMNS(X)                                                           \
+    SCENE_COLUMN(X, step_sets[s])                                                   \
+    X("method", "-", "the configuration", "%s", sized_methods[m])                   \
+    X("bytes", "byte", "memory of a wisp, of the model and of its stepper", "%.0f", \
+      note_find(tables->samples, "memory", step_sets[s], sized_methods[m]))
+
 static int write_memory(const struct tables *tables) {
     struct atomic_file file;
     if (open_table(&file, tables->folder, "memory",
                    "bytes of a wisp, of the model and of its stepper", tables->scene,
-                   "scene\tmethod\tbytes", tables->reason))
+                   COLUMNS(MEMORY_COLUMNS), tables->reason))
         return -1;
     for (int s = 0; s < STEP_SETS; s++)
         for (int m = 0; m < SIZED_METHODS; m++)
-            fprintf(file.stream, "%s\t%s\t%.0f\n", step_sets[s], sized_methods[m],
-                    note_find(tables->samples, "memory", step_sets[s], sized_methods[m]));
+            WRITE_ROW(file.stream, MEMORY_COLUMNS);
     return atomic_commit(&file, tables->reason);
 }
 
@@ -214,14 +254,24 @@ static const struct series *cheapest(const struct tables *tables, const char *qu
     return best;
 }
 
+#define PEER_COLUMNS(X)                                                                     \
+    X("question", "-", "the scene and how exact", "%s", question)                           \
+    X("who", "-", "a method of ours, or another program", "%s", s->name)                    \
+    X("setting", "s or 1", "longest step, s, or loosest rtol that is exact enough", "%.6g", \
+      note_find(tables->samples, "peer setting", question, s->name))                        \
+    X("error", "m", "error of that run", "%.6g",                                            \
+      note_find(tables->samples, "peer error", question, s->name))                          \
+    QUARTILES(X, "ns", "ns", "time of a simulated second of a wisp", series_quartiles(s))   \
+    QUARTILES(X, "over_own", "1", "such a time over that of our cheapest method",           \
+              ratio_quartiles(s, own))
+
 static int write_peers(const struct tables *tables) {
     struct atomic_file file;
     if (open_table(&file, tables->folder, "peers",
                    "swing, exact enough: the longest step, s, or loosest rtol that is (setting), "
                    "its error, m, ns for a simulated second of a wisp, and that over the cheapest "
                    "of the program's own methods, round by round; median and quartiles",
-                   tables->scene, "question\twho\tsetting\terror" TRIPLE("ns") TRIPLE("over_own"),
-                   tables->reason))
+                   tables->scene, COLUMNS(PEER_COLUMNS), tables->reason))
         return -1;
     for (int k = 0; k < PEER_QUESTIONS; k++) {
         const char *question = peer_questions[k].name;
@@ -230,12 +280,7 @@ static int write_peers(const struct tables *tables) {
             const struct series *s = &tables->samples->series[i];
             if (strcmp(s->group, "peer") != 0 || strcmp(s->subject, question) != 0)
                 continue;
-            fprintf(file.stream, "%s\t%s\t%.6g\t%.6g", question, s->name,
-                    note_find(tables->samples, "peer setting", question, s->name),
-                    note_find(tables->samples, "peer error", question, s->name));
-            put(file.stream, series_quartiles(s));
-            put(file.stream, ratio_quartiles(s, own));
-            fputc('\n', file.stream);
+            WRITE_ROW(file.stream, PEER_COLUMNS);
         }
     }
     return atomic_commit(&file, tables->reason);
@@ -264,14 +309,12 @@ static void state_peer(const struct tables *tables, const char *question, const 
 }
 
 int write_speed_tables(const struct scene *scene, const struct choices *choices,
-                       const struct samples *samples, const char *folder, char *reason) {
+                       const struct samples *samples, const char *folder,
+                       struct statements *statements, char *reason) {
     static const char *const peers[] = {"plain loop, Euler", "plain loop, RK4", "GSL rk8pd",
                                         "stock CVODE, KLU"};
     static const char *const stepped[] = {"linear-euler", "bdf2", "implicit-euler"};
-    struct statements statements;
-    const struct tables tables = {scene, choices, samples, folder, &statements, reason};
-    if (statements_open(&statements, folder, scene, NULL, reason))
-        return -1;
+    const struct tables tables = {scene, choices, samples, folder, statements, reason};
     const int code = write_scenes(&tables) || write_steps(&tables) || write_sizes(&tables) ||
                              write_memory(&tables) || write_peers(&tables)
                          ? -1
@@ -284,5 +327,5 @@ int write_speed_tables(const struct scene *scene, const struct choices *choices,
             for (size_t i = 0; i < sizeof peers / sizeof *peers; i++)
                 state_peer(&tables, peer_questions[k].name, peers[i]);
     }
-    return statements_close(&statements, code, reason);
+    return code;
 }

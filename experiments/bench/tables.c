@@ -19,56 +19,80 @@ struct tables {
     char *reason;
 };
 
-static void put(FILE *stream, struct quartiles q) {
-    fprintf(stream, "\t%.17g\t%.17g\t%.17g", q.median, q.lower, q.upper);
-}
+#define QUARTILES(X, name, unit, meaning, q) QUARTILE_COLUMNS(X, name, unit, meaning, "%.17g", q)
+#define SET_COLUMNS(X, set)                                                                    \
+    X("treatment", "-", "how samples are kept on their lines; skeleton: there are none", "%s", \
+      (set)->samples ? treatment_name((set)->treatment) : "skeleton")                          \
+    X("bending", "-", "law of bending", "%s", bending_name((set)->bending))                    \
+    X("samples", "1", "samples of the envelope around a node", "%d", (set)->samples)
 
 /* --- evaluations --- */
 
-/* Of one set: times of the three, the floor, and ratios. */
+/* What was measured of one set: times, the floors for 4 and for 8 lanes, and ratios. */
 struct evaluation {
     struct quartiles four, one, twin, floor, twin_over_four, one_over_four, four_over_floor;
+    struct quartiles eight, floor_of_eight, eight_over_floor;
 };
 
+/* The floor for so many lanes, and the kernel's times over it. */
+static void find_floor(const struct samples *samples, const struct wisp_set *set,
+                       const struct series *kernel, int lanes, struct quartiles *floor,
+                       struct quartiles *over) {
+    double least[KERNEL_ROUNDS_MAX], ratio[KERNEL_ROUNDS_MAX];
+    const int rounds = kernel ? floor_times(samples, set, lanes, least) : 0;
+    for (int i = 0; i < rounds; i++)
+        ratio[i] = kernel->value[i] / least[i];
+    *floor = quartiles(least, rounds);
+    *over = quartiles(ratio, rounds);
+}
+
 static struct evaluation evaluation_of(const struct samples *samples, const struct wisp_set *set) {
-    double floor[KERNEL_ROUNDS_MAX], ratio[KERNEL_ROUNDS_MAX];
     char subject[SUBJECT_SIZE];
     wisp_set_subject(set, subject);
     const struct series *four = series_find(samples, "evaluation", subject, "kernel 4");
     const struct series *one = series_find(samples, "evaluation", subject, "kernel 1");
     const struct series *twin = series_find(samples, "evaluation", subject, "twin");
-    const int rounds = four ? floor_times(samples, set, floor) : 0;
-    for (int i = 0; i < rounds; i++)
-        ratio[i] = four->value[i] / floor[i];
-    return (struct evaluation){
-        series_quartiles(four),   series_quartiles(one),       series_quartiles(twin),
-        quartiles(floor, rounds), ratio_quartiles(twin, four), ratio_quartiles(one, four),
-        quartiles(ratio, rounds),
-    };
+    const struct series *eight = series_find(samples, "evaluation", subject, "kernel 8");
+    struct evaluation e = {.four = series_quartiles(four),
+                           .one = series_quartiles(one),
+                           .twin = series_quartiles(twin),
+                           .twin_over_four = ratio_quartiles(twin, four),
+                           .one_over_four = ratio_quartiles(one, four),
+                           .eight = series_quartiles(eight)};
+    find_floor(samples, set, four, 4, &e.floor, &e.four_over_floor);
+    find_floor(samples, set, eight, 8, &e.floor_of_eight, &e.eight_over_floor);
+    return e;
 }
 
 static void print_evaluation(const struct wisp_set *set, const struct evaluation *e) {
-    printf("  %-12s %-6s %3d %8.1f %8.1f %8.1f %8.1f %8.1f %8.1f   %.2f (%.2f to %.2f)\n",
+    printf("  %-12s %-6s %3d %8.1f %8.1f %8.1f %8.1f %8.1f %8.1f   %.2f (%.2f to %.2f)"
+           " %8.1f   %.2f (%.2f to %.2f)\n",
            set->samples ? treatment_name(set->treatment) : "skeleton", bending_name(set->bending),
            set->samples, e->twin.median, e->one.median, e->four.median, e->floor.median,
            e->twin_over_four.median, e->one_over_four.median, e->four_over_floor.median,
-           e->four_over_floor.lower, e->four_over_floor.upper);
+           e->four_over_floor.lower, e->four_over_floor.upper, e->eight.median,
+           e->eight_over_floor.median, e->eight_over_floor.lower, e->eight_over_floor.upper);
 }
+
+#define NS(X, name, who, q)         QUARTILES(X, name, "ns", "time of a free node's evaluation by " who, q)
+#define OVER(X, name, who, than, q) QUARTILES(X, name, "1", who " over " than, q)
+#define EVALUATION_COLUMNS(X)                                                                     \
+    SET_COLUMNS(X, set)                                                                           \
+    X("wisps", "1", "number of wisps", "%d", set->wisps)                                          \
+    NS(X, "kernel4", "the kernel on 4 lanes", e->four)                                            \
+    NS(X, "kernel1", "the kernel on 1 lane", e->one)                                              \
+    NS(X, "twin", "a plain program", e->twin)                                                     \
+    NS(X, "floor", "the needed operations on 4 lanes at the machine's rates", e->floor)           \
+    OVER(X, "twin_over_kernel4", "twin", "kernel4", e->twin_over_four)                            \
+    OVER(X, "kernel1_over_kernel4", "kernel1", "kernel4", e->one_over_four)                       \
+    OVER(X, "kernel4_over_floor", "kernel4", "floor", e->four_over_floor)                         \
+    NS(X, "kernel8", "the kernel on 8 lanes", e->eight)                                           \
+    NS(X, "floor8", "the needed operations on 8 lanes at the machine's rates", e->floor_of_eight) \
+    OVER(X, "kernel8_over_floor8", "kernel8", "floor8", e->eight_over_floor)
 
 static void write_evaluation(FILE *stream, const struct wisp_set *set, const struct evaluation *e) {
-    fprintf(stream, "%s\t%s\t%d\t%d", set->samples ? treatment_name(set->treatment) : "skeleton",
-            bending_name(set->bending), set->samples, set->wisps);
-    put(stream, e->four);
-    put(stream, e->one);
-    put(stream, e->twin);
-    put(stream, e->floor);
-    put(stream, e->twin_over_four);
-    put(stream, e->one_over_four);
-    put(stream, e->four_over_floor);
-    fputc('\n', stream);
+    WRITE_ROW(stream, EVALUATION_COLUMNS);
 }
-
-#define TRIPLE(name) "\t" name "\t" name "_lower\t" name "_upper"
 
 static int write_evaluations(const struct tables *tables) {
     struct atomic_file file;
@@ -76,16 +100,12 @@ static int write_evaluations(const struct tables *tables) {
     if (open_table(&file, tables->folder, "evaluation",
                    "ns per free node and evaluation of one wisp, median and quartiles over rounds; "
                    "ratios formed round by round",
-                   tables->scene,
-                   "treatment\tbending\tsamples\twisps" TRIPLE("kernel4") TRIPLE("kernel1")
-                       TRIPLE("twin") TRIPLE("floor") TRIPLE("twin_over_kernel4")
-                           TRIPLE("kernel1_over_kernel4") TRIPLE("kernel4_over_floor"),
-                   tables->reason))
+                   tables->scene, COLUMNS(EVALUATION_COLUMNS), tables->reason))
         return -1;
     printf("  evaluation, batch of %d: ns per free node\n  %-12s %-6s %3s %8s %8s %8s %8s %8s %8s"
-           "   %s\n",
+           "   %-20s %8s   %s\n",
            SHOWN_BATCH, "treatment", "bend", "M", "twin", "1 lane", "4 lanes", "floor", "twin/4",
-           "1/4", "4 lanes/floor (quartiles)");
+           "1/4", "4 lanes/floor", "8 lanes", "8 lanes/floor");
     for (int b = 0; b < BATCHES; b++) {
         const int count = wisp_sets(batches[b], sets);
         for (int i = 0; i < count; i++) {
@@ -100,14 +120,33 @@ static int write_evaluations(const struct tables *tables) {
 
 /* --- operations --- */
 
-static void write_executed(FILE *stream, const struct samples *samples, const char *subject,
-                           const char *lanes) {
-    for (int k = 0; k < EXECUTED_KINDS; k++) {
-        char name[32];
-        snprintf(name, sizeof name, "%s %s", executed_names[k], lanes);
-        fprintf(stream, "\t%g", note_find(samples, "executed", subject, name));
-    }
+static double executed(const struct samples *samples, const char *subject, const char *what,
+                       const char *lanes) {
+    char name[40];
+    snprintf(name, sizeof name, "%s kernel %s", what, lanes);
+    return note_find(samples, "executed", subject, name);
 }
+
+#define EXECUTED(X, name, what, lanes)                             \
+    X(name lanes, "1", what ", executed with lanes: " lanes, "%g", \
+      executed(samples, subject, what, lanes))
+#define EXECUTED_COLUMNS(X, lanes)               \
+    EXECUTED(X, "roots", "square roots", lanes)  \
+    EXECUTED(X, "divisions", "divisions", lanes) \
+    EXECUTED(X, "additions", "additions", lanes) \
+    EXECUTED(X, "logic", "logic", lanes)         \
+    EXECUTED(X, "arranging", "arranging", lanes) \
+    EXECUTED(X, "moves", "moves", lanes)         \
+    EXECUTED(X, "other", "other", lanes)         \
+    EXECUTED(X, "library", "library", lanes)
+#define OPERATION_COLUMNS(X)                                                              \
+    SET_COLUMNS(X, &sets[i])                                                              \
+    X("roots", "1", "square roots that the model needs", "%g", need.square_roots)         \
+    X("divisions", "1", "divisions that the model needs", "%g", need.divisions)           \
+    X("additions", "1", "additions and products that the model needs", "%g", need.others) \
+    EXECUTED_COLUMNS(X, "4")                                                              \
+    EXECUTED_COLUMNS(X, "1")                                                              \
+    EXECUTED_COLUMNS(X, "8")
 
 /* The floor stands on the table of needed operations. Where the program does with fewer, the table
  * is wrong, or the program has found a way that the table does not know; then it is said. A tenth
@@ -131,63 +170,67 @@ static int doubtful(const struct samples *samples, const char *subject,
 static int write_operations(const struct tables *tables) {
     struct atomic_file file;
     struct wisp_set sets[WISP_SETS_MAX];
+    const struct samples *samples = tables->samples;
     const int count = wisp_sets(SHOWN_BATCH, sets);
     int doubts = 0;
     if (open_table(&file, tables->folder, "operations",
                    "operations per free node and wisp: what the model needs, and what the kernel "
-                   "executes with 4 lanes and with 1 (of the first three kinds, results per lane; "
+                   "executes with 4 lanes, 1 and 8 (of the first three kinds, results per lane; "
                    "of the others, instructions; nan: not counted)",
-                   tables->scene,
-                   "treatment\tbending\tsamples\troots\tdivisions\tadditions\troots4\tdivisions4\t"
-                   "additions4\tlogic4\tarranging4\tmoves4\tother4\tlibrary4\troots1\tdivisions1\t"
-                   "additions1\tlogic1\tarranging1\tmoves1\tother1\tlibrary1",
-                   tables->reason))
+                   tables->scene, COLUMNS(OPERATION_COLUMNS), tables->reason))
         return -1;
     for (int i = 0; i < count; i++) {
         const struct operations need = needed_operations(&sets[i]);
         char subject[SUBJECT_SIZE];
         wisp_set_subject(&sets[i], subject);
-        fprintf(file.stream, "%s\t%s\t%d\t%g\t%g\t%g",
-                sets[i].samples ? treatment_name(sets[i].treatment) : "skeleton",
-                bending_name(sets[i].bending), sets[i].samples, need.square_roots, need.divisions,
-                need.others);
-        write_executed(file.stream, tables->samples, subject, "kernel 4");
-        write_executed(file.stream, tables->samples, subject, "kernel 1");
-        fputc('\n', file.stream);
-        doubts += doubtful(tables->samples, subject, &need);
+        WRITE_ROW(file.stream, OPERATION_COLUMNS);
+        doubts += doubtful(samples, subject, &need);
     }
     if (!doubts)
         printf("  the kernel executes at least the operations that the floor is made of\n");
     return atomic_commit(&file, tables->reason);
 }
 
+#define RATE_COLUMNS(X)                                           \
+    X("operation", "-", "what is done", "%s", names[i])           \
+    X("doubles", "1", "on how many numbers at once", "%d", lanes) \
+    QUARTILES(X, "ns", "ns", "time of it", q)
+
 static int write_rates(const struct tables *tables) {
     static const char *const names[] = {"division", "square root", "add or multiply"};
     struct atomic_file file;
     if (open_table(&file, tables->folder, "rates",
-                   "ns per operation on 4 doubles, independent of each other", tables->scene,
-                   "operation" TRIPLE("ns"), tables->reason))
+                   "ns per operation on 4 and on 8 doubles, independent of each other",
+                   tables->scene, COLUMNS(RATE_COLUMNS), tables->reason))
         return -1;
-    printf("  the machine, per 4 doubles:");
-    for (int i = 0; i < 3; i++) {
-        const struct quartiles q =
-            series_quartiles(series_find(tables->samples, "rate", "rates skip 64", names[i]));
-        fputs(names[i], file.stream);
-        put(file.stream, q);
-        fputc('\n', file.stream);
-        printf(" %s %.3g ns%s", names[i], q.median, i < 2 ? "," : "\n");
+    for (int lanes = 4; lanes <= 8; lanes += 4) {
+        printf("  the machine, per %d doubles:", lanes);
+        for (int i = 0; i < 3; i++) {
+            char name[32];
+            snprintf(name, sizeof name, "%s %d", names[i], lanes);
+            const struct quartiles q =
+                series_quartiles(series_find(tables->samples, "rate", "rates skip 64", name));
+            WRITE_ROW(file.stream, RATE_COLUMNS);
+            printf(" %s %.3g ns%s", names[i], q.median, i < 2 ? "," : "\n");
+        }
     }
     return atomic_commit(&file, tables->reason);
 }
 
 /* --- goals --- */
 
+#define GOAL_COLUMNS(X)                                                     \
+    X("what", "-", "the ratio", "%s", what)                                 \
+    X("sense", "-", "relation that it must have to the bound", "%s", sense) \
+    X("bound", "1", "bound of the ratio", "%g", bound)                      \
+    QUARTILES(X, "ratio", "1", "the ratio as measured", q)                  \
+    X("result", "-", "whether it is met", "%s", met ? "met" : "not met")
+
 /* Goals of this experiment: a ratio and its bound. */
 static void write_goal(FILE *stream, const struct tables *tables, const char *what,
                        struct quartiles q, const char *sense, double bound) {
     const int met = *sense == '<' ? q.median <= bound : q.median >= bound;
-    fprintf(stream, "%s\t%s\t%g\t%.17g\t%.17g\t%.17g\t%s\n", what, sense, bound, q.median, q.lower,
-            q.upper, met ? "met" : "not met");
+    WRITE_ROW(stream, GOAL_COLUMNS);
     const struct statement row = {.key = what,
                                   .tables = "goals",
                                   .verdict = isnan(q.median) ? NOT_REACHED : holds_if(met),
@@ -238,6 +281,27 @@ static const struct series *stage_series(const struct samples *samples, const ch
     return series_find(samples, "solver", subject, name);
 }
 
+#define STAGE(X, name, who, q) QUARTILES(X, name, "ns", "time of a wisp, to " who, q)
+#define STAGE_OVER(X, name, who, q) \
+    QUARTILES(X, name, "1", "time to " who " over that of an evaluation of a wisp's skeleton", q)
+#define SOLVER_COLUMNS(X)                                                                      \
+    X("system", "-", "skeleton or generalised: without or with an envelope", "%s",             \
+      set->samples ? "generalised" : "skeleton")                                               \
+    X("samples", "1", "samples of the envelope around a node", "%d", set->samples)             \
+    X("wisps", "1", "number of wisps", "%d", set->wisps)                                       \
+    X("solver", "-", "name of the linear solver", "%s", row->method)                           \
+    X("lanes", "1", "wisps side by side", "%d", row->lanes)                                    \
+    X("step", "s", "length of the step that is solved for", "%g", row->h)                      \
+    X("iterations", "1", "iterations of a solve", "%g", iterations)                            \
+    STAGE(X, "linearise", "linearise", series_quartiles(linearise))                            \
+    STAGE(X, "factor", "factorise", series_quartiles(factor))                                  \
+    STAGE(X, "solve", "solve", series_quartiles(solve))                                        \
+    STAGE_OVER(X, "linearise_evaluations", "linearise", sum_over(linearise, NULL, evaluation)) \
+    STAGE_OVER(X, "factor_evaluations", "factorise", sum_over(factor, NULL, evaluation))       \
+    STAGE_OVER(X, "solve_evaluations", "solve", sum_over(solve, NULL, evaluation))             \
+    STAGE_OVER(X, "factor_solve_evaluations", "factorise and solve", both)                     \
+    STAGE(X, "assemble", "assemble the matrix", series_quartiles(assemble))
+
 static void write_solver(FILE *stream, const struct samples *samples, const struct wisp_set *set,
                          const struct solver_row *row) {
     char subject[SUBJECT_SIZE], skeleton[SUBJECT_SIZE], name[32];
@@ -252,18 +316,8 @@ static void write_solver(FILE *stream, const struct samples *samples, const stru
     const struct series *assemble = sparse ? stage_series(samples, subject, "assemble", 1) : NULL;
     snprintf(name, sizeof name, "solve %s %d %g", row->method, row->lanes, row->h);
     const double iterations = note_find(samples, "iterations", subject, name);
-    fprintf(stream, "%s\t%d\t%d\t%s\t%d\t%g\t%g", set->samples ? "generalised" : "skeleton",
-            set->samples, set->wisps, row->method, row->lanes, row->h, iterations);
-    put(stream, series_quartiles(linearise));
-    put(stream, series_quartiles(factor));
-    put(stream, series_quartiles(solve));
     const struct quartiles both = sum_over(factor, solve, evaluation);
-    put(stream, sum_over(linearise, NULL, evaluation));
-    put(stream, sum_over(factor, NULL, evaluation));
-    put(stream, sum_over(solve, NULL, evaluation));
-    put(stream, both);
-    put(stream, series_quartiles(assemble));
-    fputc('\n', stream);
+    WRITE_ROW(stream, SOLVER_COLUMNS);
     printf("  %-11s %5d  %-8s %d %6g %10.0f %9.0f %9.0f %9.0f %11.1f\n",
            set->samples ? "generalised" : "skeleton", set->wisps, row->method, row->lanes, row->h,
            iterations, series_quartiles(linearise).median, series_quartiles(factor).median,
@@ -276,12 +330,7 @@ static int write_solvers(const struct tables *tables) {
                    "ns per wisp of 12 nodes with skip springs; factor of klu and cholmod with the "
                    "assembly of their matrix; multiples: over one evaluation of a wisp's skeleton "
                    "among 200 with 4 lanes; nan: the solver has no such stage",
-                   tables->scene,
-                   "system\tsamples\twisps\tsolver\tlanes\tstep\titerations" TRIPLE("linearise")
-                       TRIPLE("factor") TRIPLE("solve") TRIPLE("linearise_evaluations")
-                           TRIPLE("factor_evaluations") TRIPLE("solve_evaluations")
-                               TRIPLE("factor_solve_evaluations") TRIPLE("assemble"),
-                   tables->reason))
+                   tables->scene, COLUMNS(SOLVER_COLUMNS), tables->reason))
         return -1;
     printf("  linear solvers, ns per wisp; factor + solve in skeleton evaluations (4 lanes)\n"
            "  %-11s %5s  %-8s %s %6s %10s %9s %9s %9s %11s\n",
@@ -298,17 +347,23 @@ static int write_solvers(const struct tables *tables) {
 
 /* --- seam and CVODE --- */
 
+#define PAIR_COLUMNS(X)                                                                         \
+    X("group", "-", "what is compared", "%s", group)                                            \
+    X("subject", "-", "subject of the comparison", "%s", subject)                               \
+    X("name", "-", "name of the one", "%s", name)                                               \
+    X("than", "-", "name of the other", "%s", than)                                             \
+    X("steps", "1", "steps of the one", "%g", note_find(samples, "cvode steps", subject, name)) \
+    X("steps_than", "1", "steps of the other", "%g",                                            \
+      note_find(samples, "cvode steps", subject, than))                                         \
+    QUARTILES(X, "ns", "ns", "time of a step and wisp, of the one", series_quartiles(a))        \
+    QUARTILES(X, "ns_than", "ns", "time of a step and wisp, of the other", series_quartiles(b)) \
+    QUARTILES(X, "ratio", "1", "ratio of the one over the other", ratio_quartiles(a, b))
+
 static void write_pair(FILE *stream, const struct samples *samples, const char *group,
                        const char *subject, const char *name, const char *than) {
     const struct series *a = series_find(samples, group, subject, name);
     const struct series *b = series_find(samples, group, subject, than);
-    fprintf(stream, "%s\t%s\t%s\t%s\t%g\t%g", group, subject, name, than,
-            note_find(samples, "cvode steps", subject, name),
-            note_find(samples, "cvode steps", subject, than));
-    put(stream, series_quartiles(a));
-    put(stream, series_quartiles(b));
-    put(stream, ratio_quartiles(a, b));
-    fputc('\n', stream);
+    WRITE_ROW(stream, PAIR_COLUMNS);
     if (strcmp(group, "cvode") == 0)
         printf("  cvode, %s, %s: %.0f steps of %.2f us, ours %.0f of %.2f us: %.2f times a step\n",
                subject, name, note_find(samples, "cvode steps", subject, name),
@@ -325,10 +380,7 @@ static int write_steppers(const struct tables *tables) {
             "registry against one by hand; cvode: as it comes against ours; digits: ns a "
             "number as text; stops: a step with the clamp after it, and nine of ten without; "
             "nan: steps are as long, and not counted",
-            tables->scene,
-            "group\tsubject\tname\tthan\tsteps\tsteps_than" TRIPLE("ns") TRIPLE("ns_than")
-                TRIPLE("ratio"),
-            tables->reason))
+            tables->scene, COLUMNS(PAIR_COLUMNS), tables->reason))
         return -1;
     write_pair(file.stream, s, "seam", "skeleton skip 0 64", "stepper", "by hand");
     write_pair(file.stream, s, "seam", "generalised skip 4 64", "stepper", "by hand");
@@ -351,6 +403,16 @@ static const struct series *contact_series(const struct samples *s, const struct
     return series_find(s, "contact", subject, name);
 }
 
+#define CONTACT_COLUMNS(X)                                                           \
+    X("mat", "-", "name of the mat", "%s", mat->name)                                \
+    X("wisps", "1", "number of wisps", "%d", wisps)                                  \
+    X("contacts_per_point", "1", "contacts of a point, in the mean", "%g", contacts) \
+    QUARTILES(X, "tick", "ns", "time of a point and tick", series_quartiles(tick))   \
+    QUARTILES(X, "evaluation", "ns", "time of a free node and evaluation",           \
+              series_quartiles(evaluation))                                          \
+    QUARTILES(X, "tick_over_evaluation", "1", "tick over evaluation", ratio)         \
+    QUARTILES(X, "growth", "1", "tick over that of the smallest mat", growth)
+
 static void write_contact(FILE *stream, const struct samples *s, const struct mat *mat, int wisps) {
     char subject[SUBJECT_SIZE];
     mat_subject(mat, wisps, subject);
@@ -360,12 +422,7 @@ static void write_contact(FILE *stream, const struct samples *s, const struct ma
     const struct quartiles growth =
         ratio_quartiles(tick, contact_series(s, mat, mat_sizes[0], "tick"));
     const double contacts = note_find(s, "contacts", subject, "per point");
-    fprintf(stream, "%s\t%d\t%g", mat->name, wisps, contacts);
-    put(stream, series_quartiles(tick));
-    put(stream, series_quartiles(evaluation));
-    put(stream, ratio);
-    put(stream, growth);
-    fputc('\n', stream);
+    WRITE_ROW(stream, CONTACT_COLUMNS);
     printf("  %-16s %6d %9.2f %8.1f %8.1f   %.2f (%.2f to %.2f)   %.2f\n", mat->name, wisps,
            contacts, series_quartiles(tick).median, series_quartiles(evaluation).median,
            ratio.median, ratio.lower, ratio.upper, growth.median);
@@ -377,10 +434,7 @@ static int write_contacts(const struct tables *tables) {
                    "wisp contact on mats of equal density, ns per point and tick, laying open and "
                    "putting back included; its ratio to an evaluation of one free node in the same "
                    "model (4 lanes), and to the smallest mat's; all round by round",
-                   tables->scene,
-                   "mat\twisps\tcontacts_per_point" TRIPLE("tick") TRIPLE("evaluation")
-                       TRIPLE("tick_over_evaluation") TRIPLE("growth"),
-                   tables->reason))
+                   tables->scene, COLUMNS(CONTACT_COLUMNS), tables->reason))
         return -1;
     printf("  contact, ns per point and tick\n  %-16s %6s %9s %8s %8s   %s\n", "mat", "wisps",
            "contacts", "tick", "eval", "tick/evaluation (quartiles), growth");
@@ -410,20 +464,23 @@ static struct quartiles gain_over_registers(const struct samples *s, const char 
     return quartiles(gain, rounds);
 }
 
+#define THREAD_COLUMNS(X)                                                    \
+    X("work", "-", "what is done", "%s", threaded[i])                        \
+    QUARTILES(X, "gain", "1", "wall time of one thread over that of two", q) \
+    QUARTILES(X, "over_registers", "1", "gain over that on registers",       \
+              gain_over_registers(tables->samples, threaded[i]))
+
 static int write_threads(const struct tables *tables) {
     struct atomic_file file;
     if (open_table(&file, tables->folder, "threads",
                    "gain of a second thread (wall time of one over that of two), on arithmetic in "
                    "registers and on a mat of 100 touching wisps; and over that of registers",
-                   tables->scene, "work" TRIPLE("gain") TRIPLE("over_registers"), tables->reason))
+                   tables->scene, COLUMNS(THREAD_COLUMNS), tables->reason))
         return -1;
     for (int i = 0; i < 3; i++) {
         double gain[KERNEL_ROUNDS_MAX];
         const struct quartiles q = quartiles(gain, gains(tables->samples, threaded[i], gain));
-        fputs(threaded[i], file.stream);
-        put(file.stream, q);
-        put(file.stream, gain_over_registers(tables->samples, threaded[i]));
-        fputc('\n', file.stream);
+        WRITE_ROW(file.stream, THREAD_COLUMNS);
         printf("  second thread, %s: %.2f (%.2f to %.2f) times as fast\n", threaded[i], q.median,
                q.lower, q.upper);
     }
@@ -459,7 +516,7 @@ static int write_goals(const struct tables *tables) {
     const struct samples *s = tables->samples;
     struct atomic_file file;
     if (open_table(&file, tables->folder, "goals", "ratios that have a bound to keep",
-                   tables->scene, "what\tsense\tbound" TRIPLE("ratio") "\tresult", tables->reason))
+                   tables->scene, COLUMNS(GOAL_COLUMNS), tables->reason))
         return -1;
     const struct solver_row *direct = &solver_rows[0];
     const char *bare = "skeleton skip 0 200";
@@ -563,13 +620,10 @@ static void state_solvers(const struct tables *tables) {
 }
 
 int write_tables(const struct scene *scene, const struct samples *samples, const char *folder,
-                 char *reason) {
-    struct statements statements;
-    const struct tables tables = {scene, samples, folder, &statements, reason};
-    const struct series *first = series_find(samples, "rate", "rates skip 64", "division");
+                 struct statements *statements, char *reason) {
+    const struct tables tables = {scene, samples, folder, statements, reason};
+    const struct series *first = series_find(samples, "rate", "rates skip 64", "division 4");
     printf("  %d rounds\n", first ? first->count : 0);
-    if (statements_open(&statements, folder, scene, NULL, reason))
-        return -1;
     const int code = write_rates(&tables) || write_evaluations(&tables) ||
                              write_operations(&tables) || write_solvers(&tables) ||
                              write_steppers(&tables) || write_contacts(&tables) ||
@@ -580,5 +634,5 @@ int write_tables(const struct scene *scene, const struct samples *samples, const
         state_evaluations(&tables);
         state_solvers(&tables);
     }
-    return statements_close(&statements, code, reason);
+    return code;
 }

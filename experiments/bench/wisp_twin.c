@@ -1,5 +1,7 @@
 #include "wisp_twin.h"
 
+#include "wisp/body.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -128,6 +130,65 @@ static inline void outer(const struct wisp_twin *twin, const double w[3], const 
         acceleration[k] = twin->gravity[k] + twin->drag_rate * (w[k] - v[k]);
 }
 
+/* The depth 1 - sigma of a point in a body, where sigma = sqrt(sum ((X - c)_k / R_k)^2), and the
+ * gradient of sigma; 0 where it is outside, or at the centre, which has no gradient. */
+static double depth_in(const struct wisp_twin *twin, const struct body *body, const double X[3],
+                       double gradient[3]) {
+    double from[3], square = 0;
+    for (int k = 0; k < 3; k++) {
+        from[k] = X[k] - (body->centre[k] + twin->t * body->velocity[k]);
+        square += from[k] / body->radii[k] * (from[k] / body->radii[k]);
+    }
+    const double sigma = sqrt(square);
+    if (sigma >= 1 || sigma < 1e-6)
+        return 0;
+    for (int k = 0; k < 3; k++)
+        gradient[k] = from[k] / (body->radii[k] * body->radii[k]) / sigma;
+    return 1 - sigma;
+}
+
+static inline double least_radius(const struct body *body) {
+    return fmin(body->radii[0], fmin(body->radii[1], body->radii[2]));
+}
+
+/* Bodies that push by penalty: what they add to the acceleration of a node or sample at X with
+ * velocity U (README.md: across the surface a spring and a damper that never pull, along
+ * it friction, both growing from 0 within a twentieth of the body). */
+static void bodies(const struct wisp_twin *twin, const double X[3], const double U[3],
+                   double acceleration[3]) {
+    for (int b = 0; b < twin->pushing_count; b++) {
+        const struct body *body = &twin->pushing[b];
+        const double omega = 2 * M_PI * body->frequency, least = least_radius(body);
+        double gradient[3], n[3], u[3], slip[3];
+        const double depth = depth_in(twin, body, X, gradient);
+        if (depth == 0)
+            continue;
+        const double slope = norm(gradient), s = fmin(1, depth / 0.05);
+        for (int k = 0; k < 3; k++) {
+            n[k] = gradient[k] / slope;
+            u[k] = U[k] - body->velocity[k];
+        }
+        across(u, n, slip);
+        const double push = omega * omega * least * least * depth * slope -
+                            2 * body->damping_ratio * omega * s * dot(u, n);
+        add(acceleration, fmax(0, push), n);
+        add(acceleration, -s * body->friction, slip);
+    }
+}
+
+/* Its energy in them, by mass. */
+static double energy_in_bodies(const struct wisp_twin *twin, const double X[3]) {
+    double energy = 0;
+    for (int b = 0; b < twin->pushing_count; b++) {
+        const struct body *body = &twin->pushing[b];
+        double gradient[3];
+        const double depth = depth_in(twin, body, X, gradient);
+        const double reach = 2 * M_PI * body->frequency * least_radius(body) * depth;
+        energy += reach * reach / 2;
+    }
+    return energy;
+}
+
 /* Between nodes a and b in direction n: pulls a by [k (L - L0) + c (v_b - v_a).n] n, b back. */
 static inline void spring_damper(struct wisp_twin *twin, int a, int b, const double n[3],
                                  double length, double rest, double k, double c) {
@@ -248,6 +309,7 @@ static int skeleton_forces(struct wisp_twin *twin, const double w[3]) {
     for (int i = 2; i < twin->nodes; i++) {
         double acceleration[3];
         outer(twin, w, twin->velocity[i], acceleration);
+        bodies(twin, twin->position[i], twin->velocity[i], acceleration);
         add(twin->force[i], twin->mass[i], acceleration);
     }
     stretch(twin, twin->stretch_constant, twin->stretch_damping);
@@ -331,16 +393,29 @@ static inline double envelope_spring(const struct wisp_twin *twin, int i, double
     return twin->envelope_constant[i] * (twin->radius - r) - twin->envelope_damping[i] * rate;
 }
 
+/* What bodies do to a sample r a from its node, a moving with r' a from it. */
+static void bodies_on_line(const struct wisp_twin *twin, int i, const double a[3], double r,
+                           double rate, double acceleration[3]) {
+    double X[3], U[3];
+    for (int k = 0; k < 3; k++) {
+        X[k] = twin->position[i][k] + r * a[k];
+        U[k] = twin->velocity[i][k] + rate * a[k];
+        acceleration[k] = 0;
+    }
+    bodies(twin, X, U, acceleration);
+}
+
 static void projection(const struct wisp_twin *twin, int i, const double w[3], const double *r,
                        const double *rate, double *node, double *sample) {
     double force[3] = {twin->force[i][0], twin->force[i][1], twin->force[i][2]}, push[3];
     outer(twin, w, twin->velocity[i], push);
     for (int j = 0; j < twin->samples; j++) {
-        double a[3];
+        double a[3], body[3];
         half_line(twin, i, j, a);
+        bodies_on_line(twin, i, a, r[j], rate[j], body);
         const double s = envelope_spring(twin, i, r[j], rate[j]);
         /* F.a/mu: the drag of r' a is all along a */
-        const double push_along = dot(push, a) - twin->drag_rate * rate[j];
+        const double push_along = dot(push, a) - twin->drag_rate * rate[j] + dot(body, a);
         sample[j] = s * twin->inverse_sample_mass[i] + push_along;
         add(force, -s, a);
     }
@@ -362,6 +437,7 @@ static void penalty(const struct wisp_twin *twin, int i, const double w[3], cons
         across(d, a, off);
         across(d_rate, a, off_rate);
         outer(twin, w, e_rate, push);
+        bodies(twin, e, e_rate, push);
         for (int k = 0; k < 3; k++) {
             const double springs = s * a[k] - k_p * off[k] - c_p * off_rate[k];
             sample[k] = springs * twin->inverse_sample_mass[i] + push[k];
@@ -378,14 +454,16 @@ static void generalised(const struct wisp_twin *twin, int i, const double w[3], 
     double push[3], along[SAMPLES_MAX][3];
     outer(twin, w, twin->velocity[i], push);
     for (int j = 0; j < twin->samples; j++) {
-        double *a = along[j], push_across[3];
+        double *a = along[j], push_across[3], body[3];
         half_line(twin, i, j, a);
+        bodies_on_line(twin, i, a, r[j], rate[j], body);
+        add(body, 1, push);
         const double s = envelope_spring(twin, i, r[j], rate[j]);
         /* P F: the drag of r' a has no part in it */
-        across(push, a, push_across);
+        across(body, a, push_across);
         add(force, -s, a);
         add(force, twin->sample_mass[i], push_across);
-        sample[j] = s * twin->inverse_sample_mass[i] + dot(push, a) - twin->drag_rate * rate[j];
+        sample[j] = s * twin->inverse_sample_mass[i] + dot(body, a) - twin->drag_rate * rate[j];
     }
     /* The matrix m I + mu sum P has w as an eigenvector, and all that is across it. */
     const double *normal = twin->frame_w[i];
@@ -532,7 +610,8 @@ static double bend_energy(const struct wisp_twin *twin) {
 /* Kinetic and gravitational. */
 static double mass_energy(const struct wisp_twin *twin, double mass, const double position[3],
                           const double velocity[3]) {
-    return mass * (dot(velocity, velocity) / 2 - dot(twin->gravity, position));
+    return mass * (dot(velocity, velocity) / 2 - dot(twin->gravity, position) +
+                   energy_in_bodies(twin, position));
 }
 
 /* All of a sample: x and rate are its r and r', or its e and e'. */
@@ -596,6 +675,27 @@ static void outer_scale(const struct wisp_twin *twin, const double w_scale[3], c
         scale[k] = fabs(twin->gravity[k]) + twin->drag_rate * (w_scale[k] + fabs(v[k]));
 }
 
+/* The depth's own error is that of sigma, which is about 1; the normal's is as a frame's. */
+static void bodies_scale(const struct wisp_twin *twin, const double X[3], const double U[3],
+                         double scale[3]) {
+    for (int b = 0; b < twin->pushing_count; b++) {
+        const struct body *body = &twin->pushing[b];
+        const double omega = 2 * M_PI * body->frequency, least = least_radius(body);
+        double gradient[3], u = 0;
+        const double depth = depth_in(twin, body, X, gradient);
+        for (int k = 0; k < 3; k++)
+            u += fabs(U[k]) + fabs(body->velocity[k]);
+        if (depth == 0)
+            continue;
+        const double damper = 2 * body->damping_ratio * omega + body->friction;
+        /* s is depth / 0.05, and the gradient's direction is that of X - c, near the centre noise
+         */
+        const double all = omega * omega * least * least * norm(gradient) + 20 * damper * u;
+        for (int k = 0; k < 3; k++)
+            scale[k] += all / (1 - depth);
+    }
+}
+
 static void spring_damper_scale(struct wisp_twin *twin, int a, int b, const double n[3],
                                 double length, double rest, double k, double c) {
     const double pull = k * (length + rest) + c * (absolute_dot(twin->velocity[a], n) +
@@ -657,6 +757,7 @@ static void skeleton_scale(struct wisp_twin *twin, const double w_scale[3]) {
     for (int i = 2; i < twin->nodes; i++) {
         double push[3];
         outer_scale(twin, w_scale, twin->velocity[i], push);
+        bodies_scale(twin, twin->position[i], twin->velocity[i], push);
         add(twin->force[i], twin->mass[i], push);
     }
     for (int i = 1; i < twin->nodes - 1; i++)
@@ -680,9 +781,16 @@ static double envelope_spring_scale(const struct wisp_twin *twin, int i, double 
 static void half_line_scale(const struct wisp_twin *twin, int i, const double w_scale[3],
                             const double *r, const double *rate, double *node, double *sample) {
     const int coupled = twin->treatment == WISP_GENERALISED;
-    double force[3] = {twin->force[i][0], twin->force[i][1], twin->force[i][2]}, push[3];
-    outer_scale(twin, w_scale, twin->velocity[i], push);
+    double force[3] = {twin->force[i][0], twin->force[i][1], twin->force[i][2]};
     for (int j = 0; j < twin->samples; j++) {
+        double a[3], X[3], U[3], push[3];
+        half_line(twin, i, j, a);
+        for (int k = 0; k < 3; k++) {
+            X[k] = twin->position[i][k] + r[j] * a[k];
+            U[k] = twin->velocity[i][k] + rate[j] * a[k];
+        }
+        outer_scale(twin, w_scale, twin->velocity[i], push);
+        bodies_scale(twin, X, U, push);
         const double s = envelope_spring_scale(twin, i, fabs(r[j]), fabs(rate[j]));
         sample[j] =
             s * twin->inverse_sample_mass[i] + sum_of(push) + twin->drag_rate * fabs(rate[j]);
@@ -710,6 +818,7 @@ static void penalty_scale(const struct wisp_twin *twin, int i, const double w_sc
         }
         const double s = envelope_spring_scale(twin, i, sum_of(d), sum_of(d_rate));
         outer_scale(twin, w_scale, e_rate, push);
+        bodies_scale(twin, e, e_rate, push);
         for (int k = 0; k < 3; k++) {
             const double springs =
                 s + k_p * (d[k] + sum_of(d)) + c_p * (d_rate[k] + sum_of(d_rate));
@@ -746,6 +855,8 @@ int wisp_twin_init(struct wisp_twin *twin, const struct wisp *wisp,
 
     memcpy(twin->gravity, surroundings->gravity, sizeof twin->gravity);
     twin->drag_rate = wisp->drag_rate;
+    twin->pushing = surroundings->pushing;
+    twin->pushing_count = surroundings->pushing_count;
     twin->wind = surroundings->wind;
     for (int k = 0; k < WIND_TERMS_MAX; k++)
         twin->wind_angular_frequency[k] = 2 * M_PI * surroundings->wind.frequency[k];
@@ -795,6 +906,7 @@ void wisp_twin_rest(const struct wisp_twin *twin, double *q, double *v) {
 int wisp_twin_acceleration(struct wisp_twin *twin, double t, const double *q, const double *v,
                            double *a) {
     double w[3];
+    twin->t = t;
     wind(twin, t, w);
     if (set_state(twin, q, v) != 0 || skeleton_forces(twin, w) != 0)
         return -1;
@@ -819,6 +931,7 @@ int wisp_twin_acceleration_frozen(struct wisp_twin *twin, double t, const double
                                   const double *v, const double (*u)[3],
                                   const double (*v_normal)[3], const double (*w)[3], double *a) {
     double air[3];
+    twin->t = t;
     wind(twin, t, air);
     if (set_state(twin, q, v) != 0 || skeleton_forces(twin, air) != 0)
         return -1;
@@ -839,7 +952,7 @@ void wisp_twin_frames(struct wisp_twin *twin, const double *q, double (*u)[3], d
 }
 
 double wisp_twin_energy(struct wisp_twin *twin, double t, const double *q, const double *v) {
-    (void)t;
+    twin->t = t;
     set_state(twin, q, v);
     frames(twin);
     return energy_of_state(twin, q, v);
@@ -848,7 +961,7 @@ double wisp_twin_energy(struct wisp_twin *twin, double t, const double *q, const
 double wisp_twin_energy_frozen(struct wisp_twin *twin, double t, const double *q, const double *v,
                                const double (*u)[3], const double (*v_normal)[3],
                                const double (*w)[3]) {
-    (void)t;
+    twin->t = t;
     set_state(twin, q, v);
     set_frames(twin, u, v_normal, w);
     return energy_of_state(twin, q, v);
@@ -856,8 +969,8 @@ double wisp_twin_energy_frozen(struct wisp_twin *twin, double t, const double *q
 
 void wisp_twin_scale(struct wisp_twin *twin, double t, const double *q, const double *v,
                      double *scale) {
-    (void)t;
     double w_scale[3];
+    twin->t = t;
     wind_scale(twin, w_scale);
     set_state(twin, q, v);
     skeleton_scale(twin, w_scale);

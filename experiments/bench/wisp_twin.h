@@ -27,6 +27,8 @@ struct wisp_twin {
     double root[3], direction[3], spacing;
 
     double gravity[3], drag_rate;
+    const struct body *pushing; /* by penalty; not owned */
+    int pushing_count;
     struct wind wind;
     double wind_angular_frequency[WIND_TERMS_MAX]; /* 2 pi f_k */
 
@@ -46,8 +48,9 @@ struct wisp_twin {
     double inverse_mass_along[WISP_TWIN_NODES_MAX];  /* `generalised`: along w, */
     double inverse_mass_across[WISP_TWIN_NODES_MAX]; /* and across it */
 
-    /* Of the state at hand. Rows 0 and 1 of positions, velocities and frames, and row 0 of the
-     * segments, are the head's and written once. */
+    /* What follows from the state at hand, at time t. Rows 0 and 1 of positions, velocities and
+     * frames, and row 0 of the segments, are the head's and written once. */
+    double t;
     wisp_twin_vectors position, velocity, force;
     wisp_twin_vectors tangent;                                               /* t_i */
     double length[WISP_TWIN_NODES_MAX], inverse_length[WISP_TWIN_NODES_MAX]; /* of (i, i+1) */
@@ -70,7 +73,7 @@ void wisp_twin_rest(const struct wisp_twin *twin, double *q, double *v);
 int wisp_twin_acceleration(struct wisp_twin *twin, double t, const double *q, const double *v,
                            double *a);
 
-/* The same with the frames given, n rows each (u, v and w of wisp_twin_frames). */
+/* The acceleration with the frames given, n rows each (u, v and w of wisp_twin_frames). */
 int wisp_twin_acceleration_frozen(struct wisp_twin *twin, double t, const double *q,
                                   const double *v, const double (*u)[3],
                                   const double (*v_normal)[3], const double (*w)[3], double *a);
@@ -90,7 +93,7 @@ void wisp_twin_frames(struct wisp_twin *twin, const double *q, double (*u)[3], d
  *   - in `projection` not even then: what pushes a sample across its line is lost. */
 double wisp_twin_energy(struct wisp_twin *twin, double t, const double *q, const double *v);
 
-/* The same with the frames given. */
+/* The energy with the frames given. */
 double wisp_twin_energy_frozen(struct wisp_twin *twin, double t, const double *q, const double *v,
                                const double (*u)[3], const double (*v_normal)[3],
                                const double (*w)[3]);

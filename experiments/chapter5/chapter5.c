@@ -40,13 +40,8 @@ static int count_sets(const struct row *row) {
 static int chapter5_plan(struct plan *plan) {
     const struct stepper_method *recipe = stepper_find(thesis_recipe.stepper);
     plan->run_seconds = 300;
-    if (plan_has_no_steppers(plan, "figures"))
+    if (plan_has_no_steppers(plan, "figures") || plan_has_no_scenes(plan))
         return -1;
-    if (plan->scene_count > 0) {
-        snprintf(plan->reason, REASON_SIZE,
-                 "experiment %s is of chapter 5's own; leave out --scene", plan->experiment->name);
-        return -1;
-    }
     for (int i = 0; i < ROWS; i++) {
         const struct scene *scene =
             plan_scene(plan, rows[i].scene, rows[i].sets, count_sets(&rows[i]));
@@ -92,6 +87,23 @@ static const char *bending_name(enum bending bending) {
     return bending == BENDING_SKIP ? "skip" : bending == BENDING_HINGE ? "hinge" : "none";
 }
 
+#define MODEL_COLUMNS(X)                                                                       \
+    X("figure", "-", "figure of the thesis, and the row", "%s", rows[i].label)                 \
+    SCENE_COLUMN(X, rows[i].scene)                                                             \
+    X("wisps", "1", "number of wisps", "%d", scene->wisp_count)                                \
+    X("length", "m", "length of a wisp", "%g", wisp->length)                                   \
+    X("nodes", "1", "nodes of a wisp", "%d", wisp->nodes)                                      \
+    X("radius", "m", "radius of the envelope", "%g", wisp->radius)                             \
+    X("bending", "-", "the law of bending", "%s", bending_name(wisp->bending))                 \
+    X("bending_stiffness", "N m^2", "of a wisp", "%g", wisp->bending_stiffness)                \
+    X("drag", "1/s", "drag of the air over the mass", "%g", wisp->drag_rate)                   \
+    X("frequency", "Hz", "frequency of the envelope", "%g", wisp->frequency)                   \
+    X("threshold", "1", "threshold between interpenetration and collision", "%g",              \
+      contact->threshold)                                                                      \
+    X("viscosity", "1/s", "viscosity of interpenetration", "%g", contact->viscosity)           \
+    X("reciprocal", "1", "1 where both wisps of a contact feel it", "%d", contact->reciprocal) \
+    X("deviates", "-", "in what it is off the common model", "%s", list)
+
 static int write_models(struct plan *plan, const char *folder) {
     struct atomic_file file;
     char list[200];
@@ -99,20 +111,14 @@ static int write_models(struct plan *plan, const char *folder) {
                    "what the scenes have: length, m; radius, m; bending stiffness, N m^2; drag, "
                    "1/s; frequency of the envelope, Hz; threshold; viscosity, 1/s; deviates: from "
                    "the default material and contacts, and from 30 cm on 11 nodes",
-                   NULL,
-                   "figure\tscene\twisps\tlength\tnodes\tradius\tbending\tbending_stiffness\tdrag"
-                   "\tfrequency\tthreshold\tviscosity\treciprocal\tdeviates",
-                   plan->reason))
+                   NULL, COLUMNS(MODEL_COLUMNS), plan->reason))
         return -1;
     for (int i = 0; i < ROWS; i++) {
         const struct scene *scene = plan->cases[i].run.scene;
         const struct wisp *wisp = &scene->wisps[0];
         const struct interaction_settings *contact = &scene->interaction;
         deviations(scene, list, sizeof list);
-        fprintf(file.stream, "%s\t%s\t%d\t%g\t%d\t%g\t%s\t%g\t%g\t%g\t%g\t%g\t%d\t%s\n",
-                rows[i].label, rows[i].scene, scene->wisp_count, wisp->length, wisp->nodes,
-                wisp->radius, bending_name(wisp->bending), wisp->bending_stiffness, wisp->drag_rate,
-                wisp->frequency, contact->threshold, contact->viscosity, contact->reciprocal, list);
+        WRITE_ROW(file.stream, MODEL_COLUMNS);
     }
     return atomic_commit(&file, plan->reason);
 }
@@ -156,6 +162,21 @@ static int read_prices(struct plan *plan, struct price *prices) {
     return 0;
 }
 
+#define PRICE_COLUMNS(X)                                                                    \
+    X("figure", "-", "figure of the thesis, and the row", "%s", rows[i].label)              \
+    X("cpu", "s", "CPU time of a wisp for a frame: median of repeated runs", "%.17g",       \
+      price->cpu.median)                                                                    \
+    X("least", "s", "least CPU time of repeated runs", "%.17g", price->cpu.least)           \
+    X("greatest", "s", "greatest CPU time of repeated runs", "%.17g", price->cpu.greatest)  \
+    X("ours", "1", "cpu over the first row's", "%.17g", price->ours)                        \
+    X("ours_least", "1", "the least that the spreads allow", "%.17g", price->least)         \
+    X("ours_greatest", "1", "the greatest that the spreads allow", "%.17g", price->most)    \
+    X("thesis", "1", "the thesis's time over that of its first row", "%.17g", price->ratio) \
+    X("evaluations", "1", "evaluations of forces, per wisp and frame", "%.17g",             \
+      price->evaluations)                                                                   \
+    X("contacts", "1", "contacts with wisps and bodies, per wisp and frame", "%.17g",       \
+      price->contacts)
+
 static int write_prices(struct plan *plan, const char *folder, const struct price *prices) {
     struct atomic_file file;
     if (open_table(
@@ -163,35 +184,29 @@ static int write_prices(struct plan *plan, const char *folder, const struct pric
             "what a wisp of the scene takes for a frame: CPU time, s, of repeated runs; over "
             "the first row's, with what the spreads allow, and the thesis's (up to four wisps "
             "are computed side by side, for the price of one: where there are two, each is "
-            "twice as dear); evaluations of forces; contacts, at all ticks of a frame, with "
+            "twice as expensive); evaluations of forces; contacts, at all ticks of a frame, with "
             "wisps and bodies",
-            NULL,
-            "figure\tcpu\tleast\tgreatest\tours\tours_least\tours_greatest\tthesis"
-            "\tevaluations\tcontacts",
-            plan->reason))
+            NULL, COLUMNS(PRICE_COLUMNS), plan->reason))
         return -1;
     for (int i = 0; i < ROWS; i++) {
         const struct price *price = &prices[i];
-        fprintf(file.stream, "%s\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\n",
-                rows[i].label, price->cpu.median, price->cpu.least, price->cpu.greatest,
-                price->ours, price->least, price->most, price->ratio, price->evaluations,
-                price->contacts);
+        WRITE_ROW(file.stream, PRICE_COLUMNS);
     }
     return atomic_commit(&file, plan->reason);
 }
 
-/* Of how many pairs of rows the one that costs the thesis more has more to compute here: more
- * evaluations, or as many and more contacts. Rows that cost it the same to 5 % are no pair. */
+/* Counts the pairs of rows of which the one that costs the thesis more has more to compute here:
+ * more evaluations, or as many and more contacts. Rows that cost it the same to 5 % are no pair. */
 static void state_order(struct statements *statements, const struct price *prices) {
     int pairs = 0, same = 0;
     for (int i = 0; i < ROWS; i++)
         for (int j = 0; j < ROWS; j++) {
-            const struct price *dear = &prices[i], *cheap = &prices[j];
-            if (dear->ratio < 1.05 * cheap->ratio)
+            const struct price *expensive = &prices[i], *cheap = &prices[j];
+            if (expensive->ratio < 1.05 * cheap->ratio)
                 continue;
-            const double more = dear->evaluations / cheap->evaluations;
+            const double more = expensive->evaluations / cheap->evaluations;
             pairs++;
-            same += more > 1.01 || (more > 0.99 && dear->contacts > cheap->contacts);
+            same += more > 1.01 || (more > 0.99 && expensive->contacts > cheap->contacts);
         }
     statements_add(statements,
                    (struct statement){.key = "order",
@@ -201,8 +216,8 @@ static void state_order(struct statements *statements, const struct price *price
                                       .verdict = holds_if(same == pairs),
                                       .value = same,
                                       .unit = "1"},
-                   "What costs the thesis more has more evaluations or more contacts here: of %d "
-                   "pairs of rows %d.",
+                   "What took longer in the thesis has more evaluations or more contacts: of %d "
+                   "pairs of figures %d have.",
                    pairs, same);
 }
 
@@ -212,18 +227,26 @@ static void state_all(struct plan *plan, struct statements *statements,
         const struct price *price = &prices[i];
         char list[200];
         deviations(plan->cases[i].run.scene, list, sizeof list);
-        statements_add(statements,
-                       (struct statement){.key = rows[i].label,
-                                          .figure = "figures",
-                                          .tables = "figures models",
-                                          .verdict = isfinite(price->ours) ? HOLDS : NOT_REACHED,
-                                          .value = price->ours,
-                                          .unit = "1"},
-                       "A wisp of figure %s costs %.2f times (%.2f to %.2f) what one of 5.2 costs "
-                       "without interaction, in the thesis %.2f times, with %.0f evaluations and "
-                       "%.1f contacts a frame; off the common model: %s.",
-                       rows[i].label, price->ours, price->least, price->most, price->ratio,
-                       price->evaluations, price->contacts, list);
+        const struct statement row = {.key = rows[i].label,
+                                      .figure = "figures",
+                                      .tables = "figures models",
+                                      .verdict = isfinite(price->ours) ? HOLDS : NOT_REACHED,
+                                      .value = price->ours,
+                                      .unit = "1"};
+        if (i == NONE)
+            statements_add(
+                statements, row,
+                "A wisp of figure %s, by which the others are measured, takes %.3g ms of "
+                "CPU time and %.0f evaluations a frame.",
+                rows[i].label, 1e3 * price->cpu.median, price->evaluations);
+        else
+            statements_add(
+                statements, row,
+                "A wisp of figure %s costs %.2f times (%.2f to %.2f) what one of 5.2 costs without "
+                "interaction, and %.2f times in the thesis; it has %.0f evaluations and %.1f "
+                "contacts a frame, and what is off the common model is %s.",
+                rows[i].label, price->ours, price->least, price->most, price->ratio,
+                price->evaluations, price->contacts, list);
     }
     state_order(statements, prices);
 }
@@ -243,7 +266,9 @@ const struct experiment chapter5_experiment = {
     .name = "chapter5",
     .question = "how nearly are its figures one model, and what does a wisp cost in each?",
     .thesis = "chapter 5",
+    .chapter = CHAPTER_THESIS,
     .place = 14,
+    .headline = "order",
     .quick_seconds = 2,
     .full_seconds = 8,
     .plan = chapter5_plan,

@@ -27,9 +27,10 @@ struct crossings segments_cross(const struct segment_pair *pair, segment_side *s
 
 struct hair;
 
-/* Of all pairs of segments (from node 1 on) of different wisps of a run, by frame: the crossings up
- * to it, added up. `count` and `net` have hair->frame_count numbers. Returns 0, or -1 where memory
- * cannot be had. Wisps that are not there in both frames of an interval are left out of it. */
+/* Counts the crossings of all pairs of segments (from node 1 on) of different wisps of a run: by
+ * frame those up to it, added up. `count` and `net` have hair->frame_count numbers. Returns 0, or
+ * -1 where memory cannot be had. Wisps that are not there in both frames of an interval are left
+ * out of it. */
 int hair_crossings(const struct hair *hair, double *count, double *net);
 
 #endif

@@ -46,10 +46,31 @@ static void compare(char *text, size_t size, const struct ratio *ours, const str
                  100 * fabs(ours->value / thesis->value - 1));
 }
 
-static const char table_columns[] =
-    "variant\tstatus\tfailure_time\tcpu_per_frame\tleast\tgreatest\tnormalised\tnormalised_least"
-    "\tnormalised_greatest\tthesis_per_frame\tthesis_normalised\tthesis_over_ours\treal_time"
-    "\tforce_evaluations\twisp_contacts\tbody_contacts\tsplits\twisps_at_end\tcomparison";
+#define COUNTER_COLUMN(X, name, meaning) \
+    X(name, "1", meaning, "%.17g", run_number(&run->files, "counters." name))
+#define VARIANT_COLUMNS(X)                                                                       \
+    X("variant", "-", "name of the variant", "%s", run->variant->label)                          \
+    STATUS_COLUMNS(X, &run->cost)                                                                \
+    X("cpu_per_frame", "s", "CPU time of a frame, median of repeated runs", "%.17g", cpu.median) \
+    X("least", "s", "least CPU time of repeated runs", "%.17g", cpu.least)                       \
+    X("greatest", "s", "greatest CPU time of repeated runs", "%.17g", cpu.greatest)              \
+    X("normalised", "1", "cpu_per_frame over the first row's", "%.17g", ratio.value)             \
+    X("normalised_least", "1", "the least that the spreads allow", "%.17g", ratio.least)         \
+    X("normalised_greatest", "1", "the greatest that the spreads allow", "%.17g", ratio.most)    \
+    X("thesis_per_frame", "s", "CPU time in the thesis", "%.17g", thesis)                        \
+    X("thesis_normalised", "1", "thesis_per_frame over the first row's", "%.17g", theirs.value)  \
+    X("thesis_over_ours", "1", "thesis_per_frame over cpu_per_frame", "%.17g",                   \
+      thesis / cpu.median)                                                                       \
+    X("real_time", "1", "simulated over CPU time", "%.17g",                                      \
+      hair_real_time(&cpu, run->timed->run.scene))                                               \
+    COUNTER_COLUMN(X, "force_evaluations", "evaluations of a wisp's forces in the run")          \
+    COUNTER_COLUMN(X, "wisp_contacts",                                                           \
+                   "how often a node or sample was in a section of another wisp at a tick")      \
+    COUNTER_COLUMN(X, "body_contacts", "how often a node or sample was in a body at a tick")     \
+    COUNTER_COLUMN(X, "splits", "subdivisions of wisps")                                         \
+    X("wisps_at_end", "1", "wisps at the last frame", "%.17g",                                   \
+      frames > 0 ? (double)hair->frames[frames - 1].wisps : (double)NAN)                         \
+    X("comparison", "-", "normalised beside the thesis's", "%s", words)
 
 static void write_variant(FILE *stream, const struct hair_study *study, int i) {
     const struct hair_run *run = &study->runs[i];
@@ -59,28 +80,9 @@ static void write_variant(FILE *stream, const struct hair_study *study, int i) {
     const struct ratio theirs = thesis_ratio_of(run->variant, study->runs[0].variant);
     const struct hair *hair = &run->hair;
     const int frames = hair->frame_count;
-    const double numbers[] = {run->cost.failure_time,
-                              cpu.median,
-                              cpu.least,
-                              cpu.greatest,
-                              ratio.value,
-                              ratio.least,
-                              ratio.most,
-                              thesis,
-                              theirs.value,
-                              thesis / cpu.median,
-                              hair_real_time(&cpu, run->timed->run.scene),
-                              run_number(&run->files, "counters.force_evaluations"),
-                              run_number(&run->files, "counters.wisp_contacts"),
-                              run_number(&run->files, "counters.body_contacts"),
-                              run_number(&run->files, "counters.splits"),
-                              frames > 0 ? (double)hair->frames[frames - 1].wisps : NAN};
     char words[128];
     compare(words, sizeof words, &ratio, study->count > 1 ? &theirs : NULL);
-    fprintf(stream, "%s\t%s", run->variant->label, outcome_name(run->cost.outcome));
-    for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
-        fprintf(stream, "\t%.17g", numbers[k]);
-    fprintf(stream, "\t%s\n", words);
+    WRITE_ROW(stream, VARIANT_COLUMNS);
 }
 
 /* Times are of one machine and its load: what they show is stated, and nothing is judged by them.
@@ -97,24 +99,24 @@ static void state_variant(struct hair_study *study, int i) {
         row.verdict = NOT_REACHED;
         row.value = NAN;
         hair_state(
-            study, row, "What a frame takes is not known (%s): %s.", run->variant->label,
+            study, row, "What a frame of the run '%s' takes is not known: %s.", run->variant->label,
             outcome_name(run->cost.outcome != FINISHED ? run->cost.outcome : one->cost.outcome));
     } else if (i == 0) {
         row.value = 1e3 * cpu.median;
         row.unit = "ms";
         if (run->variant->thesis > 0)
-            snprintf(then, sizeof then, "; in the thesis it took %g s", run->variant->thesis);
-        hair_state(study, row, "A frame takes %.3g ms of CPU time (%.3g to %.3g; %s)%s.",
-                   1e3 * cpu.median, 1e3 * cpu.least, 1e3 * cpu.greatest, run->variant->label,
-                   then);
+            snprintf(then, sizeof then, ", and took %g s in the thesis", run->variant->thesis);
+        hair_state(
+            study, row, "A frame of the run '%s' takes %.3g ms of CPU time (%.3g to %.3g)%s.",
+            run->variant->label, 1e3 * cpu.median, 1e3 * cpu.least, 1e3 * cpu.greatest, then);
     } else {
         row.value = ratio.value;
         if (theirs.value > 0)
-            snprintf(then, sizeof then, "; in the thesis %.2f times", theirs.value);
+            snprintf(then, sizeof then, "; in the thesis it took %.2f times as long", theirs.value);
         hair_state(study, row,
-                   "A frame takes %.3g ms of CPU time (%s), %.2f times (%.2f to %.2f) the first "
-                   "(%s)%s.",
-                   1e3 * cpu.median, run->variant->label, ratio.value, ratio.least, ratio.most,
+                   "A frame of the run '%s' takes %.3g ms of CPU time, %.2f times (%.2f to %.2f) "
+                   "as long as one of '%s'%s.",
+                   run->variant->label, 1e3 * cpu.median, ratio.value, ratio.least, ratio.most,
                    one->variant->label, then);
     }
 }
@@ -129,7 +131,7 @@ int hair_costs(struct plan *plan, const char *folder, struct hair_study *study) 
             "wisp_contacts: how often a node or sample was in "
             "a "
             "section of another wisp at a tick, body_contacts: in a body; nan: there is no number",
-            study->subject->scene, table_columns, plan->reason))
+            study->subject->scene, COLUMNS(VARIANT_COLUMNS), plan->reason))
         return -1;
     for (int i = 0; i < study->count; i++) {
         write_variant(file.stream, study, i);

@@ -2,6 +2,7 @@
 
 #include "base/files.h"
 #include "base/vector.h"
+#include "wisp/ellipsoid.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -101,22 +102,6 @@ int hair_frame_at(const struct hair *hair, double t) {
     return best >= 0 && fabs(hair->frames[best].t - t) * rate <= 0.5 ? best : -1;
 }
 
-/* A body rests or moves with respect to the head, and is carried along by it. */
-struct hair_body hair_body(const struct scene *scene, int body, double t) {
-    const struct body *b = &scene->bodies[body];
-    struct hair_body place;
-    struct placement head;
-    double rest[3];
-    memcpy(rest, b->centre, sizeof rest);
-    vector_add(rest, t, b->velocity);
-    head_placement(&scene->around.head, t, &head);
-    placed_point(&head, 0, rest, place.centre);
-    for (int k = 0; k < 3; k++)
-        for (int i = 0; i < 3; i++)
-            place.axis[k][i] = head.turn[0][i][k];
-    return place;
-}
-
 /* --- measures --- */
 
 static double angle_between(const double a[3], const double b[3]) {
@@ -166,12 +151,12 @@ double hair_strain(const struct hair *hair, int frame) {
     return largest;
 }
 
-/* In the body's own axes. */
-static void to_body(const struct hair_body *place, const double p[3], double x[3]) {
-    const double from[3] = {p[0] - place->centre[0], p[1] - place->centre[1],
-                            p[2] - place->centre[2]};
+/* From the body's centre along its axes. */
+static void to_body(const struct body_motion *motion, const double p[3], double x[3]) {
+    double from[3];
     for (int k = 0; k < 3; k++)
-        x[k] = vector_dot(place->axis[k], from);
+        from[k] = p[k] - motion->centre[k];
+    body_to_axes(motion, from, x);
 }
 
 /* From a point to the surface along the normal of the shell through it; 0 outside. */
@@ -198,31 +183,34 @@ static double segment_depth(const double radii[3], const double from[3], const d
     return point_depth(radii, x);
 }
 
-static void look_at_wisp(const struct strand *strand, const struct hair_body *place,
+static void look_at_wisp(const struct strand *strand, const struct body_motion *motion,
                          const double radii[3], struct depth *depth) {
     const int samples = strand->wisp->samples;
     double before[3], x[3];
-    for (int i = 1; i < strand->wisp->nodes; i++) {
-        to_body(place, strand->p[i], x);
-        if (i > 1) {
-            depth->points = fmax(depth->points, point_depth(radii, x));
-            depth->segments = fmax(depth->segments, segment_depth(radii, before, x));
-        }
+    to_body(motion, strand->p[1], before);
+    for (int i = 2; i < strand->wisp->nodes; i++) {
+        to_body(motion, strand->p[i], x);
+        depth->points = fmax(depth->points, point_depth(radii, x));
+        depth->segments = fmax(depth->segments, segment_depth(radii, before, x));
         memcpy(before, x, sizeof before);
-        for (int j = 0; j < samples && i > 1; j++) {
-            to_body(place, strand->e[i * samples + j], x);
+        for (int j = 0; j < samples; j++) {
+            to_body(motion, strand->e[i * samples + j], x);
             depth->points = fmax(depth->points, point_depth(radii, x));
         }
     }
 }
 
 struct depth hair_depth(struct hair *hair, int frame) {
+    const double t = hair->frames[frame].t;
     struct depth depth = {0, 0};
+    struct placement head;
     hair_lay_open(hair, frame);
+    head_placement(&hair->scene->around.head, t, &head);
     for (int b = 0; b < hair->scene->body_count; b++) {
-        const struct hair_body place = hair_body(hair->scene, b, hair->frames[frame].t);
+        const struct body *body = &hair->scene->bodies[b];
+        const struct body_motion motion = body_motion(body, &head, t);
         for (int w = 0; w < hair->frames[frame].wisps; w++)
-            look_at_wisp(hair->strands[w], &place, hair->scene->bodies[b].radii, &depth);
+            look_at_wisp(hair->strands[w], &motion, body->radii, &depth);
     }
     return depth;
 }

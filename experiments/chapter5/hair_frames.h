@@ -37,12 +37,6 @@ int hair_ancestor(const struct hair *hair, int wisp);
 /* The frame nearest to a time, or -1 where the run ended more than half a frame before it. */
 int hair_frame_at(const struct hair *hair, double t);
 
-/* Where a body of the scene is: its centre, and the directions of its radii. */
-struct hair_body {
-    double centre[3], axis[3][3]; /* axis[k]: of radius k */
-};
-struct hair_body hair_body(const struct scene *scene, int body, double t);
-
 /* --- measures of one frame --- */
 
 /* Angle between gravity and the line from the root (node 1) to the tip, rad: the mean over wisps

@@ -1,247 +1,224 @@
-/* Film strips as lines on paper: skeletons, the outlines of envelopes and of bodies; and of the
- * hair itself. */
+/* Pictures of the hair: the frames that the thesis prints, a film, and the steppers side by side.
+ */
 #include "base/files.h"
-#include "base/vector.h"
 #include "hair_study.h"
 #include "picture/strip.h"
 
 #include <math.h>
-#include <string.h>
 
-enum { RING = 24, CURVE = 48, BODIES = 0, ENVELOPES, SKELETONS = 3, KINDS = 5 };
+enum { FILM_FRAMES = 60 };
 
-/* The directions to the right and up on the paper. */
-struct paper {
-    double right[3], up[3];
-};
-
-static struct paper paper_from(double azimuth, double elevation) {
-    const double a = azimuth * M_PI / 180, e = elevation * M_PI / 180;
-    return (struct paper){{cos(a), 0, -sin(a)}, {-sin(a) * sin(e), cos(e), -cos(a) * sin(e)}};
-}
-
-static void project(const struct paper *paper, const double p[3], double xy[2]) {
-    xy[0] = vector_dot(p, paper->right);
-    xy[1] = vector_dot(p, paper->up);
-}
-
-/* Tenths of a millimetre are less than a pixel. */
-static void write_point(FILE *stream, const double xy[2], int kind) {
-    fprintf(stream, "%.4f\t%.4f\t%d\n", xy[0], xy[1], kind);
-}
-
-/* --- bodies --- */
-
-/* The outline of an ellipsoid sum (x_k / R_k)^2 = 1 is that of the ellipse with the matrix S = P A
- * P^T, A = sum R_k^2 a_k a_k^T; the points c + L (cos, sin) with S = L L^T are on it. */
-static void write_body(FILE *stream, const struct paper *paper, const struct scene *scene, int body,
-                       double t) {
-    const struct hair_body place = hair_body(scene, body, t);
-    double centre[2], s00 = 0, s01 = 0, s11 = 0;
-    project(paper, place.centre, centre);
-    for (int k = 0; k < 3; k++) {
-        double a[2];
-        project(paper, place.axis[k], a);
-        const double square = scene->bodies[body].radii[k] * scene->bodies[body].radii[k];
-        s00 += square * a[0] * a[0];
-        s01 += square * a[0] * a[1];
-        s11 += square * a[1] * a[1];
-    }
-    const double l00 = sqrt(s00), l10 = s01 / l00, l11 = sqrt(fmax(0, s11 - l10 * l10));
-    for (int i = 0; i <= CURVE; i++) {
-        const double c = cos(2 * M_PI * i / CURVE), s = sin(2 * M_PI * i / CURVE);
-        write_point(stream, (double[2]){centre[0] + l00 * c, centre[1] + l10 * c + l11 * s},
-                    BODIES);
-    }
-    fputc('\n', stream);
-}
-
-/* --- wisps --- */
-
-/* How far the envelope's ring at a node reaches to either side across `direction` on the paper. Its
- * radius at an angle is the quarter ellipse's between samples j and j + 1 (thesis, section 4.3.2).
- */
-static void reach(const struct strand *s, const struct paper *paper, int node,
-                  const double across[2], double *least, double *most) {
-    const int samples = s->wisp->samples;
-    *least = *most = 0;
-    for (int i = 0; i < RING && samples > 0; i++) {
-        const double theta = 2 * M_PI * i / RING;
-        const int j = (int)(theta * samples / (2 * M_PI)) % samples;
-        const double psi = (theta - 2 * M_PI * j / samples) * samples / 4;
-        const double r0 = s->r[node * samples + j], r1 = s->r[node * samples + (j + 1) % samples];
-        const double rho = 1 / hypot(cos(psi) / r0, sin(psi) / r1);
-        double xy[2], a[3] = {0, 0, 0};
-        vector_add(a, rho * cos(theta), s->axis_u[node]);
-        vector_add(a, rho * sin(theta), s->axis_v[node]);
-        project(paper, a, xy);
-        const double d = xy[0] * across[0] + xy[1] * across[1];
-        *least = fmin(*least, d);
-        *most = fmax(*most, d);
-    }
-}
-
-/* Where one side of the outline passes a node. */
-static void side_point(const struct strand *s, const struct paper *paper, int node, int side,
-                       double xy[2]) {
-    const int last = s->wisp->nodes - 1;
-    double before[2], after[2], least, most;
-    project(paper, s->p[node > 0 ? node - 1 : 0], before);
-    project(paper, s->p[node < last ? node + 1 : last], after);
-    const double x = after[0] - before[0], y = after[1] - before[1], length = hypot(x, y);
-    const double across[2] = {length > 0 ? -y / length : 1, length > 0 ? x / length : 0};
-    reach(s, paper, node, across, &least, &most);
-    project(paper, s->p[node], xy);
-    for (int k = 0; k < 2; k++)
-        xy[k] += (side ? most : least) * across[k];
-}
-
-static void write_envelope(FILE *stream, const struct paper *paper, const struct strand *s,
-                           int kind) {
-    const int n = s->wisp->nodes;
-    for (int i = 0; i < 2 * n; i++) {
-        double xy[2];
-        side_point(s, paper, i < n ? i : 2 * n - 1 - i, i < n, xy);
-        write_point(stream, xy, kind);
-    }
-    fputc('\n', stream);
-}
-
-static void write_skeleton(FILE *stream, const struct paper *paper, const struct strand *s,
-                           int kind) {
-    for (int i = 0; i < s->wisp->nodes; i++) {
-        double xy[2];
-        project(paper, s->p[i], xy);
-        write_point(stream, xy, kind);
-    }
-    fputc('\n', stream);
-}
-
-/* Two colours tell few wisps apart, or where wisps divide, what split off from what is left. */
-static int class_of(const struct hair *hair, int wisp) {
-    if (json_object_get(hair->scene->source, "subdivision"))
-        return wisp >= hair->scene->wisp_count;
-    return hair->scene->wisp_count <= 4 ? wisp % 2 : 0;
-}
-
-/* One block of lines. It begins with a point that is nowhere, so that none is empty. */
-static void write_kind(FILE *stream, const struct paper *paper, struct hair *hair, int frame,
-                       int kind) {
-    fprintf(stream, "nan\tnan\t%d\n\n", kind);
-    for (int b = 0; b < hair->scene->body_count && kind == BODIES; b++)
-        write_body(stream, paper, hair->scene, b, hair->frames[frame].t);
-    for (int w = 0; w < hair->frames[frame].wisps; w++) {
-        const int class = class_of(hair, w);
-        if (kind == ENVELOPES + class && hair->wisps[w].samples > 0)
-            write_envelope(stream, paper, hair->strands[w], kind);
-        if (kind == SKELETONS + class)
-            write_skeleton(stream, paper, hair->strands[w], kind);
-    }
-    fputc('\n', stream);
-}
-
-/* --- the strip --- */
-
-static void write_picture(FILE *lines, FILE *cells, const struct hair_question *question,
-                          struct hair_run *run, int picture, int *cell) {
-    const struct paper paper = paper_from(question->azimuth, question->elevation);
-    const int number = run->variant->pictures[picture];
-    const double t = (number - 1) / 30.;
-    const int frame = hair_frame_at(&run->hair, t);
-    if (frame < 0)
-        return;
-    hair_lay_open(&run->hair, frame);
-    for (int kind = 0; kind < KINDS; kind++)
-        write_kind(lines, &paper, &run->hair, frame, kind);
-    fprintf(cells, "%d\t%d\t%d\t%s\t%d\t%.17g\n", *cell, picture / question->columns,
-            picture % question->columns, run->variant->label, number, t);
-    ++*cell;
-}
-
-static void write_pictures(FILE *lines, FILE *cells, struct hair_study *study) {
-    int cell = 0;
+/* Turns frame `number` of 30 a second into one of the timed runs; 0 where not all that are drawn
+ * have it. */
+static int frame_shown(const struct hair_study *study, int number) {
     for (int i = 0; i < study->count; i++)
-        for (int k = 0; k < HAIR_PICTURES && study->runs[i].variant->pictures[k]; k++)
-            write_picture(lines, cells, study->question, &study->runs[i], k, &cell);
+        if (!study->runs[i].variant->undrawn && hair_frame_numbered(&study->runs[i], number) < 0)
+            return 0;
+    return 1 + (int)lround((number - 1) / 30. * study->runs[0].timed->run.scene->frame_rate);
 }
 
-int hair_pictures(struct plan *plan, const char *folder, struct hair_study *study) {
-    struct atomic_file lines, cells;
-    if (open_table(
-            &lines, folder, "strip",
-            "lines on paper, m, in blocks: of each cell the outlines of bodies, of the "
-            "envelopes of even and of odd wisps (few wisps), of wisps and of those that split "
-            "off from them, or of all, and their skeletons; "
-            "nan: the pen is lifted",
-            study->subject->scene, "x\ty\tkind", plan->reason))
-        return -1;
-    if (open_table(&cells, folder, "strip-cells",
-                   "the frames shown, numbered from 1 at 30 a second", study->subject->scene,
-                   "cell\trow\tcolumn\tvariant\tframe\tt", plan->reason)) {
-        atomic_discard(&lines);
-        return -1;
-    }
-    write_pictures(lines.stream, cells.stream, study);
-    if (atomic_commit(&lines, plan->reason)) {
-        atomic_discard(&cells);
-        return -1;
-    }
-    return atomic_commit(&cells, plan->reason);
-}
-
-/* --- the hair itself --- */
-
-int hair_is_drawn(const struct hair_study *study, int variant) {
-    return memcmp(study->question->variants[variant].pictures,
-                  study->question->variants[0].pictures,
-                  sizeof study->question->variants[0].pictures) == 0;
-}
-
-/* The first variant's pictures, as the timed runs number their frames, that all rows have. */
-static int frames_shown(const struct hair_study *study, int *frames) {
-    const int *pictures = study->question->variants[0].pictures;
+/* Finds the last frame that all runs drawn have; 0: one has none. */
+static int last_frame(const struct hair_study *study) {
     const double rate = study->runs[0].timed->run.scene->frame_rate;
-    int count = 0;
-    for (int k = 0; k < HAIR_PICTURES && pictures[k]; k++) {
-        int frame = 0;
-        for (int i = 0; i < study->count && frame >= 0; i++)
-            if (hair_is_drawn(study, i))
-                frame = hair_frame_numbered(&study->runs[i], pictures[k]);
-        if (frame >= 0)
-            frames[count++] = 1 + (int)lround((pictures[k] - 1) / 30. * rate);
+    int last = 0;
+    for (int i = 0, first = 1; i < study->count; i++) {
+        const struct hair *hair = &study->runs[i].hair;
+        if (study->runs[i].variant->undrawn)
+            continue;
+        const int frames = hair->frame_count;
+        const int own = frames > 0 ? 1 + (int)lround(hair->frames[frames - 1].t * rate) : 0;
+        last = first || own < last ? own : last;
+        first = 0;
     }
-    return count;
+    return last;
+}
+
+/* With --quick a head of hair is sparse: drawing takes longer than what is drawn. */
+static const char *const sparse[] = {"render={ hairs = 12; }"};
+
+static struct strip_request request_of(const struct plan *plan, const struct hair_study *study,
+                                       const struct strip_row *rows, int row_count) {
+    const struct hair_question *question = study->question;
+    const struct scene *scene = study->subject->scene;
+    return (struct strip_request){
+        .rows = rows,
+        .row_count = row_count,
+        .sets = sparse,
+        .set_count = plan->quick && scene->wisp_count > 60,
+        .views = scene->wisps[0].samples > 0 ? VIEW_HAIR : VIEW_SKELETON, /* hair fills envelopes */
+        .trajectories = plan->trajectories,
+        .width = question->width,
+        .height = question->height};
+}
+
+static int row_of(struct strip_row *row, char path[PATH_SIZE], const struct labelled_case *run,
+                  const char *label) {
+    *row = (struct strip_row){.label = label, .states = path, .scene = run->run.scene};
+    return path_format(path, "%s/states.tsv", run->run.folder);
 }
 
 int hair_strip(struct plan *plan, const char *folder, const struct hair_study *study) {
     char paths[HAIR_VARIANTS][PATH_SIZE];
     struct strip_row rows[HAIR_VARIANTS] = {{0}};
-    int frames[HAIR_PICTURES], row_count = 0;
+    const struct hair_question *question = study->question;
+    int frames[HAIR_PICTURES], row_count = 0, count = 0, main = 0;
     for (int i = 0; i < study->count; i++) {
         const struct hair_run *run = &study->runs[i];
-        if (!hair_is_drawn(study, i))
+        if (run->variant->undrawn)
             continue;
-        if (path_format(paths[i], "%s/states.tsv", run->timed->run.folder))
+        if (i == question->main)
+            main = row_count;
+        if (row_of(&rows[row_count], paths[row_count], run->timed, run->variant->label))
             return -1;
-        rows[row_count++] = (struct strip_row){
-            .label = run->variant->label, .states = paths[i], .scene = run->timed->run.scene};
+        row_count++;
     }
     if (row_count == 1)
         rows[0].label = "";
-    /* with --quick a head of hair is sparse: drawing takes longer than what is drawn */
-    static const char *const sparse[] = {"render={ hairs = 12; }"};
-    const int is_sparse = plan->quick && study->subject->scene->wisp_count > 60;
-    const struct strip_request request = {.rows = rows,
-                                          .sets = sparse,
-                                          .set_count = is_sparse,
-                                          .row_count = row_count,
-                                          .views = VIEW_HAIR,
-                                          .trajectories = plan->trajectories,
-                                          .width = study->question->width,
-                                          .height = study->question->height,
-                                          .columns = study->question->columns};
-    const int count = frames_shown(study, frames);
-    if (count == 0 || study->subject->scene->wisps[0].samples == 0)
-        return 0; /* hair fills the envelope: without one there is none */
-    return strip_draw(&request, frames, count, folder, "hair", plan->reason) ? -1 : 0;
+    struct strip_request request = request_of(plan, study, rows, row_count);
+    request.columns = question->columns;
+    request.large_row = main;
+    request.scale = 0.5;
+    request.large = question->large ? frame_shown(study, question->large) : 0;
+    for (int k = 0; k < HAIR_PICTURES && question->pictures[k]; k++)
+        if ((frames[count] = frame_shown(study, question->pictures[k])) > 0)
+            count++;
+    if (count == 0 && (frames[0] = last_frame(study)) > 0)
+        count = 1;
+    return count > 0 && strip_draw(&request, frames, count, folder, "hair", plan->reason) ? -1 : 0;
+}
+
+/* --- the steppers side by side --- */
+
+void hair_name(char name[HAIR_NAME], const struct settings *settings) {
+    if (settings->method->capabilities & STEPPER_ADAPTIVE)
+        snprintf(name, HAIR_NAME, "%s, rtol %g", settings->method->name, settings->stepper.rtol);
+    else
+        snprintf(name, HAIR_NAME, "%s, %.0f Hz", settings->method->name, 1 / settings->step);
+}
+
+enum { ERRORS_MAX = 12 };
+
+/* Where there are many, some are shown, from the nearest to the furthest. */
+int hair_errors(struct plan *plan, const char *folder, const struct hair_study *study,
+                const struct hair_error *errors, int count, const struct labelled_case *reference,
+                int frame) {
+    char paths[ERRORS_MAX][PATH_SIZE], labels[ERRORS_MAX][HAIR_NAME + 32], solution[PATH_SIZE],
+        title[128];
+    struct strip_row rows[ERRORS_MAX];
+    const int shown = count < ERRORS_MAX ? count : ERRORS_MAX;
+    if (path_format(solution, "%s/states.tsv", reference->run.folder))
+        return -1;
+    for (int i = 0; i < shown; i++) {
+        const struct hair_error *error = &errors[shown > 1 ? i * (count - 1) / (shown - 1) : 0];
+        char name[HAIR_NAME];
+        hair_name(name, &error->run->run.settings);
+        snprintf(labels[i], sizeof labels[i], "%s: %.2g mm", name, 1e3 * error->distance);
+        if (row_of(&rows[i], paths[i], error->run, labels[i]))
+            return -1;
+    }
+    snprintf(title, sizeof title, "%.64s after %.3g s", study->subject->name,
+             (frame - 1) / reference->run.scene->frame_rate);
+    struct strip_request request = request_of(plan, study, rows, shown);
+    request.reference = solution;
+    request.beside = 1;
+    request.columns = 4;
+    request.scale = 0.75;
+    request.title = title;
+    return strip_draw(&request, &frame, 1, folder, "errors", plan->reason) ? -1 : 0;
+}
+
+/* --- the film --- */
+
+#define FILM_COLUMNS(X)                                                     \
+    X("frame", "1", "number of the frame, from 1", "%d", f + 1)             \
+    X("t", "s", "its time", "%.17g", main->frames[f].t)                     \
+    X("distance", "m", "rms over free nodes between the two runs", "%.17g", \
+      rival ? hair_distance(main, rival, f) : NAN)                          \
+    X("note", "-", "why there is no distance", "%s", rival ? "" : "there is one run")
+
+static int write_film_table(struct plan *plan, const char *folder, const struct hair_study *study,
+                            const struct hair *main, const struct hair *rival, int count) {
+    struct atomic_file file;
+    if (open_table(&file, folder, "film",
+                   "the frames of film.png, a sheet with one below the other",
+                   study->subject->scene, COLUMNS(FILM_COLUMNS), plan->reason))
+        return -1;
+    for (int f = 0; f < count; f++)
+        WRITE_ROW(file.stream, FILM_COLUMNS);
+    return atomic_commit(&file, plan->reason);
+}
+
+static void state_film(struct hair_study *study, const char *names, double seconds,
+                       double distance) {
+    const struct statement row = {.key = "film",
+                                  .figure = "film",
+                                  .tables = "film",
+                                  .verdict = HOLDS,
+                                  .value = study->rival ? 1e3 * distance : seconds,
+                                  .unit = study->rival ? "mm" : "s"};
+    if (study->rival)
+        hair_state(study, row,
+                   "The first %.3g s, at half their speed, by %s: after them the two are %.2g mm "
+                   "(rms) apart.",
+                   seconds, names, 1e3 * distance);
+    else
+        hair_state(study, row, "The first %.3g s, at half their speed, by %s.", seconds, names);
+}
+
+/* Counts the frames of the film's time that both runs have. */
+static int film_frames(const struct hair_study *study, const struct hair *main,
+                       const struct hair *rival) {
+    const int most = 1 + (int)lround(study->question->film * main->scene->frame_rate);
+    int count = main->frame_count < most ? main->frame_count : most;
+    if (rival && rival->frame_count < count)
+        count = rival->frame_count;
+    return count;
+}
+
+static int draw_film(struct plan *plan, const char *folder, struct hair_study *study,
+                     const struct hair *main, const struct hair *rival) {
+    const struct labelled_case *runs[] = {study->runs[study->question->main].timed, study->rival};
+    const int run_count = study->rival ? 2 : 1, count = film_frames(study, main, rival);
+    char paths[2][PATH_SIZE], labels[2][HAIR_NAME], names[3 * HAIR_NAME];
+    struct strip_row rows[2];
+    int frames[FILM_FRAMES];
+    if (count < 2 || count > FILM_FRAMES)
+        return 0;
+    for (int i = 0; i < count; i++)
+        frames[i] = i + 1;
+    for (int i = 0; i < run_count; i++) {
+        hair_name(labels[i], &runs[i]->run.settings);
+        if (row_of(&rows[i], paths[i], runs[i], labels[i]))
+            return -1;
+    }
+    snprintf(names, sizeof names, run_count > 1 ? "%s (left) and %s (right)" : "%s", labels[0],
+             labels[1]);
+    state_film(study, names, main->frames[count - 1].t,
+               rival ? hair_distance(main, rival, count - 1) : NAN);
+    struct strip_request request = request_of(plan, study, rows, run_count);
+    request.beside = request.untitled = 1;
+    request.scale = 0.75;
+    return write_film_table(plan, folder, study, main, rival, count) ||
+                   strip_draw(&request, frames, count, folder, "film", plan->reason)
+               ? -1
+               : 0;
+}
+
+int hair_film(struct plan *plan, const char *folder, struct hair_study *study) {
+    const struct hair_run *main = &study->runs[study->question->main];
+    struct run_files files;
+    struct hair rival;
+    if (!(study->question->film > 0))
+        return 0;
+    if (!study->rival)
+        return draw_film(plan, folder, study, &main->hair, NULL);
+    if (run_read_states(&files, study->rival->run.folder, plan->trajectories, plan->reason))
+        return -1;
+    int code = hair_open(&rival, study->rival->run.scene, files.states,
+                         (enum wisp_treatment)study->rival->run.settings.treatment, plan->reason);
+    if (!code)
+        code = draw_film(plan, folder, study, &main->hair, &rival);
+    hair_close(&rival);
+    run_free(&files);
+    return code;
 }

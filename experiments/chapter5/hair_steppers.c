@@ -68,38 +68,61 @@ static double largest_strain(const struct hair *hair) {
 }
 
 static void name_setting(char *text, size_t size, const struct settings *settings) {
-    if (settings->method->capabilities & STEPPER_ADAPTIVE)
-        snprintf(text, size, "rtol %g", settings->stepper.rtol);
-    else
-        snprintf(text, size, "%.0f Hz", 1 / settings->step);
+    char name[HAIR_NAME];
+    hair_name(name, settings);
+    snprintf(text, size, "%s", name + strlen(settings->method->name) + strlen(", "));
 }
 
 /* What an attempt cost, and how far it is from the base's run. */
 struct result {
     const struct stepper_method *method;
+    const struct labelled_case *run;
     enum outcome outcome;
     struct spread cpu;          /* s per frame */
     double work;                /* evaluations per frame: hair_work_per_frame */
     struct agreement agreement; /* NaN of the base itself, and where there is none */
+    double last;                /* distance at the base's last frame, m; NaN where it is not */
     char setting[64];
 };
 
 static struct result result_of(const struct attempt *attempt, const struct attempt *base) {
     struct result result = {.method = attempt->method,
+                            .run = attempt->one,
                             .outcome = attempt->cost.outcome,
                             .cpu = {NAN, NAN, NAN},
                             .work = NAN,
                             .agreement = {NAN, NAN},
+                            .last = NAN,
                             .setting = "–"};
     if (!attempt->one)
         return result;
     name_setting(result.setting, sizeof result.setting, &attempt->one->run.settings);
     result.cpu = hair_per_frame(&attempt->cost, attempt->one->run.scene);
     result.work = hair_work_per_frame(&attempt->files, &attempt->cost, attempt->one->run.scene);
-    if (base && base->method != attempt->method)
+    if (base && base->method != attempt->method) {
         result.agreement = agree(&attempt->hair, &base->hair);
+        result.last = hair_distance(&attempt->hair, &base->hair, base->hair.frame_count - 1);
+    }
     return result;
 }
+
+#define ATTEMPT_COLUMNS(X)                                                                       \
+    X("stepper", "-", "name of the stepper", "%s", attempt->method->name)                        \
+    X("setting", "-", "rate or tolerance of the stepper", "%s", result->setting)                 \
+    X("status", "-", "how the run ended", "%s", outcome_name(result->outcome))                   \
+    X("failure_time", "s", "simulated time at which the run failed", "%.17g",                    \
+      attempt->one ? attempt->cost.failure_time : (double)NAN)                                   \
+    X("cpu_per_frame", "s", "CPU time of a frame", "%.17g", result->cpu.median)                  \
+    X("real_time", "1", "simulated over CPU time", "%.17g", speed)                               \
+    X("strain", "1", "largest |L/l - 1| of a stretch segment", "%.17g", strain)                  \
+    X("compared_with", "-", "the stepper that distance is from", "%s",                           \
+      base ? base->method->name : "–")                                                           \
+    X("distance", "m", "distance from that run, rms over free nodes and common frames", "%.17g", \
+      result->agreement.distance)                                                                \
+    X("until", "s", "the last frame before the distance is more than 1 mm", "%.17g",             \
+      result->agreement.until)                                                                   \
+    X("work", "1", "work per frame, in evaluations of a wisp's forces", "%.17g", result->work)   \
+    NOTE_COLUMN(X, note ? note : "")
 
 static void write_attempt(FILE *stream, const struct attempt *attempt, const struct attempt *base,
                           const struct result *result) {
@@ -110,11 +133,7 @@ static void write_attempt(FILE *stream, const struct attempt *attempt, const str
         note = base ? "what the others are compared with" : "nothing to compare with";
     const double speed = attempt->one ? hair_real_time(&result->cpu, attempt->one->run.scene) : NAN;
     const double strain = attempt->one ? largest_strain(&attempt->hair) : NAN;
-    fprintf(stream, "%s\t%s\t%s\t%.17g\t%.17g\t%.17g\t%.17g\t%s\t%.17g\t%.17g\t%.17g\t%s\n",
-            attempt->method->name, result->setting, outcome_name(result->outcome),
-            attempt->one ? attempt->cost.failure_time : NAN, result->cpu.median, speed, strain,
-            base ? base->method->name : "–", result->agreement.distance, result->agreement.until,
-            result->work, note ? note : "");
+    WRITE_ROW(stream, ATTEMPT_COLUMNS);
 }
 
 static void state_result(struct hair_study *study, const struct result *result,
@@ -131,18 +150,18 @@ static void state_result(struct hair_study *study, const struct result *result,
         snprintf(over, sizeof over, ", in the first %.3g s", until);
     if (result->outcome == REFUSED) {
         row.verdict = NOT_REACHED;
-        hair_state(study, row, "%s is refused by this scene.", name);
+        hair_state(study, row, "The scene refuses %s.", name);
     } else if (result->outcome != FINISHED) {
         row.verdict = HOLDS_NOT;
-        hair_state(study, row, "%s, %s, reaches its end: %s.", name, result->setting,
+        hair_state(study, row, "%s at %s does not reach its end: %s.", name, result->setting,
                    outcome_name(result->outcome));
     } else if (isfinite(distance)) {
-        hair_state(study, row, "%s, %s, is %.2g mm (rms%s) from %s and takes %.3g ms a frame.",
+        hair_state(study, row, "%s at %s is %.2g mm (rms%s) from %s and takes %.3g ms a frame.",
                    name, result->setting, distance, over, base->method->name, ms);
     } else {
         row.value = ms;
         row.unit = "ms";
-        hair_state(study, row, "%s, %s, takes %.3g ms a frame.", name, result->setting, ms);
+        hair_state(study, row, "%s at %s takes %.3g ms a frame.", name, result->setting, ms);
     }
 }
 
@@ -170,6 +189,7 @@ static void state_choice(struct hair_study *study, const struct result *results,
         if (results[i].method == stepper_find(thesis_recipe.stepper))
             own = &results[i];
     const struct result *best = own ? better_than(own, results, count) : NULL;
+    study->rival = best ? best->run : NULL;
     struct statement row = {.key = "choice",
                             .figure = "cost",
                             .tables = "steppers",
@@ -180,23 +200,24 @@ static void state_choice(struct hair_study *study, const struct result *results,
     row.value = best ? own->work / best->work : NAN;
     if (!own || count == 1) {
         hair_state(study, row,
-                   "Whether %s is the best on %s was not asked: it or the others were left out.",
-                   choice, scene);
+                   "On %s %s is the best: that was not asked, for it or the others were left out.",
+                   scene, choice);
     } else if (own->outcome != FINISHED) {
         row.verdict = HOLDS_NOT;
-        hair_state(study, row, "On %s %s does not reach its end: %s.", scene, choice,
-                   outcome_name(own->outcome));
+        hair_state(study, row, "On %s %s is the best: it does not reach its end (%s).", scene,
+                   choice, outcome_name(own->outcome));
     } else if (isnan(own->agreement.distance)) {
         row.verdict = NOT_REACHED;
-        hair_state(study, row, "On %s no run tells how far %s is from the solution.", scene,
+        hair_state(study, row,
+                   "On %s %s is the best: no run tells how far it is from the solution.", scene,
                    choice);
     } else if (best) {
         row.verdict = HOLDS_NOT;
         hair_state(study, row,
-                   "On %s %s is the best: %s, %s, is nearer to the solution (%.2g mm, not %.2g) "
-                   "for %.2g of its evaluations.",
+                   "On %s %s is the best: %s at %s is nearer to the solution (%.2g mm against %.2g "
+                   "mm) with %.2g %% of its evaluations.",
                    scene, choice, best->method->name, best->setting, 1e3 * best->agreement.distance,
-                   1e3 * own->agreement.distance, best->work / own->work);
+                   1e3 * own->agreement.distance, 100 * best->work / own->work);
     } else {
         row.verdict = HOLDS;
         hair_state(study, row,
@@ -204,6 +225,45 @@ static void state_choice(struct hair_study *study, const struct result *results,
                    "fewer evaluations.",
                    scene, choice, 1e3 * own->agreement.distance);
     }
+}
+
+/* --- side by side --- */
+
+static int nearest_first(const void *a, const void *b) {
+    const struct hair_error *p = a, *q = b;
+    return (p->distance > q->distance) - (p->distance < q->distance);
+}
+
+/* At the base's last frame, of those that have it. */
+static int draw_errors(struct plan *plan, const char *folder, struct hair_study *study,
+                       const struct result *results, int count, const struct attempt *base) {
+    struct hair_error *errors = calloc((size_t)count + 1, sizeof *errors);
+    int near = 0, code = 0;
+    char first[HAIR_NAME], last[HAIR_NAME];
+    if (!errors)
+        return fail_with(plan->reason, "out of memory");
+    for (int i = 0; i < count; i++)
+        if (isfinite(results[i].last))
+            errors[near++] = (struct hair_error){results[i].run, results[i].last};
+    qsort(errors, (size_t)near, sizeof *errors, nearest_first);
+    if (near > 1 && errors[near - 1].distance > 0) {
+        const int frame = base->hair.frame_count;
+        hair_name(first, &errors[0].run->run.settings);
+        hair_name(last, &errors[near - 1].run->run.settings);
+        hair_state(study,
+                   (struct statement){.key = "errors",
+                                      .figure = "errors",
+                                      .tables = "steppers",
+                                      .verdict = HOLDS,
+                                      .value = 1e3 * errors[near - 1].distance,
+                                      .unit = "mm"},
+                   "After %.3g s %s is nearest to %s, %.2g mm (rms), and %s furthest, %.2g mm.",
+                   base->hair.frames[frame - 1].t, first, base->method->name,
+                   1e3 * errors[0].distance, last, 1e3 * errors[near - 1].distance);
+        code = hair_errors(plan, folder, study, errors, near, base->one, frame);
+    }
+    free(errors);
+    return code;
 }
 
 /* Whom the others are compared with: `reference`, else rk4, where it reached its end. */
@@ -223,6 +283,11 @@ static int open_base(struct plan *plan, const struct hair_study *study, struct a
     return 0;
 }
 
+int hair_takes(const struct plan *plan, const struct stepper_method *method) {
+    return plan_wants(plan, method->name) &&
+           (plan->stepper_count > 0 || configuration_of(method).kind != CONFIGURATION_COSTLY);
+}
+
 static int method_count(void) {
     int count = 0;
     while (stepper_methods[count])
@@ -230,15 +295,15 @@ static int method_count(void) {
     return count;
 }
 
-static int write_attempts(struct plan *plan, struct hair_study *study, FILE *stream,
-                          const struct attempt *base) {
+static int write_attempts(struct plan *plan, const char *folder, struct hair_study *study,
+                          FILE *stream, const struct attempt *base) {
     struct result *results = calloc((size_t)method_count(), sizeof *results);
     int count = 0, code = results ? 0 : -1;
     if (!results)
         snprintf(plan->reason, REASON_SIZE, "out of memory");
     for (int i = 0; stepper_methods[i] && !code; i++) {
         struct attempt attempt;
-        if (!plan_wants(plan, stepper_methods[i]->name))
+        if (!hair_takes(plan, stepper_methods[i]))
             continue;
         code = open_attempt(plan, study, stepper_methods[i], &attempt);
         if (!code) {
@@ -250,6 +315,8 @@ static int write_attempts(struct plan *plan, struct hair_study *study, FILE *str
     }
     if (!code)
         state_choice(study, results, count);
+    if (!code && base && study->question->film > 0)
+        code = draw_errors(plan, folder, study, results, count, base);
     free(results);
     return code;
 }
@@ -268,12 +335,9 @@ int hair_steppers(struct plan *plan, const char *folder, struct hair_study *stud
         "spring; distance: rms over free nodes and common frames from the run it is compared "
         "with, m; until: the last frame before it is more than 1 mm, s; work: per frame, in "
         "evaluations of a wisp's forces, a linear solution as one and a factorisation as five",
-        main_scene,
-        "stepper\tsetting\tstatus\tfailure_time\tcpu_per_frame\treal_time\tstrain"
-        "\tcompared_with\tdistance\tuntil\twork\tnote",
-        plan->reason);
+        main_scene, COLUMNS(ATTEMPT_COLUMNS), plan->reason);
     if (!code) {
-        code = write_attempts(plan, study, file.stream, there ? &base : NULL);
+        code = write_attempts(plan, folder, study, file.stream, there ? &base : NULL);
         if (code)
             atomic_discard(&file);
         else

@@ -131,31 +131,27 @@ static int refuse_scene(struct plan *plan, const struct hair_question *question)
     for (int i = 0; i < HAIR_NEEDS && question->needs[i]; i++) {
         if (json_object_get(scene->source, question->needs[i]))
             continue;
-        snprintf(plan->reason, REASON_SIZE,
-                 "experiment %s needs a scene with %s, and scene %s has none",
-                 plan->experiment->name, question->needs[i], scene->name);
-        return -1;
+        return fail_with(plan->reason, "experiment %s needs a scene with %s, and scene %s has none",
+                         plan->experiment->name, question->needs[i], scene->name);
     }
     return 0;
 }
 
-int hair_plan(struct plan *plan, const struct hair_question *question) {
+int hair_plan(struct plan *plan) {
+    const struct hair_question *question = plan->experiment->study;
     const struct stepper_method *recipe =
         stepper_find(plan->stepper_count > 0 ? plan->steppers[0] : thesis_recipe.stepper);
     plan->run_seconds = 300;
-    if (plan->scene_count > 1) {
-        snprintf(plan->reason, REASON_SIZE, "experiment %s takes one --scene; %d were given",
-                 plan->experiment->name, plan->scene_count);
-        return -1;
-    }
+    if (plan->scene_count > 1)
+        return fail_with(plan->reason, "experiment %s takes one --scene; %d were given",
+                         plan->experiment->name, plan->scene_count);
     if (plan_subjects(plan, &question->scene, 1) || refuse_scene(plan, question))
         return -1;
     for (int i = 0; i < variant_count(question); i++)
         if (plan_variant(plan, question, &question->variants[i], recipe))
             return -1;
     for (int i = 0; stepper_methods[i]; i++)
-        if ((plan->quick || stepper_methods[i] != recipe) &&
-            plan_wants(plan, stepper_methods[i]->name) &&
+        if ((plan->quick || stepper_methods[i] != recipe) && hair_takes(plan, stepper_methods[i]) &&
             plan_stepper(plan, question, stepper_methods[i]))
             return -1;
     return 0;
@@ -194,8 +190,7 @@ static int read_run(struct plan *plan, struct hair_study *study, int i) {
         return -1;
     if (measure_run(study, run) == 0)
         return 0;
-    snprintf(plan->reason, REASON_SIZE, "out of memory");
-    return -1;
+    return fail_with(plan->reason, "out of memory");
 }
 
 static void free_study(struct hair_study *study) {
@@ -225,7 +220,8 @@ static void try_control(struct hair_study *study) {
     study->out_of_memory = control.out_of_memory;
 }
 
-/* Of the timed run, or of the watched one where only that did not reach its end. */
+/* Tells the failure of the timed run, or of the watched one where only that did not reach its end.
+ */
 static void state_failure(struct hair_study *study, const struct hair_run *run) {
     const int timed = run->cost.outcome != FINISHED;
     const double t = timed ? run->cost.failure_time : run_number(&run->files, "failure_time");
@@ -237,33 +233,32 @@ static void state_failure(struct hair_study *study, const struct hair_run *run) 
                t);
 }
 
-/* Of the frames that are to be shown, those that were computed. */
-static void state_pictures(struct hair_study *study, const char *figure, const char *tables,
-                           const char *how, int as_hair) {
+/* Counts the frames that are to be shown and those that were computed. */
+static void state_pictures(struct hair_study *study) {
+    const int *number = study->question->pictures;
     int wanted = 0, shown = 0;
-    for (int i = 0; i < study->count; i++) {
-        const int *number = study->runs[i].variant->pictures;
-        if (as_hair && !hair_is_drawn(study, i))
-            continue;
-        for (int k = 0; k < HAIR_PICTURES && number[k]; k++) {
+    for (int i = 0; i < study->count; i++)
+        for (int k = 0; k < HAIR_PICTURES && number[k] && !study->runs[i].variant->undrawn; k++) {
             wanted++;
             shown += hair_frame_numbered(&study->runs[i], number[k]) >= 0;
         }
-    }
-    const struct statement row = {.key = figure,
-                                  .figure = figure,
-                                  .tables = tables,
+    const struct statement row = {.key = "hair",
+                                  .figure = "hair",
                                   .verdict = shown == wanted ? HOLDS : NOT_REACHED,
                                   .value = shown,
                                   .unit = "1"};
     if (shown == wanted)
-        hair_state(study, row, "All %d pictures are drawn %s.", wanted, how);
+        hair_state(study, row, "All %d pictures are drawn.", wanted);
+    else if (shown == 0)
+        hair_state(study, row, "The runs reach none of %d pictures; their last frame is drawn.",
+                   wanted);
     else
-        hair_state(study, row, "Of %d pictures %d are drawn %s; the runs do not reach the others.",
-                   wanted, shown, how);
+        hair_state(study, row, "Of %d pictures %d are drawn; the runs do not reach the others.",
+                   wanted, shown);
 }
 
-static void state_all(struct hair_study *study) {
+/* Returns whether every variant reached its end. */
+static int state_all(struct hair_study *study) {
     int finished = 1;
     for (int i = 0; i < study->count; i++)
         if (!study->runs[i].finished) {
@@ -274,19 +269,16 @@ static void state_all(struct hair_study *study) {
         try_control(study);
         study->question->state(study);
     }
-    state_pictures(study, "frames", "strip-cells strip", "in lines", 0);
-    if (study->subject->scene->wisps[0].samples > 0) /* hair fills the envelope */
-        state_pictures(study, "hair", "strip-cells", "as hair", 1);
+    state_pictures(study);
+    return finished;
 }
 
 static int write_series(struct plan *plan, const char *folder, const struct hair_study *study) {
     struct atomic_file file;
-    char columns[256] = "variant\tt";
-    const char *const *names = study->question->series;
-    for (int k = 0; k < HAIR_SERIES && names[k]; k++) {
-        const size_t used = strlen(columns);
-        snprintf(columns + used, sizeof columns - used, "\t%s", names[k]);
-    }
+    const struct column *series = study->question->series;
+    struct column columns[2 + HAIR_SERIES + 1] = {{"variant", "-", "name of the variant"},
+                                                  {"t", "s", "time of the frame"}};
+    memcpy(columns + 2, series, HAIR_SERIES * sizeof *series);
     if (open_table(&file, folder, "series", "what the statements are made from, by frame",
                    study->subject->scene, columns, plan->reason))
         return -1;
@@ -294,7 +286,7 @@ static int write_series(struct plan *plan, const char *folder, const struct hair
         const struct hair_run *run = &study->runs[i];
         for (int f = 0; f < run->hair.frame_count; f++) {
             fprintf(file.stream, "%s\t%.17g", run->variant->label, run->hair.frames[f].t);
-            for (int k = 0; k < HAIR_SERIES && names[k]; k++)
+            for (int k = 0; k < HAIR_SERIES && series[k].name; k++)
                 fprintf(file.stream, "\t%.17g", run->series[k][f]);
             fputc('\n', file.stream);
         }
@@ -323,31 +315,37 @@ static int keep_diagnoses(struct plan *plan, const char *folder, struct hair_stu
 static int write_tables(struct plan *plan, const char *folder, struct hair_study *study) {
     if (write_series(plan, folder, study))
         return -1;
-    state_all(study);
-    if (study->out_of_memory) {
-        snprintf(plan->reason, REASON_SIZE, "out of memory");
+    const int finished = state_all(study);
+    if (study->out_of_memory)
+        return fail_with(plan->reason, "out of memory");
+    if (finished && study->question->tables && study->question->tables(plan, folder, study))
         return -1;
-    }
     return hair_costs(plan, folder, study) || hair_steppers(plan, folder, study) ||
                    keep_diagnoses(plan, folder, study)
                ? -1
                : 0;
 }
 
-int hair_tabulate(struct plan *plan, const char *folder, const struct hair_question *question) {
+int hair_tabulate(struct plan *plan, const char *folder) {
+    const struct hair_question *question = plan->experiment->study;
     struct statements statements;
     struct hair_study study = {
         .question = question, .subject = &plan->subjects[0], .statements = &statements};
-    if (statements_open(&statements, folder, study.subject->scene,
-                        plan->quick ? "--quick: the table of steppers is cut" : NULL, plan->reason))
+    if (plan_open_statements(
+            plan, &statements, folder, study.subject->scene,
+            plan->quick
+                ? "--quick: the table of steppers is cut, and without those that cost too much"
+                : "the table of steppers is without those that cost too much: --steppers names "
+                  "them",
+            plan->reason))
         return -1;
     int code = read_runs(plan, &study);
     if (!code)
         code = write_tables(plan, folder, &study);
     if (!code)
-        code = hair_pictures(plan, folder, &study);
-    if (!code)
         code = hair_strip(plan, folder, &study);
+    if (!code)
+        code = hair_film(plan, folder, &study);
     free_study(&study);
     return statements_close(&statements, code, plan->reason);
 }

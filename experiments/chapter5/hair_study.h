@@ -21,8 +21,7 @@ struct hair_variant {
     const char *label;           /* NULL: there are no more */
     const char *sets[HAIR_SETS]; /* what it overrides in the scene; NULL: no more */
     double thesis;               /* CPU time in the thesis, s per frame; 0: none */
-    int pictures[HAIR_PICTURES]; /* frames shown, numbered from 1 at 30 a second; 0: no more. As
-                                    hair those variants are drawn that show what the first does */
+    int undrawn;                 /* whether no pictures of it are shown */
 };
 
 struct hair_study;
@@ -34,16 +33,18 @@ struct hair_question {
     const char
         *needs[HAIR_NEEDS]; /* groups of a scene in which the variants differ; NULL: no more */
     struct hair_variant variants[HAIR_VARIANTS];
-    int main;                  /* the variant on which all steppers are tried */
-    int control;               /* the variant in which what the figure is about is switched off */
-    const char *without;       /* that variant in words, as "without contact" */
-    int columns;               /* of the pictures */
-    int width, height;         /* of a picture of hair, pixels; 0: as usual */
-    double azimuth, elevation; /* of the eye, degrees: 0, 0 sees x to the right and y up */
-    const char *start;         /* a set for the experiment's own scene; NULL: none */
-    double quick;              /* how far steppers are tried with --quick, s; 0: 0.4 */
-    double watch_rate;         /* of the frames that are measured, Hz; 0: the scene's frames */
-    const char *series[HAIR_SERIES]; /* column names */
+    int main;                    /* the variant on which all steppers are tried */
+    int control;                 /* the variant in which what the figure is about is switched off */
+    const char *without;         /* that variant in words, as "without contact" */
+    int pictures[HAIR_PICTURES]; /* frames shown, numbered from 1 at 30 a second; 0: no more */
+    int columns;                 /* of the pictures */
+    int large;                   /* another frame, shown large; 0: none */
+    int width, height;           /* of a picture, pixels; 0: as usual */
+    double film;       /* s: of so much there is a film, and a picture of all steppers at its end */
+    const char *start; /* a set for the experiment's own scene; NULL: none */
+    double quick;      /* how far steppers are tried with --quick, s; 0: 0.4 */
+    double watch_rate; /* of the frames that are measured, Hz; 0: the scene's frames */
+    struct column series[HAIR_SERIES]; /* no name: no more */
 
     /* Fills run->series[k][frame] for all frames of a run. Returns 0, or -1 where memory cannot be
      * had. */
@@ -52,6 +53,10 @@ struct hair_question {
     /* States what was found, by hair_state and hair_claim; called where every variant reached its
      * end. It is called twice, the first time with the control's run in place of every other. */
     void (*state)(struct hair_study *study);
+
+    /* Writes tables of its own, and states what they show; NULL: there are none. Called where
+     * every variant reached its end. Returns 0, or -1 with plan->reason. */
+    int (*tables)(struct plan *plan, const char *folder, struct hair_study *study);
 };
 
 /* A variant's runs, read back. */
@@ -77,8 +82,10 @@ struct hair_study {
     const struct subject *subject;
     struct hair_run runs[HAIR_VARIANTS];
     int count;
-    struct statements *statements; /* NULL: the control is tried */
-    struct hair_trial *trials;     /* owned */
+    const struct labelled_case *rival; /* the cheapest of the steppers that are nearer to the
+                                          solution and have less to compute, or NULL */
+    struct statements *statements;     /* NULL: the control is tried */
+    struct hair_trial *trials;         /* owned */
     int trial_count, out_of_memory;
 };
 
@@ -87,7 +94,7 @@ struct hair_study {
 void hair_state(struct hair_study *study, struct statement row, const char *sentence, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* The same for a claim. One that holds, and of the control too, tells nothing, and says so. */
+/* Adds a claim. One that holds, and of the control too, tells nothing, and says so. */
 void hair_claim(struct hair_study *study, struct statement row, const char *sentence, ...)
     __attribute__((format(printf, 3, 4)));
 
@@ -122,9 +129,9 @@ int hair_frame_numbered(const struct hair_run *run, int number);
 /* The frame of the largest value of a series, and that value's. */
 int hair_largest(const struct hair_run *run, int series);
 
-/* plan and tabulate of struct experiment. */
-int hair_plan(struct plan *plan, const struct hair_question *question);
-int hair_tabulate(struct plan *plan, const char *folder, const struct hair_question *question);
+/* plan and tabulate of a struct experiment whose `study` is a struct hair_question. */
+int hair_plan(struct plan *plan);
+int hair_tabulate(struct plan *plan, const char *folder);
 
 /* --- its parts --- */
 
@@ -135,23 +142,42 @@ int hair_tabulate(struct plan *plan, const char *folder, const struct hair_quest
  * its time allows. All with the treatment `projection`, so that they solve the same equations. */
 struct run_request hair_request(const struct scene *scene, const struct stepper_method *method);
 
-/* The same where its time is to be known: more often the shorter the scene. */
+/* The request of a run whose time is to be known: it is repeated, more often the shorter the scene.
+ */
 struct run_request hair_timed_request(const struct plan *plan, const struct scene *scene,
                                       const struct stepper_method *method);
+
+/* Whether a method has a row in the table of steppers: those that cost too much for all but charts
+ * of cost have none, unless the user names them. */
+int hair_takes(const struct plan *plan, const struct stepper_method *method);
 
 /* The tables of what variants cost, and of how every stepper fares on the main one, with what they
  * show. Return 0, or -1 with a reason. */
 int hair_costs(struct plan *plan, const char *folder, struct hair_study *study);
 int hair_steppers(struct plan *plan, const char *folder, struct hair_study *study);
 
-/* The pictures' lines, seen from the question's eye. Returns 0, or -1 with a reason. */
-int hair_pictures(struct plan *plan, const char *folder, struct hair_study *study);
-
-/* Whether a variant is drawn as hair: it shows the frames that the first one does. */
-int hair_is_drawn(const struct hair_study *study, int variant);
-
-/* The same pictures of the hair itself, seen by the scene's camera, as folder/hair.png: drawn here,
+/* The pictures, a row for each variant, seen by the scene's camera, as folder/hair.png: drawn here,
  * for they are made of whole runs. Returns 0, or -1 with a reason. */
 int hair_strip(struct plan *plan, const char *folder, const struct hair_study *study);
+
+/* A film of the main variant, beside it by the rival if there is one: the sheet folder/film.png,
+ * whose frames, below each other, are the rows of film.tsv. Returns 0, or -1 with a reason. */
+int hair_film(struct plan *plan, const char *folder, struct hair_study *study);
+
+/* A stepper's run, and how far it is from the reference's at a frame. */
+struct hair_error {
+    const struct labelled_case *run;
+    double distance; /* rms over free nodes, m */
+};
+
+/* A picture of each at the frame, in order, as folder/errors.png; colour is the distance. Returns
+ * 0, or -1 with a reason. */
+int hair_errors(struct plan *plan, const char *folder, const struct hair_study *study,
+                const struct hair_error *errors, int count, const struct labelled_case *reference,
+                int frame);
+
+/* "euler, 9000 Hz", "cvode, rtol 0.0001" */
+enum { HAIR_NAME = 96 };
+void hair_name(char name[HAIR_NAME], const struct settings *settings);
 
 #endif

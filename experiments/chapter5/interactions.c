@@ -3,6 +3,7 @@
 #include "base/vector.h"
 #include "crossing.h"
 #include "hair_study.h"
+#include "misses.h"
 
 #include <math.h>
 
@@ -47,12 +48,17 @@ static void state_crossings(struct hair_study *study, int variant) {
         .value = count,
         .unit = "1"};
     if (!wisps_meet(run))
-        snprintf(sentence, sizeof sentence, "the wisps do not meet");
+        snprintf(sentence, sizeof sentence, "%s",
+                 is_free ? "the wisps pass through each other: they never meet"
+                         : "the wisps never meet");
     else if (count > 0)
         snprintf(
             sentence, sizeof sentence,
-            "the wisps pass through each other: %.0f crossing%s, net %.0f, the first at %.2f s",
+            "the wisps pass through each other: they cross %.0f time%s (net %.0f), first at %.2f s",
             count, count > 1 ? "s" : "", net, run->hair.frames[first].t);
+    else if (is_free)
+        snprintf(sentence, sizeof sentence,
+                 "the wisps pass through each other: none crosses another");
     else
         snprintf(sentence, sizeof sentence, "the wisps do not pass through each other");
     if (is_free) /* the control's own */
@@ -94,8 +100,8 @@ static void state_influence(struct hair_study *study, int variant) {
                            .verdict = wisps_meet(run) ? holds_if(most > radius) : NOT_REACHED,
                            .value = most,
                            .unit = "mm"},
-        "%s nodes are up to %.1f mm from where they are without interaction, at %.2f s (a "
-        "wisp's radius is %.0f mm).",
+        "%s the wisps move otherwise than alone: nodes are up to %.1f mm from where they are "
+        "without interaction, at %.2f s, and a wisp's radius is %.0f mm.",
         with[variant], most, t, radius);
 }
 
@@ -118,8 +124,9 @@ static void state_cost(struct hair_study *study) {
                                   .verdict = met ? holds_if(ordered) : NOT_REACHED,
                                   .value = contacts[ALL],
                                   .unit = "1"},
-               "Contacts are in the order of the thesis's times, none, collision, interpenetration "
-               "and all: %.1f, %.1f, %.1f and %.1f a frame.",
+               "There are the more contacts the more a frame took in the thesis (without "
+               "interaction, with collision, with interpenetration, with both): there are %.1f, "
+               "%.1f, %.1f and %.1f a frame.",
                contacts[NONE], contacts[COLLIDING], contacts[RUBBING], contacts[ALL]);
 }
 
@@ -131,61 +138,167 @@ static void state(struct hair_study *study) {
     state_cost(study);
 }
 
+/* --- figure 4.13: crossings that no point shows --- */
+
+/* Sections at rest that lie any way, of so many diameters, and so many crossings of each. */
+static const double slenderness[] = {0.5, 1, 2, 4, 8};
+enum { SLENDERNESSES = sizeof slenderness / sizeof *slenderness, CROSSINGS_EACH = 3000 };
+
+struct all_misses {
+    struct misses random[SLENDERNESSES], sections, wisps; /* the last two at frames of a run */
+    double own;                                           /* the scene's sections, diameters */
+};
+
+static double percent(const struct misses *misses) {
+    return misses->crossings > 0 ? 100. * misses->missed / misses->crossings : 0;
+}
+
+/* Fewer frames where wisps are many. */
+static void look_at_frames(struct brute *brute, struct hair *hair, struct all_misses *all) {
+    const int wisps = hair->frames[0].wisps, most = 10 + 4000 / (wisps * wisps);
+    const int step = (hair->frame_count + most - 1) / most;
+    all->own = wisp_spacing(&hair->scene->wisps[0]) / (2 * hair->scene->wisps[0].radius);
+    for (int f = 0; f < hair->frame_count; f += step)
+        hair_misses(brute, hair, f, &all->sections, &all->wisps);
+}
+
+static int find_misses(struct hair *hair, struct all_misses *all) {
+    struct brute *brute = brute_create();
+    int code = brute ? 0 : -1;
+    for (int i = 0; i < SLENDERNESSES && !code; i++)
+        code = random_misses(brute, slenderness[i], CROSSINGS_EACH, &all->random[i]);
+    if (!code)
+        look_at_frames(brute, hair, all);
+    brute_free(brute);
+    return code;
+}
+
+struct missed_row {
+    const char *of;
+    double slenderness;
+    struct misses count;
+};
+#define MISSED_COLUMNS(X)                                                                     \
+    X("of", "-", "what crosses", "%s", row->of)                                               \
+    X("slenderness", "1", "length of a section over its diameter", "%.17g", row->slenderness) \
+    X("crossings", "1", "crossings of volumes, by brute force", "%d", row->count.crossings)   \
+    X("missed", "1", "crossings that no point shows", "%d", row->count.missed)
+
+static void write_missed(FILE *stream, const struct missed_row *row) {
+    WRITE_ROW(stream, MISSED_COLUMNS);
+}
+
+static int write_misses(struct plan *plan, const char *folder, const struct hair_study *study,
+                        const struct all_misses *all) {
+    struct atomic_file file;
+    if (open_table(&file, folder, "misses",
+                   "sections whose volumes cross, by brute force, and how many of these no point "
+                   "shows (the thesis, figure 4.13)",
+                   study->subject->scene, COLUMNS(MISSED_COLUMNS), plan->reason))
+        return -1;
+    for (int i = 0; i < SLENDERNESSES; i++)
+        write_missed(file.stream, &(struct missed_row){"sections that lie any way", slenderness[i],
+                                                       all->random[i]});
+    write_missed(file.stream,
+                 &(struct missed_row){"sections of the scene", all->own, all->sections});
+    write_missed(file.stream, &(struct missed_row){"wisps of the scene", all->own, all->wisps});
+    return atomic_commit(&file, plan->reason);
+}
+
+/* Sections that are shorter than thick are the control. */
+static void state_slenderness(struct hair_study *study, const struct all_misses *all) {
+    int grows = all->random[0].missed > all->random[1].missed;
+    for (int i = 2; i < SLENDERNESSES; i++)
+        grows &= all->random[i].missed > all->random[i - 1].missed;
+    hair_state(study,
+               (struct statement){.key = "missed crossings",
+                                  .figure = "series",
+                                  .tables = "misses",
+                                  .by = THESIS,
+                                  .verdict = holds_if(grows),
+                                  .value = percent(&all->random[SLENDERNESSES - 1]),
+                                  .unit = "%"},
+               "The longer sections are over their thickness, the more of their crossings no point "
+               "shows (figure 4.13): of %d crossings of sections that lie any way none shows %.1f "
+               "%% at a length of 1 diameter, %.1f %% at 2, %.1f %% at 4 and %.1f %% at 8; a "
+               "length near 1 is best, for at %g it is %.1f %%.",
+               CROSSINGS_EACH, percent(&all->random[1]), percent(&all->random[2]),
+               percent(&all->random[3]), percent(&all->random[4]), slenderness[0],
+               percent(&all->random[0]));
+}
+
+/* Sections that are missed have neighbours, which may be seen. */
+static void state_own(struct hair_study *study, const struct all_misses *all) {
+    struct statement row = {.key = "missed here",
+                            .figure = "series",
+                            .tables = "misses",
+                            .by = THESIS,
+                            .value = percent(&all->wisps),
+                            .unit = "%"};
+    row.verdict = all->wisps.crossings > 0 ? holds_if(percent(&all->wisps) <= 10) : NOT_REACHED;
+    hair_state(study, row,
+               "Sections about as long as thick are enough: where they are %.2g diameters long, no "
+               "point shows %d of %d crossings of sections, and of %d times that two wisps cross "
+               "at a frame none shows %d; less than a tenth is enough.",
+               all->own, all->sections.missed, all->sections.crossings, all->wisps.crossings,
+               all->wisps.missed);
+}
+
+static int tables(struct plan *plan, const char *folder, struct hair_study *study) {
+    struct all_misses all = {.own = 0};
+    if (find_misses(&study->runs[NONE].hair, &all))
+        return fail_with(plan->reason, "out of memory");
+    state_slenderness(study, &all);
+    state_own(study, &all);
+    return write_misses(plan, folder, study, &all);
+}
+
 /* The thesis tells the two kinds of meeting apart from its third animation on; in the second all
  * wisps that meet rub against each other: the threshold is 1. */
 #define NO_INTERPENETRATION "contacts.interpenetration=false"
 #define NO_COLLISION        "contacts.collision=false"
-/* 16, when the wisps have met, is ours; the others are the thesis's. */
-#define PICTURES \
-    { 1, 12, 16, 24, 64 }
-
 static const struct hair_question question = {
     .scene = "interactions",
     .needs = {"contacts"},
-    .variants = {{.label = "none",
-                  .sets = {NO_INTERPENETRATION, NO_COLLISION},
-                  .thesis = 0.76,
-                  .pictures = PICTURES},
+    .variants = {{.label = "none", .sets = {NO_INTERPENETRATION, NO_COLLISION}, .thesis = 0.76},
                  {.label = "interpenetration",
                   .sets = {NO_COLLISION, "contacts.threshold=1.0"},
-                  .thesis = 0.86,
-                  .pictures = PICTURES},
-                 {.label = "collision",
-                  .sets = {NO_INTERPENETRATION},
-                  .thesis = 0.84,
-                  .pictures = PICTURES},
-                 {.label = "all", .thesis = 0.91, .pictures = PICTURES}},
+                  .thesis = 0.86},
+                 {.label = "collision", .sets = {NO_INTERPENETRATION}, .thesis = 0.84},
+                 {.label = "all", .thesis = 0.91}},
     .main = ALL,
     .control = NONE,
     .without = "without interaction",
+    /* 16, when the wisps have met, is ours; the others are the thesis's. */
+    .pictures = {1, 12, 16, 24, 64},
+    .large = 20,
     .columns = 5,
     .quick = 0.8, /* they meet at 0.4 s */
-    .azimuth = 35,
-    .elevation = 20,
     .width = 300,
     .height = 330,
     .watch_rate = 300,
-    .series = {"crossings", "overlap", "net_crossings"},
+    .series = {{"crossings", "1",
+                "how often segments of two wisps have passed through each other so far"},
+               {"overlap", "1",
+                "how often a node or sample of a wisp is in a section of another one"},
+               {"net_crossings", "1",
+                "such passages in one direction less those in the other, by pairs"}},
     .measure = measure,
     .state = state,
+    .tables = tables,
 };
-
-static int interactions_plan(struct plan *plan) {
-    return hair_plan(plan, &question);
-}
-
-static int interactions_tabulate(struct plan *plan, const char *folder) {
-    return hair_tabulate(plan, folder, &question);
-}
 
 const struct experiment interactions_experiment = {
     .name = "interactions",
     .question = "what do wisps do to each other when they meet?",
     .thesis = "section 5.2",
+    .chapter = CHAPTER_THESIS,
     .place = 8,
+    .headline = "choice",
     .quick_seconds = 3,
     .full_seconds = 15,
     .answers = 1u << ANSWERS_CHOICE,
-    .plan = interactions_plan,
-    .tabulate = interactions_tabulate,
+    .study = &question,
+    .plan = hair_plan,
+    .tabulate = hair_tabulate,
 };

@@ -36,8 +36,8 @@ static void state_radius(struct hair_study *study, int series, const struct hair
     char key[64];
     snprintf(key, sizeof key, "%s, %.40s", inclinations[series], run->variant->label);
     hair_state(study, (struct statement){.key = key, .value = most, .unit = "deg"},
-               "With %s the %s inclination is at most %.1f degrees, at %.2f s.",
-               run->variant->label, inclinations[series], most, run->hair.frames[frame].t);
+               "The %s inclination of the run '%s' is at most %.1f degrees, at %.2f s.",
+               inclinations[series], run->variant->label, most, run->hair.frames[frame].t);
 }
 
 /* Whether wisps of some radius touch at all. */
@@ -70,15 +70,20 @@ static void state_inclination(struct hair_study *study, int series) {
                    : "Nothing holds the wisps back, for none touches another: the %s inclination "
                      "%s from each radius to the next.",
                name, falls ? "falls" : "does not fall");
-    hair_claim(study,
-               (struct statement){.key = name,
-                                  .by = series == LARGEST ? THESIS : OURS,
-                                  .verdict = met ? holds_if(least - widest > visible) : NOT_REACHED,
-                                  .value = least - widest,
-                                  .unit = "deg"},
-               "The widest wisps have far the least %s inclination: %.1f degrees, %.1f less than "
-               "the others (%.0f would be seen).",
-               name, widest, least - widest, visible);
+    const int far = least - widest > visible;
+    hair_claim(
+        study,
+        (struct statement){.key = name,
+                           .by = series == LARGEST ? THESIS : OURS,
+                           .verdict = met ? holds_if(far) : NOT_REACHED,
+                           .value = least - widest,
+                           .unit = "deg"},
+        series == LARGEST
+            ? "The widest wisps lean far less than the others: their %s inclination is at most "
+              "%.1f degrees, %.1f degrees less than that of the others, and %.0f would be seen."
+            : "The greatest %s inclination of the widest wisps is %.1f degrees, %.1f degrees "
+              "less than that of the others, and %.0f would be seen.",
+        name, widest, least - widest, visible);
 }
 
 static void state_cost(struct hair_study *study) {
@@ -96,8 +101,8 @@ static void state_cost(struct hair_study *study) {
                                   .verdict = wisps_meet(study) ? holds_if(rises) : NOT_REACHED,
                                   .value = many - few,
                                   .unit = "1"},
-               "Wider wisps have more contacts, by which the thesis explains that they cost more: "
-               "from %.1f to %.1f a frame.",
+               "Wider wisps cost more because they have more contacts: these rise from %.1f to "
+               "%.1f a frame.",
                few, many);
 }
 
@@ -107,58 +112,41 @@ static void state(struct hair_study *study) {
     state_cost(study);
 }
 
-/* As in the thesis, those where the wisps are most strongly inclined. */
-#define PICTURES \
-    { 1, 45, 95 }
-
 static const struct hair_question question = {
     .scene = "radii",
     .needs = {"envelope", "contacts"},
-    .variants = {{.label = "radius 1 cm",
-                  .sets = {"envelope.radius=0.01"},
-                  .thesis = 3.92,
-                  .pictures = PICTURES},
-                 {.label = "radius 2 cm",
-                  .sets = {"envelope.radius=0.02"},
-                  .thesis = 4.71,
-                  .pictures = PICTURES},
-                 {.label = "radius 3 cm",
-                  .sets = {"envelope.radius=0.03"},
-                  .thesis = 5.14,
-                  .pictures = PICTURES},
+    .variants = {{.label = "radius 1 cm", .sets = {"envelope.radius=0.01"}, .thesis = 3.92},
+                 {.label = "radius 2 cm", .sets = {"envelope.radius=0.02"}, .thesis = 4.71},
+                 {.label = "radius 3 cm", .sets = {"envelope.radius=0.03"}, .thesis = 5.14},
                  [FREE] = {.label = "3 cm, no contact",
                            .sets = {"envelope.radius=0.03", "contacts.interpenetration=false",
-                                    "contacts.collision=false"},
-                           .pictures = PICTURES}},
+                                    "contacts.collision=false"}}},
     .main = RADII - 1,
     .control = FREE,
     .without = "without contact",
+    /* As in the thesis, those where the wisps are most strongly inclined. */
+    .pictures = {1, 45, 95},
+    .large = 70,
     .columns = 3,
-    .azimuth = 20,
-    .elevation = 10,
     .width = 420,
     .height = 320,
-    .series = {"largest_inclination", "mean_inclination"},
+    .series = {{"largest_inclination", "deg", "largest inclination of a wisp against the vertical"},
+               {"mean_inclination", "deg", "mean inclination of the wisps against the vertical"}},
     .measure = measure,
     .state = state,
 };
-
-static int radii_plan(struct plan *plan) {
-    return hair_plan(plan, &question);
-}
-
-static int radii_tabulate(struct plan *plan, const char *folder) {
-    return hair_tabulate(plan, folder, &question);
-}
 
 const struct experiment radii_experiment = {
     .name = "radii",
     .question = "what does the radius of wisps do to motion and cost?",
     .thesis = "section 5.1",
+    .chapter = CHAPTER_THESIS,
     .place = 7,
+    .headline = "largest",
     .quick_seconds = 8,
     .full_seconds = 30,
     .answers = 1u << ANSWERS_CHOICE,
-    .plan = radii_plan,
-    .tabulate = radii_tabulate,
+    .study = &question,
+    .plan = hair_plan,
+    .tabulate = hair_tabulate,
 };

@@ -72,7 +72,7 @@ static double lag_of(const struct hair_run *run) {
     return best / 300.;
 }
 
-/* Of a head that does not turn nothing is to be said. */
+/* About a head that does not turn nothing is to be said. */
 static int head_turns(const struct hair_run *run) {
     double most = 0;
     for (int f = 0; f < run->hair.frame_count; f++)
@@ -91,10 +91,9 @@ static void state(struct hair_study *study) {
                                   .verdict = turns ? holds_if(lag > 0) : NOT_REACHED,
                                   .value = lag,
                                   .unit = "s"},
-               turns
-                   ? "The hair lags the head: its turn fits best the head's of %.3f s before "
-                     "(correlation %.2f)."
-                   : "The head does not turn, so that nothing lags it (%.3f s, correlation %.2f).",
+               turns ? "The hair lags the head by %.3f s: that much earlier the head's turn fits "
+                       "the hair's best (correlation %.2f)."
+                     : "The head does not turn, and nothing lags it (%.3f s, correlation %.2f).",
                lag, correlation(run, lag));
     hair_state(study, (struct statement){.key = "behind", .value = most, .unit = "deg"},
                "Hair and head are at most %.1f degrees apart, at %.2f s.", most,
@@ -105,45 +104,43 @@ static void state(struct hair_study *study) {
                                                    : NOT_REACHED,
                                   .value = end,
                                   .unit = "deg"},
-               "The hair returns: at %.2f s they are %.1f degrees apart, %.0f %% of the most (less "
-               "than %.0f %% is returned).",
+               "At %.2f s hair and head are %.1f degrees apart, %.0f %% of the most; below %.0f %% "
+               "the hair has returned.",
                run->hair.frames[last].t, end, most > 0 ? 100 * end / most : 0, 100 * left_over);
 }
 
 static const struct hair_question question = {
     .scene = "shake",
-    .variants = {[SHAKEN] = {.label = "shake", .pictures = {1, 7, 13, 19, 25, 31, 46, 91}},
+    .variants = {[SHAKEN] = {.label = "shake"},
                  [HELD] = {.label = "head at rest",
                            .sets = {"head={ times = [0.0]; positions = ([0.0, 0.0, 0.0]); "
                                     "rotations = ([0.0, 0.0, 0.0]); }"},
-                           .pictures = {1, 19, 46, 91}}},
+                           .undrawn = 1}},
     .main = SHAKEN,
     .control = HELD,
     .without = "with the head at rest",
+    .pictures = {1, 7, 13, 19, 25, 31, 46, 91},
+    .large = 16,
     .columns = 4,
-    .elevation = 15,
     .quick = 0.1,
-    .series = {"head", "hair", "behind"},
+    .series = {{"head", "deg", "how far the head has turned"},
+               {"hair", "deg", "how far the hair has turned about the same axis, by its tips"},
+               {"behind", "deg", "difference between the turns of head and hair"}},
     .start = HAIR_START_PROJECTION,
     .measure = measure,
     .state = state,
 };
 
-static int shake_plan(struct plan *plan) {
-    return hair_plan(plan, &question);
-}
-
-static int shake_tabulate(struct plan *plan, const char *folder) {
-    return hair_tabulate(plan, folder, &question);
-}
-
 const struct experiment shake_experiment = {
     .name = "shake",
     .question = "does hair lag behind the head, and does it return?",
+    .chapter = CHAPTER_THESIS,
     .place = 13,
+    .headline = "choice",
     .quick_seconds = 12,
     .full_seconds = 60,
     .answers = 1u << ANSWERS_CHOICE,
-    .plan = shake_plan,
-    .tabulate = shake_tabulate,
+    .study = &question,
+    .plan = hair_plan,
+    .tabulate = hair_tabulate,
 };

@@ -44,8 +44,7 @@ static void state_touch(struct hair_study *study, const struct hair_run *run) {
                                   .value = contacts,
                                   .unit = "1"};
     if (contacts > 0)
-        hair_claim(study, row, "The body pushes hair: %.0f times a node or sample is put outside.",
-                   contacts);
+        hair_claim(study, row, "The body puts a node or a sample outside %.0f times.", contacts);
     else
         hair_claim(study, row, "The body never pushes hair, which shows nothing.");
 }
@@ -59,20 +58,20 @@ static void state_depths(struct hair_study *study, const struct hair_run *run) {
                                   .verdict = pushed ? holds_if(inside == 0) : NOT_REACHED,
                                   .value = inside,
                                   .unit = "1"},
-               "After a tick %.0f nodes are still inside.", inside);
+               "After the ticks %.0f nodes are still inside.", inside);
     hair_claim(study,
                (struct statement){.key = "deepest point",
                                   .verdict = pushed || points > margin ? holds_if(points <= margin)
                                                                        : NOT_REACHED,
                                   .value = points,
                                   .unit = "mm"},
-               "At the frames nodes and samples are at most %.2g mm inside (%.2g mm are allowed: a "
-               "sample whose node is at the surface).",
+               "At the frames nodes and samples are at most %.2g mm inside; a sample whose node is "
+               "at the surface may be %.2g mm inside.",
                points, margin);
     hair_state(
         study,
         (struct statement){.key = "deepest segment", .value = largest(run, SEGMENTS), .unit = "mm"},
-        "The straight lines between nodes cut into it by at most %.2g mm, at %.2f s.",
+        "The straight lines between nodes cut into the body by at most %.2g mm, at %.2f s.",
         largest(run, SEGMENTS), run->hair.frames[segments].t);
 }
 
@@ -88,8 +87,8 @@ static void state_strain(struct hair_study *study, const struct hair_run *run,
                                                                     : NOT_REACHED,
                                   .value = most - without,
                                   .unit = "%"},
-               "The push lengthens no spring: the largest strain is %.2f %%, at %.2f s, and "
-               "%.2f %% where nothing feels the body (by less than 1 %% is not at all).",
+               "The push lengthens no spring: the largest strain is %.2f %%, at %.2f s, against "
+               "%.2f %% where nothing feels the body, and less than 1 %% more does not count.",
                most, run->hair.frames[frame].t, without);
 }
 
@@ -100,44 +99,36 @@ static void state(struct hair_study *study) {
     state_strain(study, run, &study->runs[PASSING]);
 }
 
-#define PICTURES \
-    { 50, 75, 100, 125, 150, 200 }
-
 static const struct hair_question question = {
     .scene = "sphere",
     .needs = {"body", "contacts"},
-    .variants = {[PUSHING] = {.label = "sphere", .thesis = 21.6, .pictures = PICTURES},
-                 [PASSING] = {.label = "no collision",
-                              .sets = {"contacts.collision_rate=0"},
-                              .pictures = PICTURES}},
+    .variants = {[PUSHING] = {.label = "sphere", .thesis = 21.6},
+                 [PASSING] = {.label = "no collision", .sets = {"contacts.collision_rate=0"}}},
     .main = PUSHING,
     .control = PASSING,
     .without = "where nothing feels the body",
     .quick = 2, /* it reaches the hair at 1.2 s */
+    .pictures = {50, 75, 100, 125, 150, 200},
+    .large = 112,
     .columns = 3,
-    .azimuth = 35,
-    .elevation = 20,
-    .series = {"deepest_point", "deepest_segment", "strain"},
+    .series = {{"deepest_point", "mm", "largest depth of a node or sample in the body"},
+               {"deepest_segment", "mm", "largest depth of a point of a segment in it"},
+               {"strain", "%", "largest |L/l - 1| of a stretch segment"}},
     .measure = measure,
     .state = state,
 };
-
-static int sphere_plan(struct plan *plan) {
-    return hair_plan(plan, &question);
-}
-
-static int sphere_tabulate(struct plan *plan, const char *folder) {
-    return hair_tabulate(plan, folder, &question);
-}
 
 const struct experiment sphere_experiment = {
     .name = "sphere",
     .question = "does a moving body keep hair outside without stretching it?",
     .thesis = "section 5.4",
+    .chapter = CHAPTER_THESIS,
     .place = 10,
+    .headline = "choice",
     .quick_seconds = 3,
     .full_seconds = 30,
     .answers = 1u << ANSWERS_CHOICE,
-    .plan = sphere_plan,
-    .tabulate = sphere_tabulate,
+    .study = &question,
+    .plan = hair_plan,
+    .tabulate = hair_tabulate,
 };

@@ -52,21 +52,24 @@ static void state_count(struct hair_study *study, const struct hair_run *whole,
     const double first = split->series[WISPS][0],
                  end = split->series[WISPS][split->hair.frame_count - 1],
                  without = whole->series[WISPS][whole->hair.frame_count - 1];
-    hair_state(study,
-               (struct statement){.key = "wisps, without",
-                                  .by = THESIS,
-                                  .verdict = holds_if(without == whole->series[WISPS][0]),
-                                  .value = without,
-                                  .unit = "1"},
-               "Without subdivision there are %.0f wisps at the start and %.0f at the end.",
-               whole->series[WISPS][0], without);
-    hair_claim(study,
-               (struct statement){.key = "wisps",
-                                  .by = THESIS,
-                                  .verdict = holds_if(end == 2 * first),
-                                  .value = end,
-                                  .unit = "1"},
-               "With subdivision the wisps double: from %.0f to %.0f.", first, end);
+    hair_state(
+        study,
+        (struct statement){.key = "wisps, without",
+                           .by = THESIS,
+                           .verdict = holds_if(without == whole->series[WISPS][0]),
+                           .value = without,
+                           .unit = "1"},
+        "Without subdivision wisps stay whole: there are %.0f at the start and %.0f at the end.",
+        whole->series[WISPS][0], without);
+    hair_claim(
+        study,
+        (struct statement){.key = "wisps",
+                           .by = THESIS,
+                           .verdict = holds_if(end == 2 * first),
+                           .value = end,
+                           .unit = "1"},
+        "With subdivision the wisps double: there are %.0f at the start and %.0f at the end.",
+        first, end);
 }
 
 /* Before the first split both runs are the same. */
@@ -87,7 +90,7 @@ static void state_split(struct hair_study *study, const struct hair_run *whole,
     if (has_split(split)) {
         const double number = split->hair.frames[divided].t * 30 + 1;
         hair_state(study, (struct statement){.key = "split", .value = number, .unit = "frame"},
-                   "The first split shows at frame %.0f (thesis: 8).", number);
+                   "The first split shows at frame %.0f, and at frame 8 in the thesis.", number);
     } else {
         hair_state(study, (struct statement){.key = "split", .verdict = NOT_REACHED},
                    "No wisp splits.");
@@ -109,10 +112,10 @@ static void state_complexity(struct hair_study *study, const struct hair_run *sp
     if (has_split(split))
         hair_claim(study, row,
                    "The animation gains in visual complexity: twins are up to %.1f mm apart, at "
-                   "%.2f s (a wisp's radius is %.0f mm).",
+                   "%.2f s, and a wisp's radius is %.0f mm.",
                    most, split->hair.frames[frame].t, radius);
     else
-        hair_claim(study, row, "Nothing is gained in visual complexity, for no wisp splits.");
+        hair_claim(study, row, "The animation gains in visual complexity: no wisp splits.");
 }
 
 static double evaluations(const struct hair_run *run) {
@@ -124,19 +127,19 @@ static void state_cost(struct hair_study *study, const struct hair_run *whole,
                        const struct hair_run *split) {
     const double theirs = split->variant->thesis / whole->variant->thesis,
                  ours = evaluations(split) / evaluations(whole);
-    hair_claim(study,
-               (struct statement){.key = "evaluations",
-                                  .figure = "cost",
-                                  .tables = "table",
-                                  .by = THESIS,
-                                  .verdict = has_split(split)
-                                                 ? holds_if(fabs(ours / theirs - 1) < 0.1)
-                                                 : NOT_REACHED,
-                                  .value = ours,
-                                  .unit = "1"},
-               "More wisps cost as much more as they are more, from the split on: %.2f times the "
-               "evaluations of a wisp's forces (thesis: %.2f times the time).",
-               ours, theirs);
+    hair_claim(
+        study,
+        (struct statement){.key = "evaluations",
+                           .figure = "cost",
+                           .tables = "table",
+                           .by = THESIS,
+                           .verdict = has_split(split) ? holds_if(fabs(ours / theirs - 1) < 0.1)
+                                                       : NOT_REACHED,
+                           .value = ours,
+                           .unit = "1"},
+        "From the split on wisps cost as much more as they are more: the forces of a wisp are "
+        "evaluated %.2f times as often, and in the thesis the time was %.2f times as long.",
+        ours, theirs);
 }
 
 static void state(struct hair_study *study) {
@@ -147,47 +150,41 @@ static void state(struct hair_study *study) {
     state_cost(study, whole, split);
 }
 
-/* 20, when twins are farthest apart, is ours; the others are the thesis's. */
-#define PICTURES \
-    { 1, 6, 8, 10, 20 }
-
 static const struct hair_question question = {
     .scene = "subdivision",
     .needs = {"subdivision"},
     .variants = {[WHOLE] = {.label = "without",
                             .sets = {"subdivision.ratio=1e-6"}, /* the test is made in vain */
-                            .thesis = 0.88,
-                            .pictures = PICTURES},
-                 [SPLIT] = {.label = "with", .thesis = 1.66, .pictures = PICTURES}},
+                            .thesis = 0.88},
+                 [SPLIT] = {.label = "with", .thesis = 1.66}},
     .main = SPLIT,
     .control = WHOLE,
     .without = "without subdivision",
+    /* 20, when twins are farthest apart, is ours; the others are the thesis's. */
+    .pictures = {1, 6, 8, 10, 20},
+    .large = 14,
     .columns = 5,
-    .azimuth = 35,
-    .elevation = 20,
     .width = 300,
     .height = 330,
-    .series = {"wisps", "twins_apart", "strain"},
+    .series = {{"wisps", "1", "number of wisps"},
+               {"twins_apart", "mm",
+                "largest distance of a node from that of the wisp it split off from"},
+               {"strain", "%", "largest |L/l - 1| of a stretch segment"}},
     .measure = measure,
     .state = state,
 };
-
-static int subdivision_plan(struct plan *plan) {
-    return hair_plan(plan, &question);
-}
-
-static int subdivision_tabulate(struct plan *plan, const char *folder) {
-    return hair_tabulate(plan, folder, &question);
-}
 
 const struct experiment subdivision_experiment = {
     .name = "subdivision",
     .question = "what does adaptive subdivision add, and what does it cost?",
     .thesis = "section 5.5",
+    .chapter = CHAPTER_THESIS,
     .place = 11,
+    .headline = "choice",
     .quick_seconds = 2,
     .full_seconds = 15,
     .answers = 1u << ANSWERS_CHOICE,
-    .plan = subdivision_plan,
-    .tabulate = subdivision_tabulate,
+    .study = &question,
+    .plan = hair_plan,
+    .tabulate = hair_tabulate,
 };

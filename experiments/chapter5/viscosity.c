@@ -66,21 +66,24 @@ static void state_parting(struct hair_study *study, const struct hair_run *run) 
                       ? NOT_REACHED
                       : holds_if(parted >= 0 && row.value <= PARTED && apart);
     if (!starts_together(run))
-        hair_claim(study, row, "The wisps do not start in each other, and so cannot part.");
+        hair_claim(study, row,
+                   "At low viscosity the wisps part: they do not start in each other, and cannot.");
     else if (parted < 0)
-        hair_claim(study, row, "With %s the wisps have not parted by the last frame, %.0f.", label,
-                   row.value);
+        hair_claim(
+            study, row,
+            "At low viscosity the wisps part: with %s they have not by the last frame, %.0f.",
+            label, row.value);
     else if (row.verdict == NOT_REACHED)
         hair_claim(study, row,
-                   "With %s the wisps part at frame %.0f; frame %d, where the thesis has them "
-                   "parted, was not computed.",
+                   "At low viscosity the wisps part: with %s they do at frame %.0f, but frame %d, "
+                   "where the thesis has them parted, was not computed.",
                    label, row.value, PARTED);
     else
-        hair_claim(study, row,
-                   "With %s the wisps, of which %.0f points start in the other, part at frame "
-                   "%.0f and are %s at frame %d (thesis: apart).",
-                   label, run->series[OVERLAP][0], row.value, apart ? "apart" : "not apart",
-                   PARTED);
+        hair_claim(
+            study, row,
+            "At low viscosity the wisps part: with %s, and %.0f points in the other at the start, "
+            "they do at frame %.0f, and are %s at frame %d, where the thesis has them apart.",
+            label, run->series[OVERLAP][0], row.value, apart ? "apart" : "not apart", PARTED);
 }
 
 static void state_staying(struct hair_study *study, const struct hair_run *run) {
@@ -92,19 +95,25 @@ static void state_staying(struct hair_study *study, const struct hair_run *run) 
                       ? NOT_REACHED
                       : holds_if(stay > parted && row.value <= TOGETHER);
     if (parted < 0)
-        hair_claim(study, row, "With %s they do not part, and so cannot come back.", label);
+        hair_claim(
+            study, row,
+            "At low viscosity the wisps come back and stay together: with %s they do not part.",
+            label);
     else if (row.verdict == NOT_REACHED)
         hair_claim(study, row,
-                   "Frame %d, before which the thesis has them together again with %s, was not "
-                   "computed.",
+                   "At low viscosity the wisps come back and stay together: frame %d, before which "
+                   "the thesis has them together with %s, was not computed.",
                    TOGETHER, label);
     else if (stay > parted)
         hair_claim(study, row,
-                   "With %s they swing back and stay together from frame %.0f on (thesis: shortly "
-                   "before %d).",
+                   "At low viscosity the wisps come back and stay together: with %s they do from "
+                   "frame %.0f on, in the thesis from shortly before %d.",
                    label, row.value, TOGETHER);
     else
-        hair_claim(study, row, "With %s they are apart at the last frame, %.0f.", label, row.value);
+        hair_claim(study, row,
+                   "At low viscosity the wisps come back and stay together: with %s they are apart "
+                   "at the last frame, %.0f.",
+                   label, row.value);
 }
 
 static void state_sticking(struct hair_study *study, const struct hair_run *run) {
@@ -117,12 +126,17 @@ static void state_sticking(struct hair_study *study, const struct hair_run *run)
                   : hair_frame_numbered(run, TOGETHER) >= 0 ? HOLDS
                                                             : NOT_REACHED;
     if (hair_contacts(run) == 0)
-        hair_claim(study, row, "With %s no contact acts, which shows nothing of viscosity.", label);
+        hair_claim(study, row,
+                   "At high viscosity the wisps stick together: with %s no contact acts.", label);
     else if (parted < 0)
-        hair_claim(study, row, "With %s the wisps are in each other up to the last frame, %.0f.",
+        hair_claim(study, row,
+                   "At high viscosity the wisps stick together: with %s they are in each other up "
+                   "to the last frame, %.0f.",
                    label, row.value);
     else
-        hair_claim(study, row, "With %s the wisps part at frame %.0f.", label, row.value);
+        hair_claim(study, row,
+                   "At high viscosity the wisps stick together: with %s they part at frame %.0f.",
+                   label, row.value);
 }
 
 /* What the figure shows: the same two wisps, side by side and in each other. */
@@ -132,7 +146,9 @@ static void state_difference(struct hair_study *study, const struct hair_run *th
     struct statement row = {
         .key = "held together", .by = THESIS, .verdict = NOT_REACHED, .value = NAN, .unit = "1"};
     if (frame < 0 || other < 0) {
-        hair_claim(study, row, "Frame %d, at which the two are compared, was not computed.",
+        hair_claim(study, row,
+                   "Viscosity holds wisps together: frame %d, at which the two are compared, was "
+                   "not computed.",
                    PARTED);
         return;
     }
@@ -152,50 +168,39 @@ static void state(struct hair_study *study) {
     state_difference(study, &study->runs[THIN], &study->runs[THICK]);
 }
 
-#define PICTURES \
-    { 1, 10, 20, 56 }
-
 static const struct hair_question question = {
     .scene = "viscosity",
     .needs = {"contacts"},
-    .variants = {[THIN] = {.label = "viscosity 0.5",
-                           .sets = {"contacts.viscosity=0.5"},
-                           .thesis = 0.85,
-                           .pictures = PICTURES},
-                 [THICK] = {.label = "viscosity 50",
-                            .sets = {"contacts.viscosity=50"},
-                            .thesis = 0.84,
-                            .pictures = PICTURES},
-                 [FREE] = {.label = "no contact",
-                           .sets = {"contacts.interpenetration=false", "contacts.collision=false"},
-                           .pictures = PICTURES}},
+    .variants =
+        {[THIN] = {.label = "viscosity 0.5", .sets = {"contacts.viscosity=0.5"}, .thesis = 0.85},
+         [THICK] = {.label = "viscosity 50", .sets = {"contacts.viscosity=50"}, .thesis = 0.84},
+         [FREE] = {.label = "no contact",
+                   .sets = {"contacts.interpenetration=false", "contacts.collision=false"}}},
     .main = THIN,
     .control = FREE,
     .without = "without contact",
+    .pictures = {1, 10, 20, 56},
+    .large = 30,
     .columns = 4,
     .width = 260,
     .height = 330,
-    .series = {"overlap"},
+    .series = {{"overlap", "1",
+                "how often a node or sample of a wisp is in a section of another one"}},
     .measure = measure,
     .state = state,
 };
-
-static int viscosity_plan(struct plan *plan) {
-    return hair_plan(plan, &question);
-}
-
-static int viscosity_tabulate(struct plan *plan, const char *folder) {
-    return hair_tabulate(plan, folder, &question);
-}
 
 const struct experiment viscosity_experiment = {
     .name = "viscosity",
     .question = "how does viscosity hold wisps together?",
     .thesis = "section 5.3",
+    .chapter = CHAPTER_THESIS,
     .place = 9,
+    .headline = "choice",
     .quick_seconds = 2,
     .full_seconds = 15,
     .answers = 1u << ANSWERS_CHOICE,
-    .plan = viscosity_plan,
-    .tabulate = viscosity_tabulate,
+    .study = &question,
+    .plan = hair_plan,
+    .tabulate = hair_tabulate,
 };

@@ -2,6 +2,7 @@
 
 #include "base/files.h"
 #include "base/table.h"
+#include "measure.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -39,16 +40,7 @@ static int copy_table(const char *source, const char *target, char *reason) {
     atomic_discard(&file);
     if (rows >= 0) /* the run failed before there was a second frame: there is nothing to draw */
         return 0;
-    snprintf(reason, REASON_SIZE, "%.150s: cannot be read to its end", source);
-    return -1;
-}
-
-static double largest_of(const struct table *table, const char *name) {
-    const int column = table_column(table, name);
-    double largest = NAN;
-    for (int i = 0; i < table->row_count && column >= 0; i++)
-        largest = fmax(largest, fabs(table_value(table, i, column)));
-    return largest;
+    return fail_with(reason, "%.150s: cannot be read to its end", source);
 }
 
 /* What is left over of the energy's change is the integrator's error, but for the works' own. */
@@ -57,18 +49,18 @@ static int state_residual(const char *path, const char *variant, const char *fig
     struct table table;
     if (table_read(&table, path, reason))
         return -1;
-    const double residual = largest_of(&table, "residual"), kinetic = largest_of(&table, "kinetic");
-    statements_add(
-        statements,
-        (struct statement){.key = figure,
-                           .figure = figure,
-                           .tables = figure,
-                           .verdict = HOLDS,
-                           .value = residual,
-                           .unit = "J"},
-        "At most %.2g J of energy are accounted for by no work (%s); the largest kinetic "
-        "energy is %.2g J.",
-        residual, variant, kinetic);
+    const double residual = measure_largest(&table, "residual"),
+                 kinetic = measure_largest(&table, "kinetic");
+    statements_add(statements,
+                   (struct statement){.key = figure,
+                                      .figure = figure,
+                                      .tables = figure,
+                                      .verdict = HOLDS,
+                                      .value = residual,
+                                      .unit = "J"},
+                   "In the run '%s' at most %.2g J of energy are left unaccounted for, and the "
+                   "largest kinetic energy is %.2g J.",
+                   variant, residual, kinetic);
     table_free(&table);
     return 0;
 }
@@ -81,10 +73,8 @@ int keep_diagnostics(const struct run_case *run, const char *folder, const char 
         if (!isalnum((unsigned char)*c) && !strchr("._", *c))
             *c = '-';
     if (path_format(source, "%s/diagnostics.tsv", run->folder) ||
-        path_format(target, "%s/%s.tsv", folder, figure)) {
-        snprintf(reason, REASON_SIZE, "%.150s: the path is too long", folder);
-        return -1;
-    }
+        path_format(target, "%s/%s.tsv", folder, figure))
+        return fail_with(reason, "%.150s: the path is too long", folder);
     const int kept = copy_table(source, target, reason);
     return kept > 0 ? state_residual(target, variant, figure, statements, reason) : kept;
 }

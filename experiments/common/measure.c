@@ -10,21 +10,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* --- contestants and cases --- */
+/* --- configurations and cases --- */
 
-int contestant_is_adaptive(const struct configuration *contestant) {
-    return (contestant->method->capabilities & STEPPER_ADAPTIVE) != 0;
+int configuration_is_adaptive(const struct configuration *configuration) {
+    return (configuration->method->capabilities & STEPPER_ADAPTIVE) != 0;
 }
 
-struct run_request contestant_request(const struct configuration *contestant, double setting,
-                                      double atol_ratio) {
-    const int adaptive = contestant_is_adaptive(contestant);
+struct run_request configuration_request(const struct configuration *configuration, double setting,
+                                         double atol_ratio) {
+    const int adaptive = configuration_is_adaptive(configuration);
     int options = 0;
-    while (contestant->options && contestant->options[options])
+    while (configuration->options && configuration->options[options])
         options++;
-    return (struct run_request){.stepper = contestant->stepper,
-                                .linear = contestant->linear,
-                                .options = contestant->options,
+    return (struct run_request){.stepper = configuration->stepper,
+                                .linear = configuration->linear,
+                                .options = configuration->options,
                                 .option_count = options,
                                 .step = adaptive ? 0 : setting,
                                 .rtol = adaptive ? setting : 0,
@@ -40,35 +40,58 @@ const struct labelled_case *find_case(const struct plan *plan, const char *group
 }
 
 int open_table(struct atomic_file *file, const char *folder, const char *name, const char *what,
-               const struct scene *scene, const char *columns, char *reason) {
+               const struct scene *scene, const struct column *columns, char *reason) {
     char path[PATH_SIZE];
-    if (path_format(path, "%s/%s.tsv", folder, name)) {
-        snprintf(reason, REASON_SIZE, "the path of table %.100s is too long", name);
-        return -1;
-    }
+    if (path_format(path, "%s/%s.tsv", folder, name))
+        return fail_with(reason, "the path of table %.100s is too long", name);
     if (atomic_open(file, path, reason))
         return -1;
     write_provenance(file->stream, what, scene);
-    fprintf(file->stream, "%s\n", columns);
+    columns_write(file->stream, columns);
     return 0;
 }
 
-/* Of a step, per unknown, s: with tensions an evaluation takes 1.2 to 1.9 times as long as with
- * springs, and the projection after each step of a one-step method as three explicit Euler steps.
- */
-static double step_cost(const struct scene *scene, const struct configuration *contestant) {
-    const int projects = !(contestant->method->capabilities & STEPPER_MULTISTEP);
-    if (scene->wisp_count == 0 || scene->wisps[0].stretch != STRETCH_RIGID)
-        return contestant->cost;
-    return 1.6 * contestant->cost + (projects ? 15e-9 : 0);
+int tables_open(struct atomic_file *files, const struct table_form *forms, int count,
+                const char *folder, const char *prefix, const struct scene *scene, char *reason) {
+    for (int i = 0; i < count; i++) {
+        char name[128];
+        snprintf(name, sizeof name, "%s%s", prefix, forms[i].name);
+        if (open_table(&files[i], folder, name, forms[i].what, scene, forms[i].columns, reason)) {
+            tables_close(files, i, -1, reason);
+            return -1;
+        }
+    }
+    return 0;
 }
 
-/* Of all wisps at ticks. */
+int tables_close(struct atomic_file *files, int count, int code, char *reason) {
+    for (int i = 0; i < count; i++) {
+        if (code)
+            atomic_discard(&files[i]);
+        else
+            code = atomic_commit(&files[i], reason);
+    }
+    return code;
+}
+
+/* The cost of a step, per unknown, s: with tensions an evaluation takes 1.2 to 1.9 times as long as
+ * with springs, and the projection after each step of a one-step method as three explicit Euler
+ * steps. A body that pushes by penalty takes a tenth of an evaluation (`wind`, whose ten have hair
+ * all over them: 2.05 of one without). */
+static double step_cost(const struct scene *scene, const struct configuration *configuration) {
+    const int projects = !(configuration->method->capabilities & STEPPER_MULTISTEP);
+    const double cost = configuration->cost * (1 + 0.1 * scene->around.pushing_count);
+    if (scene->wisp_count == 0 || scene->wisps[0].stretch != STRETCH_RIGID)
+        return cost;
+    return 1.6 * cost + (projects ? 15e-9 : 0);
+}
+
+/* The cost of all wisps at ticks, s. */
 static double tick_cost(const struct scene *scene) {
     const double point = 100e-9; /* s, in the experiments' usual scenes */
     const int touch = scene->interaction.interpenetration || scene->interaction.collision;
-    const double rate =
-        (scene->body_count > 0 ? scene->collision_rate : 0) + (touch ? scene->interaction.rate : 0);
+    const double rate = (scene_tick_bodies(scene) > 0 ? scene->collision_rate : 0) +
+                        (touch ? scene->interaction.rate : 0);
     double points = 0;
     for (int i = 0; i < scene->wisp_count; i++)
         points += (scene->wisps[i].nodes - 2) * (1 + scene->wisps[i].samples);
@@ -76,23 +99,24 @@ static double tick_cost(const struct scene *scene) {
 }
 
 double estimated_cost(const struct scene *scene, enum wisp_treatment treatment,
-                      const struct configuration *contestant, double step) {
+                      const struct configuration *configuration, double step) {
     const struct linear_method *linear =
-        contestant->linear ? linear_find(contestant->linear) : NULL;
-    const struct run_request request = contestant_request(contestant, 1, 1);
+        configuration->linear ? linear_find(configuration->linear) : NULL;
+    const struct run_request request = configuration_request(configuration, 1, 1);
     const struct options options = {request.options, request.option_count};
-    const int lanes = stepper_lanes(contestant->method, linear, &options);
+    const int most = stepper_lanes(configuration->method, linear, &options);
+    const int lanes = most < 4 ? most : 4; /* as on any machine */
     double unknowns = 0;
     for (int i = 0; i < scene->wisp_count; i++)
         unknowns += (scene->wisps[i].nodes - 2) * wisp_node_unknowns(&scene->wisps[i], treatment);
     const double parts = ceil((double)scene->wisp_count / lanes);
-    return tick_cost(scene) + step_cost(scene, contestant) * (unknowns / scene->wisp_count) *
+    return tick_cost(scene) + step_cost(scene, configuration) * (unknowns / scene->wisp_count) *
                                   parts * scene->duration / step;
 }
 
 void cost_count(struct cost *cost, const struct scene *scene, enum wisp_treatment treatment,
-                const struct configuration *contestant) {
-    cost->counted = estimated_cost(scene, treatment, contestant,
+                const struct configuration *configuration) {
+    cost->counted = estimated_cost(scene, treatment, configuration,
                                    scene->duration * scene->wisp_count / cost->steps);
 }
 
@@ -222,7 +246,7 @@ static void finish(const struct sums *sums, struct deviation *d) {
     d->velocity = sqrt(sums->velocity / sums->free_rows);
     d->radius = sums->samples > 0 ? sqrt(sums->radius / sums->samples) : 0;
     d->mescd = -log10(sums->worst_component);
-    if (!isnan(d->parted))
+    if (!isnan(d->history_diverged))
         d->end = d->end_all = d->end_largest = d->mescd = NAN;
 }
 
@@ -262,22 +286,28 @@ int measure_deviation(const struct scene *scene, const struct trajectory *run,
                       char *reason) {
     struct sums sums = {0};
     int frame = 0;
-    *deviation = (struct deviation){.parted = NAN};
+    *deviation = (struct deviation){.history_diverged = NAN};
     for (; frame < run->frame_count && frame < reference->frame_count; frame++) {
         if (!same_time(run, reference, frame))
             break;
         if (!same_wisps(run, reference, frame)) {
-            deviation->parted = reference->frames[frame].t;
+            deviation->history_diverged = reference->frames[frame].t;
             break;
         }
         add_frame(&sums, deviation, run, reference, frame, floor);
     }
-    if (isnan(deviation->parted) && frame < run->frame_count) {
-        snprintf(reason, REASON_SIZE, "scene %s: two runs have not the same frames", scene->name);
-        return -1;
-    }
+    if (isnan(deviation->history_diverged) && frame < run->frame_count)
+        return fail_with(reason, "scene %s: two runs have not the same frames", scene->name);
     finish(&sums, deviation);
     return 0;
+}
+
+double measure_largest(const struct table *table, const char *name) {
+    const int column = table_column(table, name);
+    double largest = NAN;
+    for (int i = 0; i < table->row_count && column >= 0; i++)
+        largest = fmax(largest, fabs(table_value(table, i, column)));
+    return largest;
 }
 
 /* --- distance of curves --- */
@@ -322,10 +352,8 @@ int measure_curves(const struct scene *scene, const struct trajectory *run,
             last_frame += compare_curves(run, reference, frame, w, &deviation->largest);
         sum += last_frame;
     }
-    if (frame == 0 || frame < frames || frame < reference->frame_count) {
-        snprintf(reason, REASON_SIZE, "scene %s: two runs have not the same frames", scene->name);
-        return -1;
-    }
+    if (frame == 0 || frame < frames || frame < reference->frame_count)
+        return fail_with(reason, "scene %s: two runs have not the same frames", scene->name);
     deviation->rms = sqrt(sum / frames / scene->wisp_count);
     deviation->end = sqrt(last_frame / scene->wisp_count);
     return 0;
@@ -334,7 +362,7 @@ int measure_curves(const struct scene *scene, const struct trajectory *run,
 /* --- the horizon --- */
 
 int scene_has_contacts(const struct scene *scene) {
-    return scene->body_count > 0 || scene->interaction.interpenetration ||
+    return scene_tick_bodies(scene) > 0 || scene->interaction.interpenetration ||
            scene->interaction.collision;
 }
 
@@ -413,7 +441,7 @@ struct separation_rows {
 
 static void write_separation(void *ctx, double t, double apart) {
     const struct separation_rows *rows = ctx;
-    fprintf(rows->stream, "%s\t%.17g\t%.17g\n", rows->name, t, apart);
+    WRITE_ROW(rows->stream, SEPARATION_COLUMNS);
 }
 
 int measure_separation(struct trajectories *owner, const char *folder, const char *other_folder,
@@ -433,10 +461,10 @@ void slope_add(struct slope *slope, double cost, double error) {
     slope->count++;
 }
 
-struct fit slope_fit(const struct slope *slope, const struct configuration *contestant) {
+struct fit slope_fit(const struct slope *slope, const struct configuration *configuration) {
     const int count = slope->count;
     const int used =
-        contestant_is_adaptive(contestant) || count < SLOPE_FINEST ? count : SLOPE_FINEST;
+        configuration_is_adaptive(configuration) || count < SLOPE_FINEST ? count : SLOPE_FINEST;
     const double *x = slope->x + count - used, *y = slope->y + count - used;
     double least = INFINITY, most = -INFINITY, c0, c1, cov00, cov01, cov11, sum;
     if (count < SLOPE_FINEST)
@@ -486,12 +514,19 @@ double usual_step(const struct scene *scene, const struct stepper_method *method
                : scene->run.step * (rate_of_rk4 / stepper_usual_rate(method));
 }
 
+double longest_wisp(const struct scene *scene) {
+    double length = 0;
+    for (int i = 0; i < scene->wisp_count; i++)
+        length = fmax(length, scene->wisps[i].length);
+    return length;
+}
+
 double stop_rate(const struct scene *scene) {
     return scene->wisps[0].samples > 0 ? fmax(scene->collision_rate, scene->frame_rate)
                                        : scene->frame_rate;
 }
 
-double ladder_step(const struct scene *scene, int per_octave, int k) {
+double sequence_step(const struct scene *scene, int per_octave, int k) {
     const double rate = stop_rate(scene);
     const double coarsest = 1 / rate / ceil(60 / rate - 1e-9);
     const int p = per_octave, q = k - (p - 1);

@@ -4,6 +4,7 @@
 #include "model/model.h"
 #include "model/problems.h"
 #include "run/results.h"
+#include "scene/scene_contacts.h"
 #include "scene/scene_detail.h"
 #include "scene/scene_load.h"
 #include "scene/scene_wisps.h"
@@ -20,44 +21,97 @@ void experiment_title(const struct experiment *experiment, char title[256]) {
         snprintf(title, 256, "%s", experiment->question);
 }
 
+/* Whether a change of a scene undoes an earlier one: it is of the same setting, or of a group that
+ * holds it. How long a run is and how many frames it has follow from what the user wants. */
+static int undoes(const char *later, const char *earlier) {
+    const size_t length = strcspn(later, "=");
+    return strncmp(later, earlier, length) == 0 && strchr("=.", earlier[length]) &&
+           strncmp(later, "duration=", 9) != 0 && strncmp(later, "frame_rate=", 11) != 0;
+}
+
+static unsigned long long lost_of(const struct plan *plan, const char *const *sets, int set_count) {
+    unsigned long long lost = 0;
+    for (int u = 0; u < plan->set_count; u++)
+        for (int i = 0; i < set_count; i++)
+            if (undoes(sets[i], plan->sets[u]))
+                lost |= 1ull << u;
+    return lost;
+}
+
+static int grow(void *list, int count, size_t size) {
+    void *grown = realloc(*(void **)list, (size_t)(count + 1) * size);
+    if (grown)
+        *(void **)list = grown;
+    return grown ? 0 : -1;
+}
+
 /* Takes the scene over, NULL or not. */
-static const struct scene *keep_scene(struct plan *plan, struct scene *scene) {
-    struct scene **loaded =
-        scene ? realloc(plan->loaded, (size_t)(plan->loaded_count + 1) * sizeof *loaded) : NULL;
-    if (!loaded) {
-        if (scene)
-            snprintf(plan->reason, REASON_SIZE, "out of memory");
+static const struct scene *keep_scene(struct plan *plan, struct scene *scene,
+                                      unsigned long long lost) {
+    const int count = plan->loaded_count;
+    if (!scene)
+        return NULL;
+    if (grow(&plan->loaded, count, sizeof *plan->loaded) ||
+        grow(&plan->lost, count, sizeof *plan->lost)) {
+        snprintf(plan->reason, REASON_SIZE, "out of memory");
         scene_free(scene);
         return NULL;
     }
-    plan->loaded = loaded;
-    plan->loaded[plan->loaded_count++] = scene;
+    plan->loaded[count] = scene;
+    plan->lost[count] = lost;
+    plan->loaded_count++;
+    return scene;
+}
+
+/* The user's changes, and then the experiment's. */
+static struct scene *load(struct plan *plan, const char *name, const char *const *sets,
+                          int set_count) {
+    const size_t own = (size_t)plan->set_count, count = own + (size_t)set_count;
+    const char **all = malloc((count + 1) * sizeof *all);
+    if (!all) {
+        snprintf(plan->reason, REASON_SIZE, "out of memory");
+        return NULL;
+    }
+    for (size_t i = 0; i < count; i++)
+        all[i] = i < own ? plan->sets[i] : sets[i - own];
+    struct scene *scene = scene_load(name, all, (int)count, plan->reason);
+    free(all);
+    if (scene)
+        scene_name_sets(scene, plan->sets, plan->set_count);
     return scene;
 }
 
 const struct scene *plan_scene(struct plan *plan, const char *name, const char *const *sets,
                                int set_count) {
-    return keep_scene(plan, scene_load(name, sets, set_count, plan->reason));
+    return keep_scene(plan, load(plan, name, sets, set_count), lost_of(plan, sets, set_count));
 }
 
 const struct scene *plan_scene_bare(struct plan *plan, const char *name, double frame_rate) {
+    static const char *const gone[] = {"envelope="};
     char rate[64];
     const char *const sets[] = {rate};
     snprintf(rate, sizeof rate, "frame_rate=%.17e", frame_rate);
-    struct scene *scene = scene_load(name, sets, 1, plan->reason);
+    struct scene *scene = load(plan, name, sets, 1);
     if (scene)
         scene_remove_envelope(scene);
-    return keep_scene(plan, scene);
+    return keep_scene(plan, scene, lost_of(plan, gone, 1));
 }
 
 const struct scene *plan_scene_detail(struct plan *plan, const char *name, const char *const *sets,
                                       int set_count, double factor, int samples) {
-    struct scene *scene = scene_load(name, sets, set_count, plan->reason);
+    struct scene *scene = load(plan, name, sets, set_count);
     if (scene && scene_set_detail(scene, factor, samples, plan->reason)) {
         scene_free(scene);
         return NULL;
     }
-    return keep_scene(plan, scene);
+    return keep_scene(plan, scene, lost_of(plan, sets, set_count));
+}
+
+const struct scene *plan_push_bodies(struct plan *plan, const struct scene *scene,
+                                     double frequency) {
+    if (scene)
+        scene_push_bodies(plan->loaded[plan->loaded_count - 1], frequency);
+    return scene;
 }
 
 static void name_subject(const struct plan *plan, struct subject *subject) {
@@ -77,11 +131,10 @@ static void name_subject(const struct plan *plan, struct subject *subject) {
 static int add_subject(struct plan *plan, const char *name) {
     static const char *const frames[] = {"frame_rate=30"};
     const struct scene *scene = plan_scene(plan, name, NULL, 0);
-    if (scene && scene->problem != &wisp_problem) {
-        snprintf(plan->reason, REASON_SIZE, "experiment %s is of wisps, and scene %s has none",
-                 plan->experiment->name, scene->name);
-        return -1;
-    }
+    if (scene && scene->problem != &wisp_problem)
+        return fail_with(plan->reason,
+                         "experiment %s is of wisps, and scene %s is of problem \"%s\"",
+                         plan->experiment->name, scene->name, scene->problem->name);
     if (scene && scene->frame_rate == 0)
         scene = plan_scene(plan, name, frames, 1);
     if (!scene)
@@ -97,10 +150,8 @@ int plan_subjects(struct plan *plan, const char *const *own, int own_count) {
     const char *const *names = plan->scene_count ? plan->scenes : own;
     const int count = plan->scene_count ? plan->scene_count : own_count;
     plan->subjects = calloc((size_t)count + 1, sizeof *plan->subjects);
-    if (!plan->subjects) {
-        snprintf(plan->reason, REASON_SIZE, "out of memory");
-        return -1;
-    }
+    if (!plan->subjects)
+        return fail_with(plan->reason, "out of memory");
     for (int i = 0; i < count; i++)
         if (add_subject(plan, names[i]))
             return -1;
@@ -157,10 +208,8 @@ static int refuse_stepper(struct plan *plan, const char *stepper) {
 
 int plan_configurations(struct plan *plan, unsigned kinds, unsigned capabilities) {
     struct configuration *all = configurations_choose(kinds, capabilities);
-    if (!all) {
-        snprintf(plan->reason, REASON_SIZE, "out of memory");
-        return -1;
-    }
+    if (!all)
+        return fail_with(plan->reason, "out of memory");
     plan->configurations = all;
     for (int k = 0; k < plan->stepper_count; k++) {
         int found = 0;
@@ -175,13 +224,18 @@ int plan_configurations(struct plan *plan, unsigned kinds, unsigned capabilities
     return 0;
 }
 
+int plan_has_no_scenes(struct plan *plan) {
+    if (plan_is_own(plan))
+        return 0;
+    return fail_with(plan->reason, "experiment %s has scenes of its own; leave out %s",
+                     plan->experiment->name, plan->scene_count > 0 ? "--scene" : "--set");
+}
+
 int plan_has_no_steppers(struct plan *plan, const char *compared) {
     if (plan->stepper_count == 0)
         return 0;
-    snprintf(plan->reason, REASON_SIZE,
-             "experiment %s compares %s, not steppers; leave out --stepper", plan->experiment->name,
-             compared);
-    return -1;
+    return fail_with(plan->reason, "experiment %s compares %s, not steppers; leave out --stepper",
+                     plan->experiment->name, compared);
 }
 
 void plan_refuse(struct plan *plan, const struct stepper_method *method, const char *why) {
@@ -211,11 +265,32 @@ static int has_run(const struct plan *plan, const struct stepper_method *method)
     return 0;
 }
 
+/* Which of the user's changes the scene of a case has not. */
+static unsigned long long lost_in(const struct plan *plan, const struct labelled_case *one) {
+    for (int i = 0; i < plan->loaded_count; i++)
+        if (plan->loaded[i] == one->run.scene)
+            return plan->lost[i];
+    return 0;
+}
+
+/* A change that the experiment undoes in all of its runs would only be in its tables' names. */
+static int check_sets(struct plan *plan) {
+    unsigned long long lost = plan->case_count > 0 ? ~0ull : 0;
+    for (int i = 0; i < plan->case_count; i++)
+        lost &= lost_in(plan, &plan->cases[i]);
+    for (int u = 0; u < plan->set_count; u++)
+        if (lost >> u & 1)
+            return fail_with(plan->reason,
+                             "--set %.100s: experiment %s sets that itself in all of its runs",
+                             plan->sets[u], plan->experiment->name);
+    return 0;
+}
+
 int plan_check(struct plan *plan) {
     for (int k = 0; k < plan->stepper_count; k++)
         if (!plan->taken[k] && !has_run(plan, stepper_find(plan->steppers[k])))
             return refuse_stepper(plan, plan->steppers[k]);
-    return 0;
+    return check_sets(plan);
 }
 
 int plan_add(struct plan *plan, const struct scene *scene, const struct run_request *request,
@@ -223,10 +298,8 @@ int plan_add(struct plan *plan, const struct scene *scene, const struct run_requ
     if (plan->case_count == plan->case_capacity) {
         const int capacity = 2 * plan->case_capacity + 16;
         struct labelled_case *cases = realloc(plan->cases, (size_t)capacity * sizeof *cases);
-        if (!cases) {
-            snprintf(plan->reason, REASON_SIZE, "out of memory");
-            return -1;
-        }
+        if (!cases)
+            return fail_with(plan->reason, "out of memory");
         plan->cases = cases;
         plan->case_capacity = capacity;
     }
@@ -288,10 +361,19 @@ int plan_allow_strain(struct plan *plan, int first, char *waiting) {
     return 0;
 }
 
+int plan_open_statements(const struct plan *plan, struct statements *statements, const char *folder,
+                         const struct scene *scene, const char *cut, char *reason) {
+    if (statements_open(statements, folder, scene, cut, reason))
+        return -1;
+    statements_of_changed(statements, plan->sets, plan->set_count);
+    return 0;
+}
+
 void plan_free(struct plan *plan) {
     for (int i = 0; i < plan->loaded_count; i++)
         scene_free(plan->loaded[i]);
     free(plan->loaded);
+    free(plan->lost);
     free(plan->subjects);
     free(plan->configurations);
     free(plan->taken);

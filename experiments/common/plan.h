@@ -31,15 +31,21 @@ struct plan {
     int quick;          /* a stated subset */
     int fresh;          /* what is there already does not count */
     double run_seconds; /* CPU time for a run where the user sets none; 0: the program's default */
-    struct run_limits limits;          /* of what tabulate starts: carry_out's */
+    struct run_limits limits;          /* of what tabulate starts: run_experiment's */
     struct trajectories *trajectories; /* that the command has read; NULL: each reads its own */
     const char *const *scenes, *const *steppers; /* chosen by the user; none: the experiment's */
     int scene_count, stepper_count;
+    const char *const *sets; /* changes of the user's to all scenes, "path=value" */
+    int set_count;
+    const char *const *states; /* trajectories of other programs, "name=file"; chosen by the user */
+    int states_count;
 
     struct labelled_case *cases;
     int case_count, case_capacity;
     struct scene **loaded; /* owned */
     int loaded_count;
+    unsigned long long
+        *lost; /* owned; of each, which of the user's changes the experiment undoes */
     struct subject *subjects; /* owned; see plan_subjects */
     int subject_count;
     struct configuration *configurations; /* compared; owned; see plan_configurations */
@@ -51,20 +57,48 @@ struct plan {
     char reason[REASON_SIZE]; /* of a failure */
 };
 
+/* The parts of a report that experiments belong to. X(symbol, anchor, title, what it is about) */
+#define CHAPTERS(X)                                                                              \
+    X(CHAPTER_ACCURACY, "accuracy", "Speed against accuracy",                                    \
+      "What an error costs, by method: the fewest seconds in which a motion is as near to the "  \
+      "true one as was asked for.")                                                              \
+    X(CHAPTER_STABILITY, "stable", "Stability, where methods fail",                              \
+      "How long a step may be before a method goes wrong, and how that shows.")                  \
+    X(CHAPTER_MODEL, "least", "No more model than a scene needs",                                \
+      "What may be left out of the hair's model before its motion changes by a millimetre, and " \
+      "what that saves.")                                                                        \
+    X(CHAPTER_THESIS, "thesis", "The thesis, figure by figure",                                  \
+      "What Plante's thesis of 1999 claims and shows, run again with its own recipe, explicit "  \
+      "Euler with projection at 9000 Hz, and with the others.")
+
+enum chapter {
+#define X(symbol, anchor, title, about) symbol,
+    CHAPTERS(X)
+#undef X
+        CHAPTER_COUNT
+};
+
 struct experiment {
     const char *name;
     const char *question;
     const char *thesis; /* where the thesis asks it, as "section 5.1"; NULL: it does not */
 
-    /* Its place in a report, from 1 on: what answers the report's questions first, and the dearest
-     * of the others last. 0: after all that have one. */
+    /* Its place in a report: the chapter, and in that from 1 on what answers its question first,
+     * and the costliest of the others last; 0: after all that have a place. */
+    enum chapter chapter;
     int place;
+
+    /* How the key of the statement ends that says most in one sentence; NULL: its first. */
+    const char *headline;
 
     /* The wall time that its runs, tables and figures take on two cores, s, for the progress of a
      * report. */
     double quick_seconds; /* with --quick; 0: it is no part of that */
     double full_seconds;  /* 0: nobody knows, and a minute is assumed */
     unsigned answers;     /* 1 << enum question, of all questions that its statements answer */
+    int takes_states;     /* it compares trajectories of other programs too: plan->states */
+
+    const void *study; /* what the functions below are told, where experiments share them */
 
     /* Fills the plan with plan_add. Returns 0, or -1 with plan->reason. */
     int (*plan)(struct plan *plan);
@@ -84,16 +118,31 @@ struct experiment {
 /* Its question as a title, with where the thesis asks it. */
 void experiment_title(const struct experiment *experiment, char title[256]);
 
-/* Loads a scene with overrides; it belongs to the plan. NULL with plan->reason on failure. */
+/* Whether an experiment has its own scenes, and as they are: what it knows of them holds. */
+static inline int plan_is_own(const struct plan *plan) {
+    return plan->scene_count == 0 && plan->set_count == 0;
+}
+
+/* For an experiment of scenes that nobody else can choose: 0, or -1 with plan->reason where the
+ * user wants other ones. */
+int plan_has_no_scenes(struct plan *plan);
+
+/* Loads a scene with the user's changes and then those overrides, and names the former in its name;
+ * it belongs to the plan. NULL with plan->reason on failure. */
 const struct scene *plan_scene(struct plan *plan, const char *name, const char *const *sets,
                                int set_count);
 
-/* The same without its envelope, at a frame rate in Hz. */
+/* A scene without its envelope, at a frame rate in Hz. */
 const struct scene *plan_scene_bare(struct plan *plan, const char *name, double frame_rate);
 
 /* A scene with overrides and other numbers of nodes and samples: see scene_set_detail. */
 const struct scene *plan_scene_detail(struct plan *plan, const char *name, const char *const *sets,
                                       int set_count, double factor, int samples);
+
+/* Makes all bodies of the scene that was loaded last push by penalty, Hz: see scene_push_bodies.
+ * Returns the scene, or NULL where that is NULL. */
+const struct scene *plan_push_bodies(struct plan *plan, const struct scene *scene,
+                                     double frequency);
 
 /* Makes the user's scenes, or else the experiment's own, the plan's subjects. They must be scenes
  * of wisps, and get 30 frames a second where they have none: runs are compared at the same times.
@@ -131,7 +180,7 @@ int plan_has_no_steppers(struct plan *plan, const char *compared);
 void plan_refuse(struct plan *plan, const struct stepper_method *method, const char *why);
 
 /* After the experiment's plan(): 0, or -1 with plan->reason where a stepper that the user asked for
- * has no run, and by plan_takes will have none. */
+ * has no run, and by plan_takes will have none, or a change that he asked for is in none. */
 int plan_check(struct plan *plan);
 
 /* Adds a run, labelled (printf). Returns 0, or -1 with plan->reason. */
@@ -142,6 +191,10 @@ int plan_add(struct plan *plan, const struct scene *scene, const struct run_requ
  * is more than the scene allows. waiting[i - first] is whether such a reference's run is not there
  * yet. Returns 0, or -1 with plan->reason. */
 int plan_allow_strain(struct plan *plan, int first, char *waiting);
+
+/* statements_open, and where the user has changed the scenes a row that says so. */
+int plan_open_statements(const struct plan *plan, struct statements *statements, const char *folder,
+                         const struct scene *scene, const char *cut, char *reason);
 
 void plan_free(struct plan *plan);
 

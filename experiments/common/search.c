@@ -32,7 +32,7 @@ int step_place(double interval, int stride, double step) {
 }
 
 int judge_runs(struct plan *plan, int first, int count, const struct scene *scene,
-               const struct run_files *tight, struct verdict *verdict) {
+               const struct run_files *reference, struct verdict *verdict) {
     *verdict = (struct verdict){0, FINISHED, NAN};
     for (int i = first; i < first + count && verdict->outcome == FINISHED; i++) {
         struct run_files run;
@@ -42,7 +42,8 @@ int judge_runs(struct plan *plan, int first, int count, const struct scene *scen
         if (code)
             return -1;
         if (run.outcome == FINISHED) {
-            code = measure_deviation(scene, run.states, tight->states, 1, &deviation, plan->reason);
+            code = measure_deviation(scene, run.states, reference->states, 1, &deviation,
+                                     plan->reason);
             verdict->error = fmax(verdict->error, deviation.rms);
         } else {
             *verdict = (struct verdict){NAN, run.outcome, run_number(&run, "failure_time")};
@@ -52,6 +53,23 @@ int judge_runs(struct plan *plan, int first, int count, const struct scene *scen
             return -1;
     }
     return 0;
+}
+
+int searches_go_on(struct plan *plan, const struct searches *s) {
+    struct run_files reference;
+    int left = 0, code = 0;
+    for (int i = 0; i < s->count; i++)
+        left += !s->is_done(s->ctx, i);
+    if (left == 0)
+        return 0;
+    if (run_read_states(&reference, plan->cases[s->reference].run.folder, plan->trajectories,
+                        plan->reason))
+        return -1;
+    for (int i = 0; i < s->count && !code; i++)
+        if (!s->is_done(s->ctx, i))
+            code = s->go_on(plan, s->ctx, i, &reference);
+    run_free(&reference);
+    return code ? -1 : 0;
 }
 
 int read_cost(struct plan *plan, int at, struct cost *cost) {

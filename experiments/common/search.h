@@ -34,7 +34,21 @@ struct verdict {
 /* Judges the `count` cases of the plan from `first` on, runs of `scene`, up to the first that did
  * not finish. Returns 0, or -1 with plan->reason. */
 int judge_runs(struct plan *plan, int first, int count, const struct scene *scene,
-               const struct run_files *tight, struct verdict *verdict);
+               const struct run_files *reference, struct verdict *verdict);
+
+/* The searches of a cell, whose runs are judged by one reference solution. */
+struct searches {
+    int reference; /* its case in the plan */
+    int count;
+    void *ctx;
+    int (*is_done)(const void *ctx, int i);
+    /* Takes what the runs of search i have shown, and plans its next ones. Returns 0, or -1 with
+     * plan->reason. */
+    int (*go_on)(struct plan *plan, void *ctx, int i, const struct run_files *reference);
+};
+
+/* A round of those that are not done. Returns 0, or -1 with plan->reason. */
+int searches_go_on(struct plan *plan, const struct searches *searches);
 
 /* What the run of a case cost. Returns 0, or -1 with plan->reason. */
 int read_cost(struct plan *plan, int at, struct cost *cost);

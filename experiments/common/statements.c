@@ -23,11 +23,22 @@ static const struct {
 
 static const char *const whose_words[] = {[OURS] = "ours", [THESIS] = "thesis"};
 
-static const char *const columns[] = {"key",   "figure", "question", "statement", "verdict",
-                                      "value", "unit",   "by",       "tables"};
-enum { COLUMNS = sizeof columns / sizeof *columns };
-
+enum { TEXT_SIZE = 1024 };
 static const char nothing[] = "-";
+
+#define ROW_COLUMNS(X)                                                             \
+    X("key", "-", "name of the row", "%s", CELL(row.key))                          \
+    X("figure", "-", "figure that it stands under", "%s", CELL(row.figure))        \
+    X("question", "-", "question of the report that it answers", "%s",             \
+      questions[row.answers].word)                                                 \
+    X("statement", "-", "the sentence", "%s", CELL(text))                          \
+    X("verdict", "-", "what the runs say of it", "%s", verdict_words[row.verdict]) \
+    X("value", "see unit", "number that the verdict rests on", "%s", CELL(value))  \
+    X("unit", "-", "unit of value", "%s", CELL(has_value ? row.unit : NULL))       \
+    X("by", "-", "whose claim it is", "%s", whose_words[row.by])                   \
+    X("tables", "-", "tables that it follows from", "%s", CELL(row.tables))
+
+static const struct column *const columns = COLUMNS(ROW_COLUMNS);
 
 const char *question_word(enum question question) {
     return questions[question].word;
@@ -41,7 +52,7 @@ const char *question_text(enum question question) {
 
 int statements_open(struct statements *statements, const char *folder, const struct scene *scene,
                     const char *cut, char *reason) {
-    char what[1024], names[256] = "";
+    char what[1024];
     int used = snprintf(what, sizeof what, "what was found, a sentence a row; verdict:");
 #define X(symbol, word, meaning) \
     used += snprintf(what + used, sizeof what - (size_t)used, " %s: " meaning ";", word);
@@ -51,25 +62,22 @@ int statements_open(struct statements *statements, const char *folder, const str
              " value: what the verdict rests on; by: whose claim it is; tables: that it follows "
              "from; -: none%s%s",
              cut ? "; " : "", cut ? cut : "");
-    for (int i = 0; i < COLUMNS; i++)
-        snprintf(names + strlen(names), sizeof names - strlen(names), "%s%s", i ? "\t" : "",
-                 columns[i]);
-    return open_table(&statements->file, folder, "statements", what, scene, names, reason);
+    return open_table(&statements->file, folder, "statements", what, scene, columns, reason);
 }
 
 /* A text as a cell: one line, no tabs, and something in it. */
-static void write_cell(FILE *stream, const char *text, char end) {
-    if (!text || !*text)
-        text = nothing;
-    for (; *text; text++)
-        fputc((unsigned char)*text < ' ' ? ' ' : *text, stream);
-    fputc(end, stream);
+#define CELL(text) cell_of((char[TEXT_SIZE]){0}, text)
+static const char *cell_of(char room[TEXT_SIZE], const char *text) {
+    snprintf(room, TEXT_SIZE, "%s", text && *text ? text : nothing);
+    for (char *at = room; *at; at++)
+        if ((unsigned char)*at < ' ')
+            *at = ' ';
+    return room;
 }
 
 void statements_add(struct statements *statements, struct statement row, const char *sentence,
                     ...) {
-    FILE *stream = statements->file.stream;
-    char text[1024], value[32] = "";
+    char text[TEXT_SIZE], value[32] = "";
     const int has_value = row.unit && isfinite(row.value);
     va_list arguments;
     va_start(arguments, sentence);
@@ -77,15 +85,19 @@ void statements_add(struct statements *statements, struct statement row, const c
     va_end(arguments);
     if (has_value)
         snprintf(value, sizeof value, "%.17g", row.value);
-    write_cell(stream, row.key, '\t');
-    write_cell(stream, row.figure, '\t');
-    write_cell(stream, questions[row.answers].word, '\t');
-    write_cell(stream, text, '\t');
-    write_cell(stream, verdict_words[row.verdict], '\t');
-    write_cell(stream, value, '\t');
-    write_cell(stream, has_value ? row.unit : NULL, '\t');
-    write_cell(stream, whose_words[row.by], '\t');
-    write_cell(stream, row.tables, '\n');
+    WRITE_ROW(statements->file.stream, ROW_COLUMNS);
+}
+
+void statements_of_changed(struct statements *statements, const char *const *sets, int set_count) {
+    char changes[512] = "";
+    for (int i = 0; i < set_count; i++) {
+        const size_t used = strlen(changes);
+        snprintf(changes + used, sizeof changes - used, "%s%s", i ? ", " : "", sets[i]);
+    }
+    if (set_count > 0)
+        statements_add(
+            statements, (struct statement){.key = "changed scenes", .verdict = NOT_ASKED},
+            "What follows is of scenes with %s, and says nothing of them as they are.", changes);
 }
 
 int statements_close(struct statements *statements, int code, char *reason) {
@@ -104,20 +116,26 @@ static int is_verdict(const char *word) {
     return 0;
 }
 
+const char *statement_finding(const char *sentence) {
+    const char *colon = strstr(sentence, ": ");
+    return colon ? colon + 2 : NULL;
+}
+
 /* What is wrong with a row; NULL where it is one. */
 static const char *fault_of(const struct text_table *rows, int row) {
-    for (int i = 0; i < COLUMNS; i++)
-        if (text_cell_is_empty(text_table_cell(rows, row, columns[i])))
-            return columns[i];
+    for (const struct column *c = columns; c->name; c++)
+        if (text_cell_is_empty(text_table_cell(rows, row, c->name)))
+            return c->name;
+    if (strcmp(text_table_cell(rows, row, "by"), whose_words[THESIS]) == 0 &&
+        !statement_finding(text_table_cell(rows, row, "statement")))
+        return "statement";
     return is_verdict(text_table_cell(rows, row, "verdict")) ? NULL : "verdict";
 }
 
 int statements_read(struct text_table *rows, const char *folder, char *reason) {
     char path[PATH_SIZE];
-    if (path_format(path, "%s/statements.tsv", folder)) {
-        snprintf(reason, REASON_SIZE, "%.150s: the path is too long", folder);
-        return -1;
-    }
+    if (path_format(path, "%s/statements.tsv", folder))
+        return fail_with(reason, "%.150s: the path is too long", folder);
     if (text_table_read(rows, path, reason))
         return -1;
     for (int row = 0; row < rows->row_count; row++) {

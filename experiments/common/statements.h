@@ -56,7 +56,7 @@ enum whose { OURS, THESIS };
 struct statement {
     const char *key;    /* names the row; no other row of the table has it */
     const char *figure; /* under which it stands, without .svg; NULL: none */
-    const char *tables; /* that it follows from, without .tsv, parted by blanks; NULL: none */
+    const char *tables; /* that it follows from, without .tsv, separated by blanks; NULL: none */
     enum question answers;
     enum claim_verdict verdict;
     enum whose by;
@@ -76,10 +76,15 @@ struct statements {
 int statements_open(struct statements *statements, const char *folder, const struct scene *scene,
                     const char *cut, char *reason);
 
-/* Adds a row with its sentence (printf): subject, verb, number with unit, a stop. It is one line:
- * tabs and line ends in it become blanks. A value that is not finite is left out. */
+/* Adds a row with its sentence (printf): subject, verb, number with unit, a stop. What the thesis
+ * claims is first said in short, then after ": " what was found. It is one line: tabs and line ends
+ * in it become blanks. A value that is not finite is left out. */
 void statements_add(struct statements *statements, struct statement row, const char *sentence, ...)
     __attribute__((format(printf, 3, 4)));
+
+/* Where scenes were changed by the user: a row that what follows is of those, and nothing is said
+ * of the scenes as they are. */
+void statements_of_changed(struct statements *statements, const char *const *sets, int set_count);
 
 /* Ends the table: commits it, or where `code` is not 0 discards it and returns that. Returns 0, or
  * -1 with one line in `reason`. */
@@ -87,9 +92,13 @@ int statements_close(struct statements *statements, int code, char *reason);
 
 /* --- the one reader --- */
 
+/* What was found of a claim: what is behind its first ": ", or NULL where there is none. */
+const char *statement_finding(const char *sentence);
+
 /* Reads folder/statements.tsv as a table of the columns key, figure, question, statement, verdict,
  * value, unit, by, tables, in which - stands for nothing. Returns 0, or -1 with one line in
- * `reason`: it is not there, lacks a column, a cell is empty, a verdict is none of VERDICTS. */
+ * `reason`: it is not there, lacks a column, a cell is empty, a verdict is none of VERDICTS, or a
+ * claim of the thesis has no finding. */
 int statements_read(struct text_table *rows, const char *folder, char *reason);
 
 /* Prints the rows of folder/statements.tsv to the terminal: verdict, whose, sentence. Returns 0, or

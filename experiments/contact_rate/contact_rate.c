@@ -10,13 +10,15 @@
  * half the step: up to where these part by a millimetre errors are what they are, and after that
  * runs from starts a micrometre apart are compared, as two distributions. (Of `interactions` with
  * reciprocal responses half the step goes another way than the whole one from 0.2 s on, by a
- * difference of 7e-10 m before; eight starts 1e-10 m apart all go one way, and say nothing.) */
+ * difference of 7e-10 m before; eight starts 1e-10 m apart all go one way, and say nothing.)
+ *
+ * Bodies can also push at all times, by penalty: pushing.c. */
 #include "contact_rate.h"
 
+#include "experiments/common/sets.h"
 #include "model/problems.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -40,28 +42,12 @@ static int is_cheap(const struct plan *plan, const struct study *study) {
 
 /* --- scenes --- */
 
-enum { SETS_MAX = 12, SET_SIZE = 96 };
-struct sets {
-    int count;
-    char text[SETS_MAX][SET_SIZE];
-    const char *list[SETS_MAX];
-};
-
-static void __attribute__((format(printf, 2, 3))) set(struct sets *sets, const char *format, ...) {
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(sets->text[sets->count], SET_SIZE, format, arguments);
-    va_end(arguments);
-    sets->list[sets->count] = sets->text[sets->count];
-    sets->count++;
-}
-
 /* The scene over the study's time. */
 static void set_frames(struct sets *sets, const struct study *study) {
-    set(sets, "frame_rate=%.17e", study->frame_rate);
-    set(sets, "duration=%.17e", study->duration);
+    set_add(sets, "frame_rate=%.17e", study->frame_rate);
+    set_add(sets, "duration=%.17e", study->duration);
     if (study->set)
-        set(sets, "%s", study->set);
+        set_add(sets, "%s", study->set);
 }
 
 /* With some of its contact, and one of its rates. Nothing is switched on that the scene has not. */
@@ -70,14 +56,14 @@ static const struct scene *rate_scene(struct plan *plan, const struct study *stu
     struct sets sets = {0};
     set_frames(&sets, study);
     if (!json_object_get(study->subject->scene->source, "contacts"))
-        set(&sets, "contacts={ interpenetration = false; collision = false; }");
+        set_add(&sets, "contacts={ interpenetration = false; collision = false; }");
     if (!(series->contact & FRICTION))
-        set(&sets, "contacts.interpenetration=false");
+        set_add(&sets, "contacts.interpenetration=false");
     if (!(series->contact & COLLISION))
-        set(&sets, "contacts.collision=false");
-    set(&sets, "contacts.reciprocal=%s", series->reciprocal ? "true" : "false");
-    set(&sets, "contacts.%s=%.17e",
-        series->ticks == WISP_TICKS ? "interaction_rate" : "collision_rate", rate);
+        set_add(&sets, "contacts.collision=false");
+    set_add(&sets, "contacts.reciprocal=%s", series->reciprocal ? "true" : "false");
+    set_add(&sets, "contacts.%s=%.17e",
+            series->ticks == WISP_TICKS ? "interaction_rate" : "collision_rate", rate);
     return plan_scene(plan, study->subject->source, sets.list, sets.count);
 }
 
@@ -167,8 +153,8 @@ static int add_control(struct plan *plan, struct study *study) {
                                                                                                 : 0;
 }
 
-/* Part of the scene's contact at a time, with either response; of a dear scene parts have its own
- * response alone, with --quick all that it has. */
+/* Part of the scene's contact at a time, with either response; of an expensive scene parts have its
+ * own response alone, with --quick all that it has. */
 static int is_asked(const struct plan *plan, const struct study *study, int contact,
                     int reciprocal) {
     if ((contact & study->own_contact) != contact)
@@ -186,7 +172,7 @@ static int add_all_series(struct plan *plan, struct study *study) {
                 return -1;
     if (add_control(plan, study))
         return -1;
-    if (scene->body_count > 0 || scene->wisps[0].samples > 0)
+    if (scene_tick_bodies(scene) > 0 || scene->wisps[0].samples > 0)
         return add_series(plan, study, BODY_TICKS, study->own_contact,
                           scene->interaction.reciprocal);
     return 0;
@@ -198,7 +184,7 @@ static int add_source(struct plan *plan, const struct study *study, struct run_r
     struct sets sets = {0};
     set_frames(&sets, study);
     if (ratio > 0)
-        set(&sets, "envelope.penalty_ratio=%.17e", ratio);
+        set_add(&sets, "envelope.penalty_ratio=%.17e", ratio);
     const struct scene *scene = plan_scene(plan, study->subject->source, sets.list, sets.count);
     if (!scene || plan_add(plan, scene, &request, study->subject->name, "%s", label))
         return -1;
@@ -214,12 +200,12 @@ static int add_sources(struct plan *plan, struct study *study) {
     if (!study->has_sources)
         return 0;
     study->euler = add_source(plan, study, euler, 0, "euler, 9000 Hz");
-    study->tight =
+    study->reference =
         add_source(plan, study, request_for(study, WISP_PROJECTION, 0.5, 0, 0), 0, "projection");
-    study->tight_again =
+    study->reference_again =
         add_source(plan, study, request_for(study, WISP_PROJECTION, 1, HORIZON_PERTURBATION, 1), 0,
                    "projection, perturbed");
-    if (study->euler < 0 || study->tight < 0 || study->tight_again < 0)
+    if (study->euler < 0 || study->reference < 0 || study->reference_again < 0)
         return -1;
     for (int i = 0; i < PENALTIES; i++) {
         char label[32];
@@ -284,8 +270,11 @@ static int set_own_subjects(struct plan *plan, struct contact_rate *all) {
     for (int i = 0; i < plan->subject_count; i++) {
         struct subject *subject = &plan->subjects[i];
         all->study[i].set = own_subjects[i].set;
-        snprintf(subject->name, sizeof subject->name, "%s",
-                 own_subjects[i].name ? own_subjects[i].name : subject->scene->name);
+        if (own_subjects[i].name)
+            snprintf(subject->name, sizeof subject->name, "%s%s", own_subjects[i].name,
+                     plan->set_count > 0 ? "-changed" : "");
+        else if (plan_is_own(plan))
+            snprintf(subject->name, sizeof subject->name, "%s", subject->scene->name);
         if (!own_subjects[i].set)
             continue;
         subject->scene = plan_scene(plan, subject->source, &own_subjects[i].set, 1);
@@ -306,12 +295,12 @@ static int contact_rate_plan(struct plan *plan) {
             scenes[count++] = own_subjects[i].scene;
     if (plan_subjects(plan, scenes, count))
         return -1;
-    struct contact_rate *all = plan->memo =
-        calloc(1, sizeof *all + (size_t)plan->subject_count * sizeof *all->study);
-    if (!all) {
-        snprintf(plan->reason, REASON_SIZE, "out of memory");
+    if (plan_configurations(plan, CONFIGURATION_PLAIN, 0))
         return -1;
-    }
+    const size_t studies = (size_t)plan->subject_count * sizeof(struct study);
+    struct contact_rate *all = plan->memo = calloc(1, sizeof *all + studies + pushing_size(plan));
+    if (!all)
+        return fail_with(plan->reason, "out of memory");
     all->count = plan->subject_count;
     if (plan->scene_count == 0 && set_own_subjects(plan, all))
         return -1;
@@ -320,7 +309,7 @@ static int contact_rate_plan(struct plan *plan) {
         if (plan_study(plan, &all->study[i]))
             return -1;
     }
-    return 0;
+    return pushing_plan(plan, &all->pushing, (char *)all->study + studies);
 }
 
 /* --- after the horizon --- */
@@ -361,6 +350,8 @@ static int wants_members(const struct plan *plan, const struct study *study,
 
 static int contact_rate_refine(struct plan *plan) {
     struct contact_rate *all = plan->memo;
+    if (pushing_refine(plan, &all->pushing))
+        return -1;
     if (all->members_planned)
         return 0;
     all->members_planned = 1;
@@ -380,9 +371,11 @@ const struct experiment contact_rate_experiment = {
     .name = "contact-rate",
     .question = "how often must contacts be looked at, and is that where the largest error is?",
     .thesis = "section 4.3.2",
+    .chapter = CHAPTER_MODEL,
     .place = 17,
-    .quick_seconds = 7,
-    .full_seconds = 130,
+    .headline = "both, reciprocal",
+    .quick_seconds = 9,
+    .full_seconds = 170,
     .plan = contact_rate_plan,
     .refine = contact_rate_refine,
     .tabulate = contact_rate_tabulate,

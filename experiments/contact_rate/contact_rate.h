@@ -5,6 +5,7 @@
 
 #include "experiments/common/measure.h"
 #include "experiments/common/statements.h"
+#include "pushing.h"
 
 /* The rate that all others are compared with, Hz: the thesis's of everything but contacts. */
 #define YARDSTICK_RATE 9000.0
@@ -34,11 +35,11 @@ struct rate_point {
     int at;           /* its run in the plan */
     int first, count; /* its runs from other starts in the plan; count 0: there are none */
     enum outcome outcome;
-    double failure_time;   /* s; NaN: none */
-    double error, largest; /* from the yardstick up to the horizon, rms and largest, m */
-    double whole;          /* over all frames, rms, m */
-    double parted;         /* of the first frame that has other wisps than the yardstick's, s; NaN:
-                              none */
+    double failure_time;     /* s; NaN: none */
+    double error, largest;   /* from the yardstick up to the horizon, rms and largest, m */
+    double whole;            /* over all frames, rms, m */
+    double history_diverged; /* of the first frame that has other wisps than the yardstick's, s;
+                      NaN: none */
     double contacts, sections, stops, evaluations, cpu;
     struct spread_of_pairs after; /* from the yardstick's runs; at the yardstick, of these */
 };
@@ -86,7 +87,7 @@ struct study {
     int series_count;
     struct series series[SERIES_MAX];
     int has_sources;
-    int euler, tight, tight_again, penalty[PENALTIES]; /* in the plan */
+    int euler, reference, reference_again, penalty[PENALTIES]; /* in the plan */
     double span; /* to which all sources are compared, s; NaN: a yardstick did not finish */
     struct source_error error[SOURCES];
 };
@@ -94,6 +95,7 @@ struct study {
 /* The plan's memo. */
 struct contact_rate {
     int members_planned;
+    struct pushing pushing;
     int count;
     struct study study[];
 };

@@ -81,7 +81,7 @@ static double count_stops(const struct scene *scene) {
     struct stop stop;
     double count = 0;
     clock_add(&clock, STOP_FRAME, scene->frame_rate, 0);
-    if (scene->wisps[0].samples > 0 || scene->body_count > 0)
+    if (scene->wisps[0].samples > 0 || scene_tick_bodies(scene) > 0)
         clock_add(&clock, STOP_COLLISION, scene->collision_rate, 0);
     if (touch || scene->subdivision.limit > scene->wisp_count)
         clock_add(&clock, STOP_INTERACTION, scene->interaction.rate, 0);
@@ -120,7 +120,7 @@ static int read_members(struct plan *plan, const struct rate_point *point,
     return point->count;
 }
 
-/* Of all pairs of one of `runs` with one of `others`, or of each two of them. */
+/* The spread of all pairs of one of `runs` with one of `others`, or of each two of them. */
 static int spread_pairs(struct plan *plan, const struct study *study, double from,
                         const struct run_files *runs, int count, const struct run_files *others,
                         struct spread_of_pairs *spread) {
@@ -173,7 +173,7 @@ static int read_after(struct plan *plan, const struct study *study, struct serie
 
 static int read_point(struct plan *plan, const struct study *study, const struct series *series,
                       const struct run_files *yardstick, struct rate_point *point) {
-    struct deviation near = {.rms = NAN, .largest = NAN, .parted = NAN}, whole = near;
+    struct deviation near = {.rms = NAN, .largest = NAN, .history_diverged = NAN}, whole = near;
     struct run_files run;
     if (read_run(plan, point->at, &run))
         return -1;
@@ -186,7 +186,7 @@ static int read_point(struct plan *plan, const struct study *study, const struct
     point->error = near.rms;
     point->largest = near.largest;
     point->whole = whole.rms;
-    point->parted = whole.parted;
+    point->history_diverged = whole.history_diverged;
     return code ? -1 : 0;
 }
 
@@ -228,10 +228,10 @@ static int read_points(struct plan *plan, const struct study *study, struct seri
 }
 
 /* The first time at which a rate's wisps are others than the yardstick's; NaN: there is none. */
-static double first_parting(const struct series *series) {
+static double first_divergence(const struct series *series) {
     double first = NAN;
     for (int i = 0; i < series->rate_count; i++)
-        first = fmin(first, series->point[i].parted); /* which passes NaN over */
+        first = fmin(first, series->point[i].history_diverged); /* which passes NaN over */
     return first;
 }
 
@@ -241,11 +241,11 @@ static int compare_points(struct plan *plan, const struct study *study, struct s
                           const struct run_files *yardstick) {
     if (read_points(plan, study, series, yardstick))
         return -1;
-    const double parted = first_parting(series) - study->subject->scene->begin;
+    const double diverged = first_divergence(series) - study->subject->scene->begin;
     const double frame = 1 / study->frame_rate;
-    if (!(parted <= series->horizon + 1e-9))
+    if (!(diverged <= series->horizon + 1e-9))
         return 0;
-    series->horizon = fmax(0, parted - frame);
+    series->horizon = fmax(0, diverged - frame);
     return read_points(plan, study, series, yardstick);
 }
 
@@ -277,8 +277,8 @@ static int read_series(struct plan *plan, struct study *study, struct series *se
 /* The least of the yardsticks' horizons: one span for all. */
 static int find_span(struct plan *plan, struct study *study) {
     double span;
-    if (measure_horizon(plan->trajectories, plan->cases[study->tight].run.folder,
-                        plan->cases[study->tight_again].run.folder, &span, plan->reason))
+    if (measure_horizon(plan->trajectories, plan->cases[study->reference].run.folder,
+                        plan->cases[study->reference_again].run.folder, &span, plan->reason))
         return -1;
     for (int ticks = 0; ticks < TICK_KINDS; ticks++) {
         const struct series *series = own_series(study, (enum tick_kind)ticks);
@@ -316,7 +316,7 @@ static int read_integrator(struct plan *plan, struct study *study) {
     struct source_error *error = &study->error[INTEGRATOR];
     snprintf(error->against, sizeof error->against,
              "euler at 9000 Hz, from rk4 at %g Hz, both with projection", 2 / study->step);
-    return read_error(plan, study, study->euler, study->tight, study->tight_again, error);
+    return read_error(plan, study, study->euler, study->reference, study->reference_again, error);
 }
 
 /* Projection's distance from the limit of penalty; in doubt by twice what one ratio and one degree
@@ -333,7 +333,7 @@ static int compare_treatments(struct plan *plan, const struct study *study,
     if (code)
         snprintf(plan->reason, REASON_SIZE, "scene %s: no limit of penalty could be taken",
                  study->subject->name);
-    code = code || read_both(plan, study, study->tight, &limit, &error->error, &error->whole) ||
+    code = code || read_both(plan, study, study->reference, &limit, &error->error, &error->whole) ||
            compare(plan, study, &more, &limit, -1, study->span, &near) ||
            compare(plan, study, &more, &limit, -1, INFINITY, &whole);
     error->doubt = 2 * near.rms;

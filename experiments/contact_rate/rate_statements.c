@@ -62,14 +62,16 @@ static void state_convergence(struct statements *statements, const struct study 
                        series->name);
     else if (!series->has_order)
         statements_add(statements, row,
-                       "On %s with %s too few rates' errors can be told from what the yardstick "
-                       "itself is unsure of, %.2g mm: %s.",
+                       "On %s with %s too few rates can be told from the one they are compared "
+                       "with, which is itself in doubt by %.2g mm: they are %s from it.",
                        scene, series->name, millimetres(series->doubt), errors);
     else
         statements_add(statements, row,
-                       "On %s with %s the motion converges in the rate: up to %.3g s it is %s from "
-                       "that at 9000 Hz, of order %.1f in the interval.",
-                       scene, series->name, series->horizon, errors, series->order.slope);
+                       "On %s with %s the motion %s as contacts become more frequent: up to %.3g s "
+                       "it is %s from that at 9000 Hz, of order %.1f in the interval.",
+                       scene, series->name,
+                       row.verdict == HOLDS ? "converges" : "does not converge", series->horizon,
+                       errors, series->order.slope);
 }
 
 /* --- whether a hundred times rarer does harm --- */
@@ -89,7 +91,8 @@ static void state_nothing(struct statements *statements, const struct study *stu
                                       .tables = "series",
                                       .verdict = NOT_REACHED,
                                       .by = THESIS},
-                   "On %s with %s nothing happens up to %.3g s, and no rate could do harm.",
+                   "On %s with %s contacts a hundred times rarer do no harm: nothing happens up to "
+                   "%.3g s, and no rate could do any.",
                    study->subject->name, series->name, series->horizon);
 }
 
@@ -114,12 +117,14 @@ static void state_harm(struct statements *statements, const struct study *study,
                             .value = millimetres(point->error),
                             .unit = "mm"};
     if (!isfinite(point->error))
-        statements_add(statements, row, "On %s with %s the run at 90 Hz or that at 9000 Hz fails.",
+        statements_add(statements, row,
+                       "On %s with %s contacts a hundred times rarer do no harm: the run at 90 Hz "
+                       "or that at 9000 Hz fails, and nobody knows.",
                        scene, series->name);
     else if (!is_told(series, point))
         statements_add(statements, row,
-                       "On %s with %s rare contacts can do no harm: up to %.3g s all that contact "
-                       "does is %.2g mm.",
+                       "On %s with %s contacts a hundred times rarer do no harm: up to %.3g s all "
+                       "that contact does is %.2g mm.",
                        scene, series->name, series->horizon, millimetres(series->effect));
     else
         statements_add(statements, row,
@@ -218,8 +223,7 @@ static void state_control(struct statements *statements, const struct study *stu
                             .unit = "mm"};
     if (told)
         statements_add(statements, row,
-                       "On %s with its contact off, runs at 90 and 9000 Hz are the same: %.2g mm "
-                       "apart.",
+                       "On %s with its contact off, runs at 90 and 9000 Hz are %.2g mm apart.",
                        scene, millimetres(point->error));
     else
         statements_add(statements, row, "On %s with its contact off a run fails.", scene);
@@ -254,14 +258,14 @@ static void state_cost(struct statements *statements, const struct study *study)
     if (told)
         statements_add(statements, row,
                        "On %s rare contacts are cheap: at 9000 Hz points are looked for in %.3g "
-                       "times as many sections as at 90 Hz, found %.3g times as often, and the "
+                       "times as many sections as at 90 Hz and found %.3g times as often, and the "
                        "advance stops %.3g times as often.",
                        study->subject->name, sections, often->contacts / rare->contacts,
                        often->stops / rare->stops);
     else
         statements_add(statements, row,
-                       "On %s nothing is told of what contacts cost: there are none, or a run "
-                       "fails.",
+                       "On %s rare contacts are cheap: nothing is told of it, for there are no "
+                       "contacts, or a run fails.",
                        study->subject->name);
 }
 
@@ -342,9 +346,12 @@ static void state_sources(struct statements *statements, const struct study *stu
                        "On %s nothing touches, and nothing is told of where the largest error is.",
                        scene);
     else
-        statements_add(statements, row, "On %s rare ticks are the largest error %s %.3g s: %s.",
-                       scene, whole ? "over all" : "up to", whole ? study->duration : study->span,
-                       list);
+        statements_add(statements, row, "On %s %s the largest error %s %.3g s: %s.", scene,
+                       !told                     ? "several sources could be"
+                       : row.verdict == HOLDS    ? "rare ticks are"
+                       : other == (int)TREATMENT ? "the treatment is"
+                                                 : "the integrator is",
+                       whole ? "over all" : "up to", whole ? study->duration : study->span, list);
 }
 
 /* --- of all scenes --- */
@@ -352,7 +359,11 @@ static void state_sources(struct statements *statements, const struct study *stu
 /* The thesis's claim by kind of contact. */
 static void state_kind(struct statements *statements, const struct contact_rate *all, int contact,
                        int reciprocal) {
+    static const char *const phrases[BOTH + 1] = {"", "friction", "collision",
+                                                  "friction and collision"};
     const char *response = reciprocal ? "reciprocal" : "one-sided";
+    const char *kind = phrases[contact],
+               *pushes = reciprocal ? "that push both wisps" : "that push one wisp alone";
     int told = 0, harmless = 0;
     double worst = 0;
     char key[192];
@@ -374,15 +385,15 @@ static void state_kind(struct statements *statements, const struct contact_rate 
                             .unit = "mm"};
     if (told == 0)
         statements_add(statements, row,
-                       "On no scene contact does more than 1 mm with %s, %s, and nothing is told "
-                       "of its rate.",
-                       contact_names[contact], response);
+                       "Contacts a hundred times rarer do no harm with %s %s: on no scene does "
+                       "contact do more than 1 mm, and nothing is told of its rate.",
+                       kind, pushes);
     else
-        statements_add(statements, row,
-                       "Contacts a hundred times rarer do no harm with %s, %s: on %d of %d scenes "
-                       "where contact does more than 1 mm hair stays within 1 mm (rms); at most it "
-                       "is %.3g mm off.",
-                       contact_names[contact], response, harmless, told, millimetres(worst));
+        statements_add(
+            statements, row,
+            "Contacts a hundred times rarer do no harm with %s %s: where contact does more than 1 "
+            "mm, hair stays within 1 mm (rms) on %d of %d scenes, and at most it is %.3g mm off.",
+            kind, pushes, harmless, told, millimetres(worst));
 }
 
 /* Where nothing collides friction alone is all of the contact, whose rows speak for both. */

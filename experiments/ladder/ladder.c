@@ -14,38 +14,38 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* A stride leads to the next rung of the first descent: an octave of steps, a decade of
+/* A stride leads to the next level of the first descent: an octave of steps, a decade of
  * tolerances. */
 enum { STEPS_STRIDE = 16, TOLERANCES_STRIDE = 8 };
 
 /* --- settings --- */
 
-static int stride_of(const struct configuration *contestant) {
-    return contestant_is_adaptive(contestant) ? TOLERANCES_STRIDE : STEPS_STRIDE;
+static int stride_of(const struct configuration *configuration) {
+    return configuration_is_adaptive(configuration) ? TOLERANCES_STRIDE : STEPS_STRIDE;
 }
 
 /* How close the two sides of the bracket must come: 4 % of a step, a third of a tolerance; with
  * --quick a fifth and three quarters. */
-static int resolution(const struct plan *plan, const struct configuration *contestant) {
-    return !plan->quick ? 1 : contestant_is_adaptive(contestant) ? 2 : 4;
+static int resolution(const struct plan *plan, const struct configuration *configuration) {
+    return !plan->quick ? 1 : configuration_is_adaptive(configuration) ? 2 : 4;
 }
 
 /* The step, s, which divides the time between frames, or the tolerance. */
-static double setting_at(const struct scene *scene, const struct configuration *contestant,
+static double setting_at(const struct scene *scene, const struct configuration *configuration,
                          int place) {
-    if (contestant_is_adaptive(contestant))
+    if (configuration_is_adaptive(configuration))
         return pow(10, -1 - (double)place / TOLERANCES_STRIDE);
     return place_step(1 / scene->frame_rate, STEPS_STRIDE, place);
 }
 
 /* Whether a place is finer than is worth trying, and why in the search's note. */
 static int is_beyond(struct search *s, const struct scene *scene) {
-    const double setting = setting_at(scene, s->contestant, s->place.at), longest = 1.5;
-    const double cost = estimated_cost(scene, WISP_GENERALISED, s->contestant, setting);
-    const int adaptive = contestant_is_adaptive(s->contestant);
-    const int beyond = adaptive ? setting < 0.99 * s->contestant->finest : cost > longest;
+    const double setting = setting_at(scene, s->configuration, s->place.at), longest = 1;
+    const double cost = estimated_cost(scene, WISP_GENERALISED, s->configuration, setting);
+    const int adaptive = configuration_is_adaptive(s->configuration);
+    const int beyond = adaptive ? setting < 0.99 * s->configuration->finest : cost > longest;
     if (beyond && adaptive)
-        snprintf(s->note, sizeof s->note, "tolerances end at %g", s->contestant->finest);
+        snprintf(s->note, sizeof s->note, "tolerances end at %g", s->configuration->finest);
     else if (beyond)
         snprintf(s->note, sizeof s->note, "a run of shorter steps would take more than %g s",
                  longest);
@@ -55,10 +55,11 @@ static int is_beyond(struct search *s, const struct scene *scene) {
 /* Methods begin at the first octave that is less than four times too long by linear theory: it is
  * surely unstable, and longer ones are no news. Of rigid segments that theory knows nothing stiff.
  */
-static int first_place(const struct scene *scene, const struct configuration *contestant) {
+static int first_place(const struct scene *scene, const struct configuration *configuration) {
     int place = 0;
-    if (!contestant_is_adaptive(contestant) && stiffest_mode(scene).frequency > 0)
-        while (!seems_stable(contestant->method, scene, setting_at(scene, contestant, place) / 4))
+    if (!configuration_is_adaptive(configuration) && stiffest_mode(scene).frequency > 0)
+        while (!seems_stable(configuration->method, scene,
+                             setting_at(scene, configuration, place) / 4))
             place += STEPS_STRIDE;
     return place;
 }
@@ -66,22 +67,22 @@ static int first_place(const struct scene *scene, const struct configuration *co
 /* --- the plan --- */
 
 static struct run_request request_at(const struct scene *scene,
-                                     const struct configuration *contestant, double setting) {
+                                     const struct configuration *configuration, double setting) {
     struct run_request request =
-        contestant_request(contestant, setting, scene->run.atol / scene->run.rtol);
+        configuration_request(configuration, setting, scene->run.atol / scene->run.rtol);
     request.treatment = wisp_problem.treatments[WISP_GENERALISED].name;
     return request;
 }
 
 static int add_run(struct plan *plan, struct search *s, int jitter, int timings) {
     const struct scene *scene = plan->subjects[s->cell].scene;
-    const double setting = setting_at(scene, s->contestant, s->place.at) * (1 + 1e-12 * jitter);
-    struct run_request request = request_at(scene, s->contestant, setting);
+    const double setting = setting_at(scene, s->configuration, s->place.at) * (1 + 1e-12 * jitter);
+    struct run_request request = request_at(scene, s->configuration, setting);
     request.timings = timings;
     s->count++;
     return plan_add(plan, scene, &request, plan->subjects[s->cell].name, "%s, %s %.4g, j = %d",
-                    s->contestant->name, contestant_is_adaptive(s->contestant) ? "rtol" : "step",
-                    setting, jitter);
+                    s->configuration->name,
+                    configuration_is_adaptive(s->configuration) ? "rtol" : "step", setting, jitter);
 }
 
 /* From here on the search waits for runs that are added next to each other. */
@@ -109,20 +110,20 @@ static int confirm_place(struct plan *plan, struct search *s, double first_error
 
 static int time_place(struct plan *plan, struct search *s) {
     const struct scene *scene = plan->subjects[s->cell].scene;
-    const double setting = setting_at(scene, s->contestant, s->place.reached);
-    const double cost = estimated_cost(scene, WISP_GENERALISED, s->contestant, setting);
+    const double setting = setting_at(scene, s->configuration, s->place.reached);
+    const double cost = estimated_cost(scene, WISP_GENERALISED, s->configuration, setting);
     s->place.at = s->place.reached;
     await(plan, s, TIMING);
     return add_run(plan, s, 0, plan->quick || cost > 0.25 ? 3 : 5);
 }
 
-/* A contestant that is refused has a row that says so. */
+/* A configuration that is refused has a row that says so. */
 static int begin_search(struct plan *plan, struct ladder *ladder, int cell,
-                        const struct configuration *contestant) {
+                        const struct configuration *configuration) {
     const struct scene *scene = plan->subjects[cell].scene;
-    const int first = first_place(scene, contestant);
+    const int first = first_place(scene, configuration);
     struct search *s = &ladder->search[ladder->count++];
-    *s = (struct search){.contestant = contestant,
+    *s = (struct search){.configuration = configuration,
                          .cell = cell,
                          .place = bracket_begin(first, first),
                          .missed_error = NAN,
@@ -130,16 +131,16 @@ static int begin_search(struct plan *plan, struct ladder *ladder, int cell,
                          .missed_time = NAN,
                          .cost = no_cost};
     const struct run_request request =
-        request_at(scene, contestant, setting_at(scene, contestant, first));
+        request_at(scene, configuration, setting_at(scene, configuration, first));
     s->refused = !plan_takes(plan, scene, &request, s->note);
     if (!s->refused && !is_beyond(s, scene))
         return try_place(plan, s);
-    plan_refuse(plan, contestant->method, s->note);
+    plan_refuse(plan, configuration->method, s->note);
     s->phase = DONE;
     return 0;
 }
 
-/* The tight solutions are the first runs of the plan, in the order of the cells. */
+/* The reference solutions are the first runs of the plan, in the order of the cells. */
 static int ladder_plan(struct plan *plan) {
     plan->run_seconds = 20;
     const unsigned kinds = CONFIGURATION_PLAIN | CONFIGURATION_ORDER | CONFIGURATION_MATRIX,
@@ -150,16 +151,14 @@ static int ladder_plan(struct plan *plan) {
     const size_t searches = (size_t)(LADDER_CELLS * plan->configuration_count);
     struct ladder *ladder = plan->memo =
         calloc(1, sizeof *ladder + searches * sizeof *ladder->search);
-    if (!ladder) {
-        snprintf(plan->reason, REASON_SIZE, "out of memory");
-        return -1;
-    }
+    if (!ladder)
+        return fail_with(plan->reason, "out of memory");
     if (ladder_cells(plan, ladder))
         return -1;
     for (int cell = 0; cell < ladder->cell_count; cell++) {
-        const struct run_request tight = {.stepper = "reference"};
+        const struct run_request reference = {.stepper = "reference"};
         const struct subject *subject = &plan->subjects[cell];
-        if (plan_add(plan, subject->scene, &tight, subject->name, "tight"))
+        if (plan_add(plan, subject->scene, &reference, subject->name, "reference"))
             return -1;
     }
     for (int cell = 0; cell < ladder->cell_count; cell++)
@@ -173,8 +172,8 @@ static int ladder_plan(struct plan *plan) {
 
 /* The next place after one has been judged, or the timing of the best. */
 static int go_on(struct plan *plan, struct search *s, int reached) {
-    const int more =
-        bracket_take(&s->place, reached, stride_of(s->contestant), resolution(plan, s->contestant));
+    const int more = bracket_take(&s->place, reached, stride_of(s->configuration),
+                                  resolution(plan, s->configuration));
     if (s->place.reached < 0 && is_beyond(s, plan->subjects[s->cell].scene)) {
         s->phase = DONE;
         return 0;
@@ -184,21 +183,21 @@ static int go_on(struct plan *plan, struct search *s, int reached) {
     return more ? try_place(plan, s) : time_place(plan, s);
 }
 
-static int step_search(struct plan *plan, struct search *s, const struct run_files *tight) {
+static int step_search(struct plan *plan, struct search *s, const struct run_files *reference) {
     struct verdict verdict;
     if (s->phase == TIMING) {
         s->phase = DONE;
         if (read_cost(plan, s->first, &s->cost))
             return -1;
-        cost_count(&s->cost, plan->subjects[s->cell].scene, WISP_GENERALISED, s->contestant);
+        cost_count(&s->cost, plan->subjects[s->cell].scene, WISP_GENERALISED, s->configuration);
         return 0;
     }
-    if (judge_runs(plan, s->first, s->count, plan->subjects[s->cell].scene, tight, &verdict))
+    if (judge_runs(plan, s->first, s->count, plan->subjects[s->cell].scene, reference, &verdict))
         return -1;
     if (s->phase == CONFIRMING && verdict.outcome == FINISHED)
         verdict.error = fmax(verdict.error, s->first_error);
     const int reached = verdict.outcome == FINISHED && verdict.error <= LADDER_TARGET;
-    if (reached && contestant_is_adaptive(s->contestant) && s->phase == TRYING)
+    if (reached && configuration_is_adaptive(s->configuration) && s->phase == TRYING)
         return confirm_place(plan, s, verdict.error);
     if (reached) {
         s->error = verdict.error;
@@ -210,46 +209,48 @@ static int step_search(struct plan *plan, struct search *s, const struct run_fil
     return go_on(plan, s, reached);
 }
 
-/* The searches of a cell; without a truth there is nothing to search for. */
-static int refine_cell(struct plan *plan, int cell, const struct run_files *tight) {
-    struct ladder *ladder = plan->memo;
-    for (int i = 0; i < ladder->count; i++) {
-        struct search *s = &ladder->search[i];
-        if (s->cell != cell || s->phase == DONE)
-            continue;
-        if (tight->outcome != FINISHED) {
-            s->phase = DONE;
-            snprintf(s->note, sizeof s->note, "no tight solution: %s",
-                     outcome_name(tight->outcome));
-        } else if (step_search(plan, s, tight)) {
-            return -1;
-        }
-    }
+/* The searches of a cell, among those of all. */
+struct searched {
+    struct ladder *ladder;
+    int cell;
+};
+
+static int is_done(const void *ctx, int i) {
+    const struct searched *of = ctx;
+    const struct search *s = &of->ladder->search[i];
+    return s->cell != of->cell || s->phase == DONE;
+}
+
+/* Without a truth there is nothing to search for. */
+static int go_on_with(struct plan *plan, void *ctx, int i, const struct run_files *reference) {
+    struct search *s = &((struct searched *)ctx)->ladder->search[i];
+    if (reference->outcome == FINISHED)
+        return step_search(plan, s, reference);
+    s->phase = DONE;
+    snprintf(s->note, sizeof s->note, "no reference solution: %s",
+             outcome_name(reference->outcome));
     return 0;
 }
 
 static int ladder_refine(struct plan *plan) {
-    const struct ladder *ladder = plan->memo;
+    struct ladder *ladder = plan->memo;
+    const int count = ladder->count;
     for (int cell = 0; cell < ladder->cell_count; cell++) {
-        struct run_files tight;
-        if (run_read_states(&tight, plan->cases[cell].run.folder, plan->trajectories, plan->reason))
-            return -1;
-        const int code = refine_cell(plan, cell, &tight);
-        run_free(&tight);
-        if (code)
+        struct searched of = {ladder, cell};
+        if (searches_go_on(plan, &(struct searches){cell, count, &of, is_done, go_on_with}))
             return -1;
     }
     return 0;
 }
 
 double ladder_setting(const struct plan *plan, const struct search *s, int place) {
-    return place < 0 ? NAN : setting_at(plan->subjects[s->cell].scene, s->contestant, place);
+    return place < 0 ? NAN : setting_at(plan->subjects[s->cell].scene, s->configuration, place);
 }
 
 static int ladder_tabulate(struct plan *plan, const char *folder) {
     struct statements statements;
-    if (statements_open(&statements, folder, plan->subjects[0].scene,
-                        plan->quick ? "--quick: coarser brackets" : NULL, plan->reason))
+    if (plan_open_statements(plan, &statements, folder, plan->subjects[0].scene,
+                             plan->quick ? "--quick: coarser brackets" : NULL, plan->reason))
         return -1;
     int code = ladder_write(plan, folder, plan->reason);
     if (!code)
@@ -260,9 +261,11 @@ static int ladder_tabulate(struct plan *plan, const char *folder) {
 const struct experiment ladder_experiment = {
     .name = "ladder",
     .question = "which stepper is cheapest for a millimetre, by stiffness, bending and damping?",
+    .chapter = CHAPTER_ACCURACY,
     .place = 6,
+    .headline = "price, default",
     .quick_seconds = 16,
-    .full_seconds = 330,
+    .full_seconds = 280,
     .plan = ladder_plan,
     .refine = ladder_refine,
     .tabulate = ladder_tabulate,

@@ -8,14 +8,14 @@
 
 /* A kind of hair, of which a panel of a figure shows the cost along its stiffness. */
 struct hair {
-    const char *name;         /* in tables */
-    const char *phrase;       /* in sentences, after "of" */
-    const char *scene;        /* of the experiment's own; NULL: the one asked for */
-    const char *sets[3];      /* overrides; NULL: no more */
-    double detail;            /* segments over those of the scene; 0: the same */
-    double most;              /* EA, N, beyond which nobody waits for a tight solution; 0: none */
-    double damping;           /* of the highest stretch mode; 0: the scene's stretch_time */
-    int rigid;                /* of infinite stiffness: no other has a meaning */
+    const char *name;    /* in tables */
+    const char *phrase;  /* in sentences, after "of" */
+    const char *scene;   /* of the experiment's own; NULL: the one asked for */
+    const char *sets[3]; /* overrides; NULL: no more */
+    double detail;       /* segments over those of the scene; 0: the same */
+    double most;         /* EA, N, beyond which nobody waits for a reference solution; 0: none */
+    double damping;      /* of the highest stretch mode; 0: the scene's stretch_time */
+    int rigid;           /* of infinite stiffness: no other has a meaning */
     int quick_from, quick_to; /* of the stiffnesses, those that --quick has */
     const char *figure;       /* without .svg */
 };
@@ -30,9 +30,9 @@ struct cell {
 /* What a search waits for: a run at a place, more that confirm it, the timing of the best. */
 enum phase { TRYING, CONFIRMING, TIMING, DONE };
 
-/* The search of one contestant in one cell: for the largest setting that reaches the target. */
+/* The search of one configuration in one cell: for the largest setting that reaches the target. */
 struct search {
-    const struct configuration *contestant;
+    const struct configuration *configuration;
     int cell;
     enum phase phase;
     struct bracket place;
@@ -52,7 +52,7 @@ struct ladder {
     int cell_count;
     struct cell cell[LADDER_CELLS];
     int count;
-    struct search search[]; /* at most one for each cell and contestant */
+    struct search search[]; /* at most one for each cell and configuration */
 };
 
 #define LADDER_TARGET 1e-3 /* m, rms over the free nodes and all frames */
@@ -79,9 +79,9 @@ double ladder_setting(const struct plan *plan, const struct search *s, int place
 
 /* --- ladder_tables.c --- */
 
-/* The search of a contestant in a cell; NULL: there is none. */
+/* The search of a configuration in a cell; NULL: there is none. */
 const struct search *ladder_search(const struct ladder *ladder, int cell,
-                                   const struct configuration *contestant);
+                                   const struct configuration *configuration);
 
 /* Whether it has reached the target and was timed; s may be NULL. */
 int ladder_has_cost(const struct search *s);

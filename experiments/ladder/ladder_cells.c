@@ -8,7 +8,7 @@
 static const double stiffnesses[] = {15, 90, 1500, 16800}; /* EA, N; the last is real hair's */
 enum { STIFFNESSES = sizeof stiffnesses / sizeof *stiffnesses };
 
-/* With --quick real hair, many nodes, which are the dearest, and the dampings are left out.
+/* With --quick real hair, many nodes, which are the costliest, and the dampings are left out.
  *
  * Bending of 1e-3 N m2 is stiffer than a matrix of stretching alone can bear; so is the default
  * one between nodes that are four times as close, for its frequencies go with the spacing's inverse
@@ -69,7 +69,7 @@ static int is_in(const struct plan *plan, const struct scene *asked, const struc
                  int stiffness) {
     const int rigid = asked->wisps[0].stretch == STRETCH_RIGID;
     return (hair->rigid ? stiffness == STIFFNESSES - 1 : !rigid) &&
-           (!hair->scene || plan->scene_count == 0) &&
+           (!hair->scene || plan_is_own(plan)) &&
            !(hair->most > 0 && stiffnesses[stiffness] > hair->most) &&
            (!plan->quick || (hair->quick_from <= stiffness && stiffness <= hair->quick_to));
 }
@@ -124,17 +124,13 @@ int ladder_cells(struct plan *plan, struct ladder *ladder) {
     static const char *const own[] = {"swing"};
     if (plan_subjects(plan, own, 1))
         return -1;
-    if (plan->subject_count > 1) {
-        snprintf(plan->reason, REASON_SIZE, "experiment ladder is of one scene, not of %d",
-                 plan->subject_count);
-        return -1;
-    }
+    if (plan->subject_count > 1)
+        return fail_with(plan->reason, "experiment ladder is of one scene, not of %d",
+                         plan->subject_count);
     const struct subject base = plan->subjects[0];
     struct subject *subjects = calloc(LADDER_CELLS, sizeof *subjects);
-    if (!subjects) {
-        snprintf(plan->reason, REASON_SIZE, "out of memory");
-        return -1;
-    }
+    if (!subjects)
+        return fail_with(plan->reason, "out of memory");
     free(plan->subjects);
     plan->subjects = subjects;
     plan->subject_count = 0;

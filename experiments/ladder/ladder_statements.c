@@ -7,7 +7,7 @@
 
 enum { ALL, EXPLICIT, IMPLICIT };
 static int is_of(const struct search *s, int kind) {
-    const struct stepper_method *method = s->contestant->method;
+    const struct stepper_method *method = s->configuration->method;
     return kind == ALL || ((method->capabilities & STEPPER_IMPLICIT) != 0) == (kind == IMPLICIT);
 }
 
@@ -47,7 +47,7 @@ static void list_tied(const struct ladder *ladder, const struct search *best, ch
         const struct search *s = &ladder->search[i];
         const size_t used = strlen(text);
         if (s != best && s->cell == best->cell && ladder_has_cost(s) && !ladder_is_apart(best, s))
-            snprintf(text + used, 512 - used, " and %s (%.3g ms)", s->contestant->name,
+            snprintf(text + used, 512 - used, " and %s (%.3g ms)", s->configuration->name,
                      1e3 * s->cost.cpu.median);
     }
 }
@@ -76,18 +76,19 @@ static void state_cell(struct statements *statements, const struct plan *plan, i
     if (best)
         list_tied(ladder, best, tied);
     if (next)
-        snprintf(runner_up, sizeof runner_up, "; next is %s, %.3g ms", next->contestant->name,
-                 1e3 * next->cost.cpu.median);
+        snprintf(runner_up, sizeof runner_up, "; %s is next with %.3g ms",
+                 next->configuration->name, 1e3 * next->cost.cpu.median);
     if (tied[0])
         statements_add(statements, row,
-                       "%s a millimetre is cheapest with %s (%.3g ms)%s, whose costs are too "
-                       "close to part them.",
-                       place, best->contestant->name, row.value, tied);
+                       "%s a millimetre is cheapest with %s (%.3g ms)%s, too close to tell apart.",
+                       place, best->configuration->name, row.value, tied);
     else if (best)
-        statements_add(
-            statements, row, "%s a millimetre is cheapest with %s at %s %.3g: %.3g ms%s.", place,
-            best->contestant->name, contestant_is_adaptive(best->contestant) ? "rtol" : "h =",
-            ladder_setting(plan, best, best->place.reached), row.value, runner_up);
+        statements_add(statements, row,
+                       "%s a millimetre is cheapest with %s, %.3g ms of CPU time at %s %.3g%s%s.",
+                       place, best->configuration->name, row.value,
+                       configuration_is_adaptive(best->configuration) ? "rtol" : "h =",
+                       ladder_setting(plan, best, best->place.reached),
+                       configuration_is_adaptive(best->configuration) ? "" : " s", runner_up);
     else
         statements_add(statements, row, "%s no method reaches a millimetre.", place);
 }
@@ -170,22 +171,24 @@ static void state_order(struct statements *statements, const struct ladder *ladd
                        order.tied ? " at which the two are not tied" : "");
     else
         statements_add(statements, row,
-                       "For %s explicit and implicit methods cannot be compared: %s.", hair->phrase,
+                       "For %s explicit and implicit methods cannot be compared, for %s.",
+                       hair->phrase,
                        row.verdict == NOT_ASKED ? "one kind was left out"
                                                 : "at no stiffness both reach a millimetre");
 }
 
-/* What a contestant's costs are between, s, where it reaches the target in every cell of a kind. */
+/* What a configuration's costs are between, s, where it reaches the target in every cell of a kind.
+ */
 struct range {
-    const struct configuration *contestant; /* NULL: nobody does */
+    const struct configuration *configuration; /* NULL: nobody does */
     double least, most;
 };
 
 static struct range range_of(const struct ladder *ladder, int first, int count,
-                             const struct configuration *contestant) {
-    struct range range = {contestant, INFINITY, 0};
+                             const struct configuration *configuration) {
+    struct range range = {configuration, INFINITY, 0};
     for (int cell = first; cell < first + count; cell++) {
-        const struct search *s = ladder_search(ladder, cell, contestant);
+        const struct search *s = ladder_search(ladder, cell, configuration);
         if (!ladder_has_cost(s))
             return (struct range){NULL, NAN, NAN};
         range.least = fmin(range.least, s->cost.counted);
@@ -194,12 +197,12 @@ static struct range range_of(const struct ladder *ladder, int first, int count,
     return range;
 }
 
-/* The contestant of which the most that a millimetre can cost is least. */
+/* The configuration of which the most that a millimetre can cost is least. */
 static struct range best_range(const struct plan *plan, int first, int count) {
     struct range best = {NULL, NAN, NAN};
     for (int c = 0; c < plan->configuration_count; c++) {
         const struct range range = range_of(plan->memo, first, count, &plan->configurations[c]);
-        if (range.contestant && (!best.contestant || range.most < best.most))
+        if (range.configuration && (!best.configuration || range.most < best.most))
             best = range;
     }
     return best;
@@ -213,7 +216,7 @@ static void state_price(struct statements *statements, const struct plan *plan, 
     const struct ladder *ladder = plan->memo;
     const struct cell *soft = &ladder->cell[first], *stiff = &ladder->cell[first + count - 1];
     const struct range best = best_range(plan, first, count);
-    char key[96], euler[160] = "";
+    char key[96], euler[160] = "", place[160] = "F";
     snprintf(key, sizeof key, "price, %s", soft->hair->name);
     struct statement row = {.key = key,
                             .figure = soft->hair->figure,
@@ -222,36 +225,36 @@ static void state_price(struct statements *statements, const struct plan *plan, 
                             .value = best.most / best.least};
     if (count < 2)
         return;
+    if (first > 0) /* the first kind is hair as the scene has it */
+        snprintf(place, sizeof place, "For %s, f", soft->hair->phrase);
     double grown = NAN;
     for (int c = 0; c < plan->configuration_count; c++)
         if (strcmp(plan->configurations[c].name, "euler") == 0) {
             const struct range range = range_of(ladder, first, count, &plan->configurations[c]);
-            grown = range.contestant ? range.most / range.least : INFINITY;
-            if (range.contestant)
-                snprintf(euler, sizeof euler, "; explicit Euler's grows %.3g times", grown);
+            grown = range.configuration ? range.most / range.least : INFINITY;
+            if (range.configuration)
+                snprintf(euler, sizeof euler, ", and explicit Euler up to %.2g times as much",
+                         grown);
             else
-                snprintf(euler, sizeof euler,
-                         "; explicit Euler does not reach it at every one of them");
+                snprintf(euler, sizeof euler, ", and explicit Euler does not always reach it");
         }
-    row.verdict = !best.contestant      ? NOT_REACHED
+    row.verdict = !best.configuration   ? NOT_REACHED
                   : !(row.value < flat) ? HOLDS_NOT
                   : grown < flat        ? TELLS_NOTHING
                                         : HOLDS;
-    if (!best.contestant)
+    if (!best.configuration)
         statements_add(statements, row,
                        "For %s no method reaches a millimetre at every stiffness from %g to %g N.",
                        soft->hair->phrase, soft->stiffness, stiff->stiffness);
     else
-        statements_add(
-            statements, row,
-            "For %s a millimetre costs %s %s from EA = %g to %g N: %.3g times as much at the "
-            "dearest as at the cheapest, by steps counted%s.",
-            soft->hair->phrase, best.contestant->name,
-            row.value < flat ? "the same" : "more at some stiffness", soft->stiffness,
-            stiff->stiffness, row.value, euler);
+        statements_add(statements, row,
+                       "%srom EA = %g to %g N a millimetre costs %s %s%.2g times its least%s.",
+                       place, soft->stiffness, stiff->stiffness, best.configuration->name,
+                       row.value < flat ? "about the same, at most " : "up to ", row.value, euler);
 }
 
-/* How far rigid segments are from the stiffest hair, of the cell before, by their tight solutions.
+/* How far rigid segments are from the stiffest hair, of the cell before, by their reference
+ * solutions.
  */
 static int state_rigid(struct statements *statements, struct plan *plan, int at) {
     const struct ladder *ladder = plan->memo;
@@ -274,12 +277,12 @@ static int state_rigid(struct statements *statements, struct plan *plan, int at)
                                                           : holds_if(apart <= LADDER_TARGET)};
     if (isnan(apart))
         statements_add(statements, row,
-                       "What rigid segments make of hair is not known: a tight "
+                       "What rigid segments make of hair is not known: a reference "
                        "solution failed.");
     else
         statements_add(statements, row,
-                       "Hair of rigid segments moves like hair of EA = %g N: %.2g mm (rms) apart.",
-                       ladder->cell[at - 1].stiffness, row.value);
+                       "Hair of rigid segments stays within %.2g mm (rms) of hair of EA = %g N.",
+                       row.value, ladder->cell[at - 1].stiffness);
     return code;
 }
 

@@ -14,38 +14,51 @@ static const char *limit_of(const struct search *s) {
                                                                              : "accuracy";
 }
 
+#define SEARCH_COLUMNS(X)                                                                          \
+    X("stretch_stiffness", "N", "EA of a wisp", "%g", cell->stiffness)                             \
+    X("zeta", "1", "damping of the highest stretch mode over critical", "%.17g", cell->damping)    \
+    CONFIGURATION_COLUMN(X, "method", s->configuration->name)                                      \
+    X("setting", "s or 1", "largest step, s, or rtol that reaches the target", "%.17g",            \
+      ladder_setting(plan, s, s->place.reached))                                                   \
+    X("missed_setting", "s or 1", "the next one tried, which does not", "%.17g",                   \
+      ladder_setting(plan, s, s->place.missed))                                                    \
+    X("error", "m", "error at setting, rms over free nodes and all frames", "%.17g", s->error)     \
+    X("missed_error", "m", "error at missed_setting, rms over free nodes and all frames", "%.17g", \
+      s->missed_error)                                                                             \
+    CPU_COLUMNS(X, &s->cost)                                                                       \
+    EVALUATIONS_COLUMN(X, &s->cost)                                                                \
+    STEPS_COLUMN(X, &s->cost)                                                                      \
+    X("status", "-", "reached, never or refused: what came of the search", "%s", status_of(s))     \
+    X("limit", "-", "failure or accuracy: what keeps the method from coarser settings", "%s",      \
+      limit_of(s))                                                                                 \
+    X("missed_outcome", "-", "how the run at missed_setting ended", "%s",                          \
+      s->place.missed >= 0 ? outcome_name(s->missed_outcome) : "none")                             \
+    X("missed_time", "s", "simulated time at which that failed", "%.17g", s->missed_time)          \
+    COUNTED_COLUMN(X, &s->cost)                                                                    \
+    X("hair", "-", "the kind of hair", "%s", cell->hair->name)                                     \
+    X("figure", "-", "in which it has a panel", "%s", cell->hair->figure)                          \
+    NOTE_COLUMN(X, s->note)
+
+static const char *status_of(const struct search *s) {
+    return s->refused ? outcome_name(REFUSED) : s->place.reached >= 0 ? "reached" : "never";
+}
+
 static void write_search(FILE *stream, const struct plan *plan, const struct search *s) {
     const struct ladder *ladder = plan->memo;
     const struct cell *cell = &ladder->cell[s->cell];
-    const double numbers[] = {ladder_setting(plan, s, s->place.reached),
-                              ladder_setting(plan, s, s->place.missed),
-                              s->error,
-                              s->missed_error,
-                              s->cost.cpu.median,
-                              s->cost.cpu.least,
-                              s->cost.cpu.greatest,
-                              s->cost.evaluations,
-                              s->cost.steps};
-    fprintf(stream, "%g\t%.17g\t%s", cell->stiffness, cell->damping, s->contestant->name);
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
-        fprintf(stream, "\t%.17g", numbers[i]);
-    fprintf(stream, "\t%s\t%s\t%s\t%.17g\t%.17g\t%s\t%s\t%s\n",
-            s->refused              ? outcome_name(REFUSED)
-            : s->place.reached >= 0 ? "reached"
-                                    : "never",
-            limit_of(s), s->place.missed >= 0 ? outcome_name(s->missed_outcome) : "none",
-            s->missed_time, s->cost.counted, cell->hair->name, cell->hair->figure, s->note);
+    WRITE_ROW(stream, SEARCH_COLUMNS);
 }
 
 const struct search *ladder_search(const struct ladder *ladder, int cell,
-                                   const struct configuration *contestant) {
+                                   const struct configuration *configuration) {
     for (int i = 0; i < ladder->count; i++)
-        if (ladder->search[i].cell == cell && ladder->search[i].contestant == contestant)
+        if (ladder->search[i].cell == cell && ladder->search[i].configuration == configuration)
             return &ladder->search[i];
     return NULL;
 }
 
-/* Rows of a method along the stiffness, of one kind of hair; blocks are parted by two blank lines.
+/* Rows of a method along the stiffness, of one kind of hair; blocks are separated by two blank
+ * lines.
  */
 static int write_ladder(const struct plan *plan, const char *folder, char *reason) {
     const struct ladder *ladder = plan->memo;
@@ -64,10 +77,7 @@ static int write_ladder(const struct plan *plan, const char *folder, char *reaso
         "note%s",
         LADDER_TARGET, plan->quick ? JITTERED_QUICK : JITTERED,
         plan->quick ? "; --quick: no real hair, the scene's damping, coarser brackets" : "");
-    if (open_table(&file, folder, "ladder", what, plan->subjects[0].scene,
-                   "stretch_stiffness\tzeta\tmethod\tsetting\tmissed_setting\terror\tmissed_error"
-                   "\tcpu_median\tcpu_least\tcpu_greatest\tforce_evaluations\tsteps\tstatus\tlimit"
-                   "\tmissed_outcome\tmissed_time\tcounted\thair\tfigure\tnote",
+    if (open_table(&file, folder, "ladder", what, plan->subjects[0].scene, COLUMNS(SEARCH_COLUMNS),
                    reason))
         return -1;
     for (int first = 0, next; first < ladder->cell_count; first = next) {
@@ -101,6 +111,18 @@ int ladder_is_apart(const struct search *a, const struct search *b) {
     return cost_is_less(&a->cost, &b->cost) || cost_is_less(&b->cost, &a->cost);
 }
 
+#define CROSSING_COLUMNS(X)                                                  \
+    X("hair", "-", "the kind of hair", "%s", ladder->cell[cell].hair->name)  \
+    X("cheaper_below", "-", "the method that is cheaper at below", "%s",     \
+      (first ? one : other)->name)                                           \
+    X("cheaper_above", "-", "the method that is cheaper at above", "%s",     \
+      (first ? other : one)->name)                                           \
+    X("below", "N", "the softer of the two stiffnesses", "%g", stiffness[0]) \
+    X("above", "N", "the stiffer one", "%g", stiffness[1])                   \
+    X("crossing", "N", "where both cost the same", "%.17g", at)              \
+    X("clear", "1", "1 where the two are tied at neither end", "%d",         \
+      ladder_is_apart(a[0], b[0]) && ladder_is_apart(a[1], b[1]))
+
 /* From this cell to the next. */
 static void write_crossing(FILE *stream, const struct ladder *ladder, int cell,
                            const struct configuration *one, const struct configuration *other) {
@@ -118,9 +140,7 @@ static void write_crossing(FILE *stream, const struct ladder *ladder, int cell,
     const int first = cost_a[0] < cost_b[0];
     const double at = ladder_crossing(stiffness, cost_a, cost_b);
     if (!isnan(at))
-        fprintf(stream, "%s\t%s\t%s\t%g\t%g\t%.17g\t%d\n", ladder->cell[cell].hair->name,
-                (first ? one : other)->name, (first ? other : one)->name, stiffness[0],
-                stiffness[1], at, ladder_is_apart(a[0], b[0]) && ladder_is_apart(a[1], b[1]));
+        WRITE_ROW(stream, CROSSING_COLUMNS);
 }
 
 static int write_crossings(const struct plan *plan, const char *folder, char *reason) {
@@ -132,8 +152,7 @@ static int write_crossings(const struct plan *plan, const char *folder, char *re
             "and the other at the next, by steps counted and the table of costs; crossing: where "
             "lines through both, in logarithms, meet; clear: at neither end are the two tied "
             "(within 1.4 times, or repeated times overlap)",
-            plan->subjects[0].scene,
-            "hair\tcheaper_below\tcheaper_above\tbelow\tabove\tcrossing\tclear", reason))
+            plan->subjects[0].scene, COLUMNS(CROSSING_COLUMNS), reason))
         return -1;
     for (int cell = 0; cell + 1 < ladder->cell_count; cell++)
         for (int a = 0; a < plan->configuration_count && ladder_goes_on(ladder, cell + 1); a++)

@@ -5,7 +5,8 @@
  *
  * Runge-Kutta 4 integrates every model at the same share of its own stability limit, the thesis's
  * recipe of the longest step that holds: what a model costs is what its stiffness makes it cost.
- * That the integrator has no part in the changes is seen from runs with half the step. */
+ * That the integrator has no part in the changes is seen from runs with half the step. At the end
+ * methods race on the smallest model (needs_race.c). */
 #include "needs.h"
 
 #include "base/files.h"
@@ -19,7 +20,7 @@
 
 static const char *const own_scenes[] = {"swing-envelope", "radii", "interactions", "wind"};
 static const double scatter = 1e-4;                   /* rms displacement of a perturbed start, m */
-static const double seconds = 220, quick_seconds = 3; /* of wall time, on two cores */
+static const double seconds = 120, quick_seconds = 3; /* of wall time, on two cores */
 
 /* --- its runs --- */
 
@@ -89,10 +90,11 @@ int needs_is_full(const struct study *study, enum thing thing, int option) {
 }
 
 static int add_single(struct plan *plan, struct study *study, enum thing thing, int option) {
+    const struct option chosen = study->menu.option[thing][option];
     struct variant *single = &study->single[study->singles++];
     *single = (struct variant){.choice = study->full.choice, .thing = thing};
     single->choice.of[thing] = option;
-    snprintf(single->name, sizeof single->name, "%s", study->menu.option[thing][option].name);
+    snprintf(single->name, sizeof single->name, "%s", chosen.name);
     return add_variant(plan, study, single);
 }
 
@@ -134,13 +136,14 @@ static int plan_rest(struct plan *plan, struct study *study) {
 
 /* CPU time of all runs of a study of this duration, s, roughly: most of them cost nearly as much as
  * the full model's, of which there are four more (two by half the step). */
+static const double race_share = 3; /* of the race: the smallest model's runs cost little */
 static double study_cost(struct plan *plan, const struct study *study, double duration) {
     const struct choice full = {{0}};
     const struct scene *scene = choose_scene(plan, study->subject, duration, &study->menu, &full);
     int singles = 0;
     for (int thing = 0; thing < THINGS; thing++)
         singles += study->menu.count[thing] - 1;
-    return scene ? (5 + 0.7 * singles) * model_seconds(scene) : NAN;
+    return scene ? (race_share + 5 + 0.7 * singles) * model_seconds(scene) : NAN;
 }
 
 /* The cheapest study that has no duration yet. */
@@ -154,7 +157,7 @@ static struct study *cheapest_study(struct needs *needs) {
     return cheapest;
 }
 
-/* What the cheaper scenes leave of the budget is the dearer ones'. */
+/* What the cheaper scenes leave of the budget is the costlier ones'. */
 static int share_budget(struct plan *plan, struct needs *needs) {
     const double cores = 2;
     double left = cores * (plan->quick ? quick_seconds : seconds);
@@ -177,22 +180,23 @@ static int share_budget(struct plan *plan, struct needs *needs) {
 
 static int needs_plan(struct plan *plan) {
     plan->run_seconds = 200;
-    if (plan->stepper_count > 0) {
-        snprintf(plan->reason, REASON_SIZE,
-                 "experiment needs compares models, not steppers; leave out --stepper");
-        return -1;
-    }
+    if (plan->stepper_count > 0)
+        return fail_with(plan->reason,
+                         "experiment needs compares models, not steppers; leave out --stepper");
     if (plan_subjects(plan, own_scenes, plan->quick ? 2 : 4))
         return -1;
-    struct needs *needs = plan->memo =
-        calloc(1, sizeof *needs + (size_t)plan->subject_count * sizeof *needs->study);
-    if (!needs) {
-        snprintf(plan->reason, REASON_SIZE, "out of memory");
+    if (plan_configurations(plan, CONFIGURATION_PLAIN, 0))
         return -1;
-    }
+    const size_t studies = (size_t)plan->subject_count, methods = (size_t)plan->configuration_count;
+    struct needs *needs = plan->memo = calloc(1, sizeof *needs + studies * sizeof *needs->study +
+                                                     studies * methods * sizeof(struct contender));
+    if (!needs)
+        return fail_with(plan->reason, "out of memory");
     for (; needs->count < plan->subject_count; needs->count++) {
         struct study *study = &needs->study[needs->count];
         study->subject = &plan->subjects[needs->count];
+        study->contender =
+            (struct contender *)(needs->study + studies) + (size_t)needs->count * methods;
         make_menu(&study->menu, study->subject->scene, plan->quick);
     }
     if (share_budget(plan, needs))
@@ -310,7 +314,7 @@ static enum thing worst_thing(const struct study *study) {
     enum thing worst = THINGS;
     for (int thing = 0; thing < THINGS; thing++)
         if (!needs_is_full(study, (enum thing)thing, choice->of[thing]) &&
-            !is_moot(&study->menu, choice, (enum thing)thing) &&
+            applies(&study->menu, choice, (enum thing)thing) &&
             (worst == THINGS || change_of(study, (enum thing)thing, choice->of[thing]) >
                                     change_of(study, worst, choice->of[worst])))
             worst = (enum thing)thing;
@@ -322,8 +326,8 @@ static int try_smallest(struct plan *plan, struct study *study) {
     if (worst_thing(study) == THINGS) {
         study->smallest = study->full;
         study->check[SMALLEST_HALF_STEP] = study->check[HALF_STEP];
-        study->phase = DONE;
-        return 0;
+        study->race_yardstick = study->check_case[HALF_STEP];
+        return needs_begin_race(plan, study);
     }
     study->phase = COMBINING;
     study->tried++;
@@ -336,7 +340,7 @@ static int try_smallest(struct plan *plan, struct study *study) {
  * that is a larger part of a shorter segment. */
 static int settle_full(struct plan *plan, struct study *study) {
     struct variant *full = &study->full;
-    const char *nodes = study->menu.option[NODES][full->choice.of[NODES]].name;
+    const struct option nodes = study->menu.option[NODES][full->choice.of[NODES]];
     struct run_files run;
     if (run_read_states(&run, plan->cases[full->at].run.folder, plan->trajectories, plan->reason))
         return -1;
@@ -347,8 +351,10 @@ static int settle_full(struct plan *plan, struct study *study) {
     if (full->fate == CHANGED)
         return plan_rest(plan, study);
     const size_t used = strlen(study->note);
-    snprintf(study->note + used, sizeof study->note - used, "%s%s: %.60s", used ? "; " : "", nodes,
-             full->note);
+    char why[61];
+    snprintf(why, sizeof why, "%.60s", full->note);
+    snprintf(study->note + used, sizeof study->note - used, "%s%s: %s", used ? "; " : "",
+             nodes.name, why);
     if (full->choice.of[NODES] + 1 == study->menu.count[NODES]) {
         study->phase = DONE;
         return 0;
@@ -390,8 +396,8 @@ static int check_smallest(struct plan *plan, struct study *study) {
         return -1;
     const int code = judge_check(plan, study, &smallest, SMALLEST_HALF_STEP);
     run_free(&smallest);
-    study->phase = DONE;
-    return code;
+    study->race_yardstick = study->check_case[SMALLEST_HALF_STEP];
+    return code ? -1 : needs_begin_race(plan, study);
 }
 
 static int refine_study(struct plan *plan, struct study *study) {
@@ -402,6 +408,8 @@ static int refine_study(struct plan *plan, struct study *study) {
         return settle_full(plan, study);
     if (study->phase == CHECKING)
         return check_smallest(plan, study);
+    if (study->phase == RACING)
+        return needs_go_on_racing(plan, study);
     if (run_read_states(&full, plan->cases[study->full.at].run.folder, plan->trajectories,
                         plan->reason))
         return -1;
@@ -424,9 +432,11 @@ static int needs_refine(struct plan *plan) {
 const struct experiment needs_experiment = {
     .name = "needs",
     .question = "what must be modelled in a scene, and what does leaving out the rest save?",
+    .chapter = CHAPTER_MODEL,
     .place = 3,
+    .headline = "smallest model",
     .quick_seconds = 5,
-    .full_seconds = 220,
+    .full_seconds = 120,
     .answers = 1u << ANSWERS_NEEDS,
     .plan = needs_plan,
     .refine = needs_refine,

@@ -29,7 +29,17 @@ enum { VARIANTS_MAX = 2 + THINGS * CHOICES, CHECKS = 4 };
  * error, and what a perturbation makes of it; and half the step for the smallest model. */
 enum check { HALF_STEP, PERTURBED, SCATTERED, SMALLEST_HALF_STEP };
 
-enum phase { FULL, SINGLES, COMBINING, CHECKING, DONE };
+enum phase { FULL, SINGLES, COMBINING, CHECKING, RACING, DONE };
+
+/* A method on the smallest model, at the setting that was tried last: a step, s, or an rtol. */
+struct contender {
+    const struct configuration *method;
+    int place;             /* from the coarsest setting on */
+    double setting, error; /* s or 1; rms over curves and frames, m */
+    int at;                /* its case in the plan */
+    int reached, over;     /* it is near enough; no more runs are made */
+    struct cost cost;
+};
 
 struct study {
     const struct subject *subject;
@@ -43,6 +53,16 @@ struct study {
     double horizon;       /* s; NaN: a run did not finish */
     int tried;            /* combinations */
     enum phase phase;
+
+    /* the race on the smallest model */
+    const struct scene *race_scene;
+    enum wisp_treatment race_treatment;
+    int race_yardstick; /* the case that errors are from */
+    double cheapest;    /* s, counted: more is not tried */
+    struct contender
+        *contender; /* in the memo, one for each of the plan's configurations at most */
+    int contenders;
+
     char note[REASON_SIZE]; /* why there is no answer, or the full model is no finer */
 };
 
@@ -57,6 +77,19 @@ int needs_is_full(const struct study *study, enum thing thing, int option);
 /* The change that cannot be told from what a perturbation makes, m. */
 double needs_noise(const struct study *study);
 int needs_is_near(const struct study *study, const struct variant *variant);
+
+/* --- needs_race.c: 0, or -1 with plan->reason --- */
+
+/* Plans the first runs of the methods on the smallest model, whose own run is judged; errors are
+ * from study->race_yardstick. */
+int needs_begin_race(struct plan *plan, struct study *study);
+
+/* Takes what their last runs have shown, and plans the next ones. */
+int needs_go_on_racing(struct plan *plan, struct study *study);
+
+/* The cheapest method that is near enough, by steps counted; NULL: none is cheaper than rk4 at its
+ * longest step. */
+const struct contender *needs_winner(const struct study *study);
 
 /* tabulate of struct experiment. */
 int needs_tabulate(struct plan *plan, const char *folder);

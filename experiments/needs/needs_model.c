@@ -2,6 +2,7 @@
 
 #include "base/vector.h"
 #include "experiments/common/measure.h"
+#include "experiments/common/sets.h"
 #include "model/model.h"
 #include "model/problems.h"
 #include "scene/scene_detail.h"
@@ -14,9 +15,10 @@
 /* --- what can be chosen --- */
 
 const char *const thing_names[THINGS] = {
-    "nodes",     "envelope",          "bending law",       "stretching",
-    "treatment", "body contact rate", "wisp contact rate", "wisp contact",
-    "bodies",    "style field",       "subdivision"};
+#define Y(X, symbol, name, meaning) name,
+    EACH_THING(Y, )
+#undef Y
+};
 
 double value_of(const struct menu *menu, const struct choice *choice, enum thing thing) {
     return menu->option[thing][choice->of[thing]].value;
@@ -90,6 +92,18 @@ static void add_rates(struct menu *menu, enum thing thing, double rate, int coun
                    thing == COLLISION_RATE ? "bodies" : "wisps", ldexp(rate, 1 - i));
 }
 
+/* At ticks, or by penalty of a frequency that little hair is too fast for; bodies that push already
+ * are left as they are. */
+static void add_bodies(struct menu *menu, const struct scene *scene) {
+    const int there = scene_tick_bodies(scene) > 0;
+    add_option(menu, BODIES, there ? AT_TICKS : 0, "%s", thing_names[BODIES]);
+    if (!there)
+        return;
+    add_option(menu, BODIES, 100, "bodies by penalty, 100 Hz");
+    add_option(menu, BODIES, 30, "bodies by penalty, 30 Hz");
+    add_option(menu, BODIES, 0, "no bodies");
+}
+
 static void add_switch(struct menu *menu, enum thing thing, int there, const char *off) {
     add_option(menu, thing, there, "%s", thing_names[thing]);
     if (there)
@@ -112,40 +126,24 @@ void make_menu(struct menu *menu, const struct scene *scene, int quick) {
     add_bending(menu, scene);
     add_stretching(menu, scene);
     add_treatments(menu, scene);
-    add_rates(menu, COLLISION_RATE, scene->collision_rate, scene->body_count > 0 ? 4 : 1);
+    add_rates(menu, COLLISION_RATE, scene->collision_rate, scene_tick_bodies(scene) > 0 ? 4 : 1);
     add_rates(menu, INTERACTION_RATE, scene->interaction.rate, touches || splits ? 3 : 1);
     add_switch(menu, INTERACTIONS, touches, "no wisp contact");
-    add_switch(menu, BODIES, scene->body_count > 0, "no bodies");
+    add_bodies(menu, scene);
     add_switch(menu, STYLE, scene->around.style.knots > 0, "no style field");
     add_switch(menu, SPLITS, splits, "no subdivision");
 }
 
-int is_moot(const struct menu *menu, const struct choice *choice, enum thing thing) {
+int applies(const struct menu *menu, const struct choice *choice, enum thing thing) {
     const int bare = value_of(menu, choice, ENVELOPE) == 0;
     const int untouched = bare || value_of(menu, choice, INTERACTIONS) == 0;
     const int whole = bare || value_of(menu, choice, SPLITS) == 0;
-    return (bare && (thing == TREATMENT || thing == INTERACTIONS || thing == SPLITS)) ||
-           (untouched && whole && thing == INTERACTION_RATE) ||
-           (value_of(menu, choice, BODIES) == 0 && thing == COLLISION_RATE);
+    return !(bare && (thing == TREATMENT || thing == INTERACTIONS || thing == SPLITS)) &&
+           !(untouched && whole && thing == INTERACTION_RATE) &&
+           !(value_of(menu, choice, BODIES) != AT_TICKS && thing == COLLISION_RATE);
 }
 
 /* --- its scene --- */
-
-enum { SETS_MAX = 12, SET_SIZE = 96 };
-struct sets {
-    int count;
-    char text[SETS_MAX][SET_SIZE];
-    const char *list[SETS_MAX];
-};
-
-static void __attribute__((format(printf, 2, 3))) set(struct sets *sets, const char *format, ...) {
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(sets->text[sets->count], SET_SIZE, format, arguments);
-    va_end(arguments);
-    sets->list[sets->count] = sets->text[sets->count];
-    sets->count++;
-}
 
 /* Without bodies there are no ticks of them: nothing is put out, nor are samples that would be
  * nearer to their node than a thousandth of the radius, which bodies bring about. */
@@ -155,14 +153,14 @@ static void set_contacts(struct sets *sets, const struct scene *own, const struc
     const int touch =
         value_of(menu, choice, INTERACTIONS) != 0 && value_of(menu, choice, ENVELOPE) > 0;
     if (!json_object_get(own->source, "contacts"))
-        set(sets, "contacts={ interpenetration = false; collision = false; }");
-    if (own->body_count > 0)
-        set(sets, "contacts.collision_rate=%.17e",
-            bodies ? value_of(menu, choice, COLLISION_RATE) : 0);
-    set(sets, "contacts.interaction_rate=%.17e", value_of(menu, choice, INTERACTION_RATE));
+        set_add(sets, "contacts={ interpenetration = false; collision = false; }");
+    if (scene_tick_bodies(own) > 0)
+        set_add(sets, "contacts.collision_rate=%.17e",
+                bodies ? value_of(menu, choice, COLLISION_RATE) : 0);
+    set_add(sets, "contacts.interaction_rate=%.17e", value_of(menu, choice, INTERACTION_RATE));
     if (!touch) {
-        set(sets, "contacts.interpenetration=false");
-        set(sets, "contacts.collision=false");
+        set_add(sets, "contacts.interpenetration=false");
+        set_add(sets, "contacts.collision=false");
     }
 }
 
@@ -171,24 +169,27 @@ const struct scene *choose_scene(struct plan *plan, const struct subject *subjec
     static const char *const laws[] = {"none", "skip", "hinge"};
     struct sets sets = {0};
     const struct scene *own = subject->scene;
-    set(&sets, "frame_rate=%.17e", own->frame_rate);
-    set(&sets, "duration=%.17e", duration);
-    set(&sets, "material.bending=\"%s\"", laws[(int)value_of(menu, choice, BENDING)]);
+    set_add(&sets, "frame_rate=%.17e", own->frame_rate);
+    set_add(&sets, "duration=%.17e", duration);
+    set_add(&sets, "material.bending=\"%s\"", laws[(int)value_of(menu, choice, BENDING)]);
     if (value_of(menu, choice, STRETCHING) == STRETCH_RIGID)
-        set(&sets, "material.stretch=rigid");
+        set_add(&sets, "material.stretch=rigid");
     set_contacts(&sets, own, menu, choice);
     if (own->around.style.knots > 0 && value_of(menu, choice, STYLE) == 0)
-        set(&sets, "style={ times = [0.0]; accelerations = ([0.0, 0.0, 0.0]); }");
+        set_add(&sets, "style={ times = [0.0]; accelerations = ([0.0, 0.0, 0.0]); }");
     if (scene_splits(own) && value_of(menu, choice, SPLITS) == 0)
-        set(&sets, "subdivision.limit=%d", own->wisp_count);
+        set_add(&sets, "subdivision.limit=%d", own->wisp_count);
     errno = 0;
-    return plan_scene_detail(plan, subject->source, sets.list, sets.count,
-                             value_of(menu, choice, NODES), (int)value_of(menu, choice, ENVELOPE));
+    const double bodies = value_of(menu, choice, BODIES);
+    const struct scene *scene =
+        plan_scene_detail(plan, subject->source, sets.list, sets.count,
+                          value_of(menu, choice, NODES), (int)value_of(menu, choice, ENVELOPE));
+    return bodies > AT_TICKS ? plan_push_bodies(plan, scene, bodies) : scene;
 }
 
 /* --- its steps --- */
 
-/* Of the free part of a wisp, N. */
+/* The weight of the free part of a wisp, N. */
 static double weight_of(const struct scene *scene, const struct wisp *wisp) {
     double mass = 0;
     for (int i = 2; i < wisp->nodes; i++)
@@ -196,33 +197,59 @@ static double weight_of(const struct scene *scene, const struct wisp *wisp) {
     return mass * vector_length(scene->around.gravity);
 }
 
-/* The longest step that linear theory allows Runge-Kutta 4, times the share, s. The highest mode of
- * a wisp's stretch and bending springs together is below that of both added up: w^2 = 4 k/m for a
- * chain of springs k, also for springs over every second node; a hinge of energy kappa/2 phi^2
- * pulls with at most 16 kappa/l^2. Rigid segments have no such mode; the stiffest that they leave
- * is that of nodes across a chain under tension T, w^2 = 4 T/(m l), taken with five times the
- * weight of the free part: a pendulum let go from the horizontal pulls with three times its own. */
+/* A mode that the stiffest of the bodies holds besides: stiffnesses and dampings add up. */
+static struct mode mode_against_bodies(const struct scene *scene, struct mode mode) {
+    double square = 0, damping = 0;
+    for (int b = 0; b < scene->around.pushing_count; b++) {
+        const double omega = 2 * acos(-1) * scene->around.pushing[b].frequency;
+        square = fmax(square, omega * omega);
+        damping = fmax(damping, 2 * scene->around.pushing[b].damping_ratio * omega);
+    }
+    const double own = mode.frequency * mode.frequency, all = own + square;
+    return (struct mode){sqrt(all), (mode.damping_time * own + damping) / all};
+}
+
+/* The highest mode of a wisp's stretch and bending springs together is below that of both added up:
+ * w^2 = 4 k/m for a chain of springs k, also for springs over every second node; a hinge of energy
+ * kappa/2 phi^2 pulls with at most 16 kappa/l^2. Rigid segments have no such mode; the stiffest
+ * that they leave is that of nodes across a chain under tension T, w^2 = 4 T/(m l), taken with five
+ * times the weight of the free part: a pendulum let go from the horizontal pulls with three times
+ * its own.
+ */
+static struct mode highest_mode(const struct scene *scene, const struct wisp *wisp) {
+    const double l = wisp_spacing(wisp), mass = wisp_node_mass(wisp, 2);
+    const double stretch = 4 * wisp_stretch_constant(wisp),
+                 bending = wisp->bending == BENDING_NONE ? 0
+                           : wisp->bending == BENDING_SKIP
+                               ? 4 * wisp_bending_constant(wisp)
+                               : 16 * wisp_bending_constant(wisp) / (l * l);
+    const double tight = wisp->stretch == STRETCH_RIGID ? 4 * 5 * weight_of(scene, wisp) / l : 0;
+    const double all = stretch + bending + tight;
+    const struct mode mode = {
+        sqrt(all / mass),
+        all > 0 ? (stretch * wisp->stretch_time + bending * wisp->bending_time) / all : 0};
+    return scene->around.pushing_count > 0 ? mode_against_bodies(scene, mode) : mode;
+}
+
+/* The longest step that linear theory allows Runge-Kutta 4, times the share, s. */
 double recipe_step(const struct scene *scene) {
     const struct stepper_method *rk4 = stepper_find("rk4");
     double step = 1 / scene->frame_rate;
     for (int w = 0; w < scene->wisp_count; w++) {
-        const struct wisp *wisp = &scene->wisps[w];
-        const double l = wisp_spacing(wisp), mass = wisp_node_mass(wisp, 2);
-        const double stretch = 4 * wisp_stretch_constant(wisp),
-                     bending = wisp->bending == BENDING_NONE ? 0
-                               : wisp->bending == BENDING_SKIP
-                                   ? 4 * wisp_bending_constant(wisp)
-                                   : 16 * wisp_bending_constant(wisp) / (l * l);
-        const double tight =
-            wisp->stretch == STRETCH_RIGID ? 4 * 5 * weight_of(scene, wisp) / l : 0;
-        const double all = stretch + bending + tight;
-        const struct mode mode = {
-            sqrt(all / mass),
-            all > 0 ? (stretch * wisp->stretch_time + bending * wisp->bending_time) / all : 0};
+        const struct mode mode = highest_mode(scene, &scene->wisps[w]);
         while (step > 1e-9 && !is_stable(rk4, &mode, step))
             step *= 0.99;
     }
     return STABILITY_SHARE * step;
+}
+
+int may_hold(const struct scene *scene, const struct stepper_method *method, double step) {
+    int holds = 1;
+    for (int w = 0; w < scene->wisp_count && stepper_is_predictable(method); w++) {
+        const struct mode mode = highest_mode(scene, &scene->wisps[w]);
+        holds &= is_stable(method, &mode, step / 2);
+    }
+    return holds;
 }
 
 /* Runge-Kutta 4 with contacts and diagnoses, per step and unknown of a scene's wisps; one wisp

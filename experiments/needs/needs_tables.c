@@ -12,7 +12,7 @@
  * without a meaning. */
 static const char *chosen(const struct study *study, const struct choice *choice,
                           enum thing thing) {
-    const int there = study->menu.count[thing] > 1 && !is_moot(&study->menu, choice, thing);
+    const int there = study->menu.count[thing] > 1 && applies(&study->menu, choice, thing);
     return there ? study->menu.option[thing][choice->of[thing]].name : "-";
 }
 
@@ -47,18 +47,26 @@ static double cost_ratio(const struct study *study, const struct variant *varian
     return variant->fate == CHANGED ? variant->cost.cpu.median / study->full.cost.cpu.median : NAN;
 }
 
+#define VARIANT_COLUMNS(X)                                                                        \
+    SCENE_COLUMN(X, study->subject->name)                                                         \
+    X("thing", "-", "thing that is otherwise than in the full model", "%s", thing)                \
+    X("option", "-", "how that thing is", "%s", name)                                             \
+    X("change_rms", "m", "distance from the full model, rms over curves and frames", "%.17g",     \
+      variant->change.rms)                                                                        \
+    X("change_largest", "m", "the largest distance", "%.17g", variant->change.largest)            \
+    X("change_end", "m", "distance at the last frame, rms", "%.17g", variant->change.end)         \
+    CPU_COLUMNS(X, &variant->cost)                                                                \
+    X("cost_ratio", "1", "cpu_median over the full model's", "%.17g", cost_ratio(study, variant)) \
+    X("step", "s", "step of rk4", "%.17g", variant->step)                                         \
+    X("verdict", "-", "whether the thing is needed", "%s", verdict_of(study, variant))            \
+    X("model", "-", "the whole model", "%s", options)                                             \
+    NOTE_COLUMN(X, variant->note)
+
 static void write_variant(FILE *stream, const struct study *study, const char *thing,
                           const char *name, const struct variant *variant) {
-    const double numbers[] = {variant->change.rms,        variant->change.largest,
-                              variant->change.end,        variant->cost.cpu.median,
-                              variant->cost.cpu.least,    variant->cost.cpu.greatest,
-                              cost_ratio(study, variant), variant->step};
-    fprintf(stream, "%s\t%s\t%s", study->subject->name, thing, name);
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
-        fprintf(stream, "\t%.17g", numbers[i]);
     char options[REASON_SIZE];
     describe(study, &variant->choice, ALL, options);
-    fprintf(stream, "\t%s\t%s\t%s\n", verdict_of(study, variant), options, variant->note);
+    WRITE_ROW(stream, VARIANT_COLUMNS);
 }
 
 static int write_needs(const struct plan *plan, const char *folder, char *reason) {
@@ -77,9 +85,7 @@ static int write_needs(const struct plan *plan, const char *folder, char *reason
              "together that smallest.tsv says; nan: the run failed or there was none, see note",
              STABILITY_SHARE, NEEDS_TARGET);
     if (open_table(&file, folder, "needs", what, needs->study[0].subject->scene,
-                   "scene\tthing\toption\tchange_rms\tchange_largest\tchange_end\tcpu_median"
-                   "\tcpu_least\tcpu_greatest\tcost_ratio\tstep\tverdict\tmodel\tnote",
-                   reason))
+                   COLUMNS(VARIANT_COLUMNS), reason))
         return -1;
     for (int i = 0; i < needs->count; i++) {
         const struct study *study = &needs->study[i];
@@ -96,34 +102,53 @@ static int write_needs(const struct plan *plan, const char *folder, char *reason
     return atomic_commit(&file, reason);
 }
 
-static void write_smallest(FILE *stream, const struct study *study) {
-    const int answered = study->full.fate == CHANGED;
-    const double numbers[] = {study->duration,
-                              study->subject->scene->duration,
-                              study->smallest.change.rms,
-                              study->smallest.change.largest,
-                              cost_ratio(study, &study->smallest),
-                              study->own.change.rms,
-                              cost_ratio(study, &study->own),
-                              study->check[HALF_STEP],
-                              study->check[SMALLEST_HALF_STEP],
-                              study->check[PERTURBED],
-                              study->check[SCATTERED],
-                              study->horizon};
-    fprintf(stream, "%s", study->subject->name);
-    for (int thing = 0; thing < THINGS; thing++)
-        fprintf(stream, "\t%s",
-                answered ? chosen(study, &study->smallest.choice, (enum thing)thing) : "-");
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
-        fprintf(stream, "\t%.17g", i < 2 || answered ? numbers[i] : NAN);
-    fprintf(stream, "\t%d\t%s\n", study->tried, study->note);
+/* What there is only of a scene whose full model could be run. */
+static double answer(const struct study *study, double number) {
+    return study->full.fate == CHANGED ? number : (double)NAN;
 }
+
+static const char *option_of(const struct study *study, enum thing thing) {
+    return study->full.fate == CHANGED ? chosen(study, &study->smallest.choice, thing) : "-";
+}
+
+#define THING_COLUMN(X, symbol, name, meaning) X(name, "-", meaning, "%s", option_of(study, symbol))
+#define ANSWER_COLUMN(X, name, unit, meaning, number) \
+    X(name, unit, meaning, "%.17g", answer(study, number))
+#define SMALLEST_COLUMNS(X)                                                                        \
+    SCENE_COLUMN(X, study->subject->name)                                                          \
+    EACH_THING(THING_COLUMN, X)                                                                    \
+    X("compared", "s", "time that was run", "%.17g", study->duration)                              \
+    X("duration", "s", "duration of the scene", "%.17g", study->subject->scene->duration)          \
+    ANSWER_COLUMN(X, "change_rms", "m",                                                            \
+                  "distance from the full model, rms over curves and frames",                      \
+                  study->smallest.change.rms)                                                      \
+    ANSWER_COLUMN(X, "change_largest", "m", "the largest distance",                                \
+                  study->smallest.change.largest)                                                  \
+    ANSWER_COLUMN(X, "cost_ratio", "1", "CPU time over the full model's",                          \
+                  cost_ratio(study, &study->smallest))                                             \
+    ANSWER_COLUMN(X, "own_change_rms", "m", "distance of the scene as it is, rms",                 \
+                  study->own.change.rms)                                                           \
+    ANSWER_COLUMN(X, "own_cost_ratio", "1",                                                        \
+                  "CPU time of the scene as it is over the full model's",                          \
+                  cost_ratio(study, &study->own))                                                  \
+    ANSWER_COLUMN(X, "step_full", "m", "what half the step changes in the full model, rms",        \
+                  study->check[HALF_STEP])                                                         \
+    ANSWER_COLUMN(X, "step_smallest", "m",                                                         \
+                  "what half the step changes in the smallest model, rms",                         \
+                  study->check[SMALLEST_HALF_STEP])                                                \
+    ANSWER_COLUMN(X, "perturbed", "m", "what a start 1e-10 m away changes in the full model, rms", \
+                  study->check[PERTURBED])                                                         \
+    ANSWER_COLUMN(X, "scattered", "m", "what a start 1e-4 m away changes in the full model, rms",  \
+                  study->check[SCATTERED])                                                         \
+    ANSWER_COLUMN(X, "horizon", "s", "time until starts 1e-10 m apart are 1 mm apart",             \
+                  study->horizon)                                                                  \
+    X("tried", "1", "combinations that were tried", "%d", study->tried)                            \
+    NOTE_COLUMN(X, study->note)
 
 static int write_answers(const struct plan *plan, const char *folder, char *reason) {
     const struct needs *needs = plan->memo;
     struct atomic_file file;
-    char what[1024], columns[512];
-    int used = snprintf(columns, sizeof columns, "scene");
+    char what[1024];
     snprintf(what, sizeof what,
              "the smallest model within %g m of the full one, or within what perturbed starts "
              "make: found by leaving out all that alone is near enough, and taking back the worst "
@@ -133,17 +158,49 @@ static int write_answers(const struct plan *plan, const char *folder, char *reas
              "horizon: of the former's nodes, s; tried: combinations; nan: the run failed or there "
              "was none, see note",
              NEEDS_TARGET);
-    for (int thing = 0; thing < THINGS; thing++)
-        used += snprintf(columns + used, sizeof columns - (size_t)used, "\t%s", thing_names[thing]);
-    snprintf(columns + used, sizeof columns - (size_t)used,
-             "\tcompared\tduration\tchange_rms\tchange_largest\tcost_ratio\town_change_rms"
-             "\town_cost_ratio\tstep_full\tstep_smallest\tperturbed\tscattered\thorizon\ttried"
-             "\tnote");
-    if (open_table(&file, folder, "smallest", what, needs->study[0].subject->scene, columns,
-                   reason))
+    if (open_table(&file, folder, "smallest", what, needs->study[0].subject->scene,
+                   COLUMNS(SMALLEST_COLUMNS), reason))
         return -1;
-    for (int i = 0; i < needs->count; i++)
-        write_smallest(file.stream, &needs->study[i]);
+    for (int i = 0; i < needs->count; i++) {
+        const struct study *study = &needs->study[i];
+        WRITE_ROW(file.stream, SMALLEST_COLUMNS);
+    }
+    return atomic_commit(&file, reason);
+}
+
+#define CONTENDER_COLUMNS(X)                                                                   \
+    SCENE_COLUMN(X, study->subject->name)                                                      \
+    METHOD_COLUMNS(X, one->method)                                                             \
+    X("setting", "s or 1", "step, s, or rtol", "%.17g", one->setting)                          \
+    X("error", "m", "distance from rk4 at half the step, rms over curves and frames", "%.17g", \
+      one->error)                                                                              \
+    X("reached", "1", "1 where it is near enough", "%d", one->reached)                         \
+    COUNTED_COLUMN(X, &one->cost)                                                              \
+    X("cost_ratio", "1", "counted over that of rk4 at its longest step", "%.17g",              \
+      one->cost.counted / study->smallest.cost.counted)                                        \
+    X("best", "1", "1 for the cheapest that is near enough", "%d", one == needs_winner(study))
+
+static int write_methods(const struct plan *plan, const char *folder, char *reason) {
+    const struct needs *needs = plan->memo;
+    struct atomic_file file;
+    if (open_table(
+            &file, folder, "methods",
+            "methods on each scene's smallest model (smallest.tsv), from long steps to the first "
+            "that is near enough, or to where another that is would be cheaper; setting: step, s, "
+            "or rtol of methods that choose their steps; error: from rk4 at half of the step that "
+            "the model is judged with, rms over curves and frames, m; reached: whether it is "
+            "within 1e-3 m, or what perturbed starts do; counted: what the table of costs makes of "
+            "its steps, s; cost_ratio: over that of rk4 at its longest step; nan: it failed or was "
+            "not run",
+            needs->study[0].subject->scene, COLUMNS(CONTENDER_COLUMNS), reason))
+        return -1;
+    for (int i = 0; i < needs->count; i++) {
+        const struct study *study = &needs->study[i];
+        for (int k = 0; k < study->contenders; k++) {
+            const struct contender *one = &study->contender[k];
+            WRITE_ROW(file.stream, CONTENDER_COLUMNS);
+        }
+    }
     return atomic_commit(&file, reason);
 }
 
@@ -166,14 +223,15 @@ static void state_smallest(struct statements *statements, const struct study *st
     describe(study, &study->smallest.choice, OTHER, enough);
     row.value = study->tried ? change : NAN;
     if (study->tried == 0)
-        statements_add(statements, row,
-                       "%s needs all of its full model: nothing less is within %g mm of it (%s).",
-                       scene, 1e3 * NEEDS_TARGET, needed);
+        statements_add(
+            statements, row,
+            "%s needs all of its full model, for nothing less is within %g mm of it (%s).", scene,
+            1e3 * NEEDS_TARGET, needed);
     else
         statements_add(statements, row,
-                       "%s needs %s, and does with %s: %.2g mm (rms) from its full model, "
-                       "for %.2g of its CPU time.",
-                       scene, needed, enough, change, cost_ratio(study, &study->smallest));
+                       "%s needs %s; with %s for the rest it is %.2g mm (rms) from its full model, "
+                       "for %.2g %% of its CPU time.",
+                       scene, needed, enough, change, 100 * cost_ratio(study, &study->smallest));
     row = row_of(study, "as it is", key);
     row.answers = ANSWERS_NEEDS;
     row.value = 1e3 * study->own.change.rms;
@@ -182,11 +240,38 @@ static void state_smallest(struct statements *statements, const struct study *st
     if (row.verdict == NOT_REACHED)
         statements_add(statements, row, "As it is, %s did not reach its end.", scene);
     else
-        statements_add(
-            statements, row,
-            "As it is, %s is near its full model: %.2g mm (rms) from it, for %.2g of its "
-            "CPU time.",
-            scene, row.value, cost_ratio(study, &study->own));
+        statements_add(statements, row,
+                       "As its file has it, %s is %.2g mm (rms) from its full model, for %.2g %% "
+                       "of its CPU time.",
+                       scene, row.value, 100 * cost_ratio(study, &study->own));
+}
+
+static void state_method(struct statements *statements, const struct study *study) {
+    const struct contender *winner = needs_winner(study);
+    const char *scene = study->subject->name;
+    char key[128], setting[64];
+    struct statement row = row_of(study, "method", key);
+    row.answers = ANSWERS_NEEDS;
+    row.tables = "smallest methods";
+    row.unit = "1";
+    row.value = NAN;
+    if (!winner) {
+        row.verdict = NOT_REACHED;
+        statements_add(statements, row,
+                       "No method computes the smallest model of %s for less than rk4 at its "
+                       "longest step.",
+                       scene);
+        return;
+    }
+    row.value = winner->cost.counted / study->smallest.cost.counted;
+    if (configuration_is_adaptive(winner->method))
+        snprintf(setting, sizeof setting, "rtol %.2g", winner->setting);
+    else
+        snprintf(setting, sizeof setting, "steps of %.2g ms", 1e3 * winner->setting);
+    statements_add(statements, row,
+                   "The cheapest method for the smallest model of %s is %s with %s, %.2g mm (rms) "
+                   "from its motion for %.2g times the cost of rk4 at its longest step.",
+                   scene, winner->method->name, setting, 1e3 * winner->error, row.value);
 }
 
 /* How far the differences between models can be trusted. */
@@ -203,8 +288,8 @@ static void state_trust(struct statements *statements, const struct study *study
         statements_add(statements, row, "What steps make of %s is not known: a run failed.", scene);
     else
         statements_add(statements, row,
-                       "On %s these differences are the models' alone: steps make %.1g mm.", scene,
-                       row.value);
+                       "On %s steps make %.1g mm of these differences, and the models the rest.",
+                       scene, row.value);
     row = row_of(study, "starts", key);
     row.value = 1e3 * needs_noise(study);
     row.verdict = isnan(row.value) ? NOT_REACHED : holds_if(row.value <= 1e3 * NEEDS_TARGET);
@@ -213,10 +298,10 @@ static void state_trust(struct statements *statements, const struct study *study
                        scene);
     else
         statements_add(statements, row,
-                       "On %s models can be told apart by %g mm: starts that differ by 1e-10 m "
-                       "make %.1g mm, by 0.1 mm %.1g mm.",
-                       scene, 1e3 * NEEDS_TARGET, 1e3 * study->check[PERTURBED],
-                       1e3 * study->check[SCATTERED]);
+                       "On %s starts that differ by 1e-10 m make %.1g mm, and by 0.1 mm %.1g mm, "
+                       "against the %g mm by which models are told apart.",
+                       scene, 1e3 * study->check[PERTURBED], 1e3 * study->check[SCATTERED],
+                       1e3 * NEEDS_TARGET);
 }
 
 static void state_study(struct statements *statements, const struct study *study) {
@@ -227,11 +312,12 @@ static void state_study(struct statements *statements, const struct study *study
     row.verdict = NOT_REACHED;
     if (study->full.fate != CHANGED) {
         row.answers = ANSWERS_NEEDS;
-        statements_add(statements, row, "%s has no answer, for its full model's runs fail: %s.",
+        statements_add(statements, row, "%s has no answer, for its full model's runs fail (%s).",
                        scene, study->note);
         return;
     }
     state_smallest(statements, study);
+    state_method(statements, study);
     state_trust(statements, study);
     if (study->note[0])
         statements_add(statements, row, "%s has no finer full model, for with %s.", scene,
@@ -249,11 +335,13 @@ static void state_study(struct statements *statements, const struct study *study
 int needs_tabulate(struct plan *plan, const char *folder) {
     const struct needs *needs = plan->memo;
     struct statements statements;
-    if (statements_open(&statements, folder, NULL, NULL, plan->reason))
+    if (plan_open_statements(plan, &statements, folder, NULL, NULL, plan->reason))
         return -1;
-    const int code =
-        write_needs(plan, folder, plan->reason) || write_answers(plan, folder, plan->reason) ? -1
-                                                                                             : 0;
+    const int code = write_needs(plan, folder, plan->reason) ||
+                             write_answers(plan, folder, plan->reason) ||
+                             write_methods(plan, folder, plan->reason)
+                         ? -1
+                         : 0;
     for (int i = 0; i < needs->count && !code; i++)
         state_study(&statements, &needs->study[i]);
     return statements_close(&statements, code, plan->reason);

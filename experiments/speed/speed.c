@@ -3,8 +3,9 @@
  * what a step of each method costs, how cost grows with wisps, nodes, samples and threads, and what
  * others need for the same.
  *
- * The runs find the longest step with which a method is exact enough; they write states, and so
- * their times are no one's speed. What they found is choices.tsv, which the measurement reads. */
+ * The runs find the longest step, or the loosest tolerance, with which a method is exact enough;
+ * they write states, and so their times are no one's speed. What they found is choices.tsv, which
+ * the measurement reads. */
 #include "experiments/common/bench.h"
 #include "experiments/common/search.h"
 #include "model/problems.h"
@@ -16,21 +17,21 @@
 static const double targets[] = {1e-3, 5e-4}; /* m, rms over free nodes and frames */
 enum { TARGETS = sizeof targets / sizeof *targets };
 
-/* A method at one of its steps. */
+/* A method at one of its settings. */
 struct attempt {
     const struct configuration *configuration;
     enum wisp_treatment treatment;
-    double step; /* s */
+    double setting; /* step, s, or rtol */
     int is_recipe;
     int at; /* its run in the plan */
     struct verdict verdict;
-    double cost; /* of the whole scene by the table of costs, s */
+    double cost; /* of the whole scene by the steps that it took and the table of costs, s */
 };
 
 /* The plan's memo. */
 struct speed {
     const struct scene *whole, *compared; /* the scene; its first part, over which errors count */
-    int tight[2]; /* of the recipe's treatment, of the others': runs in the plan */
+    int reference[2]; /* of the recipe's treatment, of the others': runs in the plan */
     int count;
     struct attempt attempt[];
 };
@@ -46,35 +47,35 @@ static enum wisp_treatment recipe_treatment(void) {
 
 /* --- the plan --- */
 
-static int add_tight(struct plan *plan, struct speed *speed, enum wisp_treatment treatment) {
-    const struct run_request tight = {.stepper = "reference",
-                                      .treatment = wisp_problem.treatments[treatment].name};
-    speed->tight[treatment == usual] = plan->case_count;
-    return plan_add(plan, speed->compared, &tight, tight.treatment, "tight");
+static int add_reference(struct plan *plan, struct speed *speed, enum wisp_treatment treatment) {
+    const struct run_request reference = {.stepper = "reference",
+                                          .treatment = wisp_problem.treatments[treatment].name};
+    speed->reference[treatment == usual] = plan->case_count;
+    return plan_add(plan, speed->compared, &reference, reference.treatment, "reference");
 }
 
 /* Adds a run, unless the method is not for this scene. */
 static int add_attempt(struct plan *plan, struct speed *speed,
                        const struct configuration *configuration, enum wisp_treatment treatment,
-                       double step, int is_recipe) {
-    struct attempt *attempt = &speed->attempt[speed->count];
-    struct run_request request = contestant_request(configuration, step, 0);
+                       double setting, int is_recipe) {
+    const struct scene *scene = speed->compared;
+    struct run_request request =
+        configuration_request(configuration, setting, scene->run.atol / scene->run.rtol);
     char why[REASON_SIZE];
     request.treatment = wisp_problem.treatments[treatment].name;
-    if (!plan_takes(plan, speed->compared, &request, why)) {
+    if (!plan_takes(plan, scene, &request, why)) {
         plan_refuse(plan, configuration->method, why);
         return 0;
     }
-    *attempt =
-        (struct attempt){.configuration = configuration,
-                         .treatment = treatment,
-                         .step = step,
-                         .is_recipe = is_recipe,
-                         .at = plan->case_count,
-                         .cost = estimated_cost(speed->whole, treatment, configuration, step)};
-    speed->count++;
-    return plan_add(plan, speed->compared, &request, request.treatment, "%s%s, step %.4g",
-                    is_recipe ? "the recipe: " : "", configuration->name, step);
+    speed->attempt[speed->count++] = (struct attempt){.configuration = configuration,
+                                                      .treatment = treatment,
+                                                      .setting = setting,
+                                                      .is_recipe = is_recipe,
+                                                      .at = plan->case_count,
+                                                      .cost = NAN};
+    return plan_add(plan, scene, &request, request.treatment, "%s%s, %s %.4g",
+                    is_recipe ? "the recipe: " : "", configuration->name,
+                    configuration_is_adaptive(configuration) ? "rtol" : "step", setting);
 }
 
 /* The thesis's rate, and two that are finer: 3/2 of it, and twice. */
@@ -92,13 +93,25 @@ static int add_recipe(struct plan *plan, struct speed *speed) {
  * others from the one between the stops that come most often. */
 static int add_method(struct plan *plan, struct speed *speed,
                       const struct configuration *configuration) {
-    const int rungs = plan->quick ? 2 : 4;
+    const int levels = plan->quick ? 2 : 4;
     int first = 0;
-    while (stepper_is_predictable(configuration->method) &&
-           !seems_stable(configuration->method, speed->whole, ladder_step(speed->whole, 2, first)))
+    while (
+        stepper_is_predictable(configuration->method) &&
+        !seems_stable(configuration->method, speed->whole, sequence_step(speed->whole, 2, first)))
         first++;
-    for (int k = first; k < first + rungs; k++)
-        if (add_attempt(plan, speed, configuration, usual, ladder_step(speed->whole, 2, k), 0))
+    for (int k = first; k < first + levels; k++)
+        if (add_attempt(plan, speed, configuration, usual, sequence_step(speed->whole, 2, k), 0))
+            return -1;
+    return 0;
+}
+
+/* By decades from a tolerance that is far too loose for a millimetre. */
+static int add_adaptive(struct plan *plan, struct speed *speed,
+                        const struct configuration *configuration) {
+    const int decades = plan->quick ? 2 : 4;
+    double rtol = 1e-2;
+    for (int k = 0; k < decades; k++, rtol /= 10)
+        if (add_attempt(plan, speed, configuration, usual, rtol, 0))
             return -1;
     return 0;
 }
@@ -107,11 +120,9 @@ static int plan_scenes(struct plan *plan, struct speed *speed) {
     static const char *const own[] = {"wind"};
     if (plan_subjects(plan, own, 1))
         return -1;
-    if (plan->subject_count > 1) {
-        snprintf(plan->reason, REASON_SIZE, "experiment speed is of one scene, not of %d",
-                 plan->subject_count);
-        return -1;
-    }
+    if (plan->subject_count > 1)
+        return fail_with(plan->reason, "experiment speed is of one scene, not of %d",
+                         plan->subject_count);
     const struct subject *subject = &plan->subjects[0];
     const double duration = fmin(subject->scene->duration, plan->quick ? 0.4 : 1);
     speed->whole = subject->scene;
@@ -126,39 +137,50 @@ static int speed_plan(struct plan *plan) {
         return -1;
     struct speed *speed = plan->memo = calloc(
         1, sizeof *speed + (size_t)(plan->configuration_count + 1) * MOST * sizeof *speed->attempt);
-    if (!speed) {
-        snprintf(plan->reason, REASON_SIZE, "out of memory");
-        return -1;
-    }
+    if (!speed)
+        return fail_with(plan->reason, "out of memory");
     plan->run_seconds = 300;
-    if (plan_scenes(plan, speed) || add_tight(plan, speed, recipe_treatment()) ||
-        add_tight(plan, speed, usual) || add_recipe(plan, speed))
+    if (plan_scenes(plan, speed) || add_reference(plan, speed, recipe_treatment()) ||
+        add_reference(plan, speed, usual) || add_recipe(plan, speed))
         return -1;
     for (int c = 0; c < plan->configuration_count; c++)
-        if (!contestant_is_adaptive(&plan->configurations[c]) &&
-            add_method(plan, speed, &plan->configurations[c]))
+        if ((configuration_is_adaptive(&plan->configurations[c]) ? add_adaptive : add_method)(
+                plan, speed, &plan->configurations[c]))
             return -1;
     return 0;
 }
 
 /* --- the choice --- */
 
+/* As if it went on as it began. */
+static int count_cost(struct plan *plan, const struct speed *speed, struct attempt *a) {
+    struct cost cost;
+    if (read_cost(plan, a->at, &cost))
+        return -1;
+    cost_count(&cost, speed->compared, a->treatment, a->configuration);
+    a->cost = cost.counted * speed->whole->duration / speed->compared->duration;
+    return 0;
+}
+
 static int judge(struct plan *plan, struct speed *speed) {
     for (int own = 0; own < 2; own++) {
-        struct run_files tight;
-        if (run_read_states(&tight, plan->cases[speed->tight[own]].run.folder, plan->trajectories,
-                            plan->reason))
+        struct run_files reference;
+        if (run_read_states(&reference, plan->cases[speed->reference[own]].run.folder,
+                            plan->trajectories, plan->reason))
             return -1;
         int code = 0;
         for (int i = 0; i < speed->count && !code; i++) {
             struct attempt *a = &speed->attempt[i];
             if ((a->treatment == usual) != own)
                 continue;
-            a->verdict = (struct verdict){NAN, tight.outcome, NAN};
-            if (tight.outcome == FINISHED)
-                code = judge_runs(plan, a->at, 1, speed->compared, &tight, &a->verdict);
+            a->verdict = (struct verdict){NAN, reference.outcome, NAN};
+            if (reference.outcome == FINISHED)
+                code = judge_runs(plan, a->at, 1, speed->compared, &reference, &a->verdict) ||
+                               count_cost(plan, speed, a)
+                           ? -1
+                           : 0;
         }
-        run_free(&tight);
+        run_free(&reference);
         if (code)
             return -1;
     }
@@ -187,17 +209,36 @@ static double share(const struct run_files *run, const char *stage) {
     return run_number(run, stage) / all;
 }
 
+#define SETTING_COLUMNS(X)                                              \
+    X("method", "-", "the configuration", "%s", a->configuration->name) \
+    TREATED_COLUMN(X, wisp_problem.treatments[a->treatment].name)
+
+#define ATTEMPT_COLUMNS(X)                                                                  \
+    SETTING_COLUMNS(X)                                                                      \
+    X("recipe", "1", "1 for the thesis's recipe", "%d", a->is_recipe)                       \
+    X("setting", "s or 1", "step, s, or rtol", "%.17g", a->setting)                         \
+    X("error", "m", "distance from the reference solution, rms over free nodes and frames", \
+      "%.17g", a->verdict.error)                                                            \
+    X("counted", "s", "counted cost of the whole scene", "%.17g", a->cost)                  \
+    X("steps_share", "1", "share of steps in the run's wall time", "%.3g",                  \
+      share(&run, "seconds.advance"))                                                       \
+    X("ticks_share", "1", "share of ticks in the run's wall time", "%.3g",                  \
+      share(&run, "seconds.ticks"))                                                         \
+    X("frames_share", "1", "share of frames as text in the run's wall time", "%.3g",        \
+      share(&run, "seconds.frames"))                                                        \
+    X("status", "-", "how the run ended", "%s", outcome_name(a->verdict.outcome))
+
 static int write_attempts(struct plan *plan, const struct speed *speed, const char *folder) {
     struct atomic_file file;
     char what[400];
-    snprintf(what, sizeof what,
-             "errors over the first %g s, rms over free nodes and frames, m, against the tight "
-             "solution of the treatment; counted: the whole scene by the table of costs, s; shares "
-             "of the run's wall time: steps, ticks, frames as text; nan: see status",
-             speed->compared->duration);
-    if (open_table(&file, folder, "attempts", what, speed->whole,
-                   "method\ttreatment\trecipe\tstep\terror\tcounted\tsteps_share\tticks_share"
-                   "\tframes_share\tstatus",
+    snprintf(
+        what, sizeof what,
+        "errors over the first %g s, rms over free nodes and frames, m, against the reference "
+        "solution of the treatment; setting: step, s, or rtol; counted: the whole scene by the "
+        "steps and the table of costs, s; shares "
+        "of the run's wall time: steps, ticks, frames as text; nan: see status",
+        speed->compared->duration);
+    if (open_table(&file, folder, "attempts", what, speed->whole, COLUMNS(ATTEMPT_COLUMNS),
                    plan->reason))
         return -1;
     int code = 0;
@@ -207,11 +248,7 @@ static int write_attempts(struct plan *plan, const struct speed *speed, const ch
         code = run_read(&run, plan->cases[a->at].run.folder, plan->reason);
         if (code)
             break;
-        fprintf(file.stream, "%s\t%s\t%d\t%.17g\t%.17g\t%.17g\t%.3g\t%.3g\t%.3g\t%s\n",
-                a->configuration->name, wisp_problem.treatments[a->treatment].name, a->is_recipe,
-                a->step, a->verdict.error, a->cost, share(&run, "seconds.advance"),
-                share(&run, "seconds.ticks"), share(&run, "seconds.frames"),
-                outcome_name(a->verdict.outcome));
+        WRITE_ROW(file.stream, ATTEMPT_COLUMNS);
         run_free(&run);
     }
     if (code) {
@@ -221,20 +258,27 @@ static int write_attempts(struct plan *plan, const struct speed *speed, const ch
     return atomic_commit(&file, plan->reason);
 }
 
+#define CHOICE_COLUMNS(X)                                                                         \
+    X("target", "m", "the error that is allowed", "%g", targets[t])                               \
+    X("who", "-", "recipe: the thesis's; best: the cheapest", "%s", recipe ? "recipe" : "best")   \
+    SETTING_COLUMNS(X)                                                                            \
+    X("setting", "s or 1", "longest step, s, or loosest rtol that is within the target", "%.17g", \
+      a->setting)                                                                                 \
+    X("error", "m", "error of that run", "%.17g", a->verdict.error)
+
 static int write_choices(struct plan *plan, const struct speed *speed, const char *folder) {
     struct atomic_file file;
-    if (open_table(&file, folder, "choices",
-                   "the longest step, s, of the thesis's recipe and of the cheapest method that is "
-                   "within the target, m; error: what it then is",
-                   speed->whole, "target\twho\tmethod\ttreatment\tstep\terror", plan->reason))
+    if (open_table(
+            &file, folder, "choices",
+            "the setting (longest step, s, or loosest rtol) of the thesis's recipe and of the "
+            "cheapest method that is within the target, m; error: what it then is",
+            speed->whole, COLUMNS(CHOICE_COLUMNS), plan->reason))
         return -1;
     for (int t = 0; t < TARGETS; t++)
         for (int recipe = 1; recipe >= 0; recipe--) {
             const struct attempt *a = chosen(speed, targets[t], recipe);
             if (a)
-                fprintf(file.stream, "%g\t%s\t%s\t%s\t%.17g\t%.17g\n", targets[t],
-                        recipe ? "recipe" : "best", a->configuration->name,
-                        wisp_problem.treatments[a->treatment].name, a->step, a->verdict.error);
+                WRITE_ROW(file.stream, CHOICE_COLUMNS);
         }
     return atomic_commit(&file, plan->reason);
 }
@@ -251,7 +295,9 @@ const struct experiment speed_experiment = {
     .name = "speed",
     .question = "how fast are the thesis's recipe and the best method, and how near to others?",
     .thesis = "section 5.6",
+    .chapter = CHAPTER_ACCURACY,
     .place = 18,
+    .headline = "over the recipe, 1 mm",
     .full_seconds = 150,
     .plan = speed_plan,
     .tabulate = speed_tabulate,

@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-static const double beyond_order = 10; /* order is lost beyond this times the error it foretells */
+static const double beyond_order = 10; /* order is lost beyond this times the error it predicts */
 static const double never_lost = 1e-4; /* m: with an error below it it is not */
 
 double limits_step(const struct cell *cell, int place) {
@@ -16,17 +16,10 @@ int limits_place(const struct cell *cell, double step) {
     return step_place(1 / stop_rate(cell->scene), LIMITS_STRIDE, step);
 }
 
-static double longest_wisp(const struct scene *scene) {
-    double length = 0;
-    for (int i = 0; i < scene->wisp_count; i++)
-        length = fmax(length, scene->wisps[i].length);
-    return length;
-}
-
 double limits_allowed(const struct cell *cell, const struct trial *trial, enum aim_kind aim,
                       double step) {
     const double share_of_length = 0.05, millimetre = 1e-3;
-    const int order = trial->contestant->method->order;
+    const int order = trial->configuration->method->order;
     switch (aim) {
     case NEAR:
         return share_of_length * longest_wisp(cell->scene);
@@ -42,10 +35,10 @@ const char *limits_treatment(const struct cell *cell) {
     return wisp_problem.treatments[cell->treatment].name;
 }
 
-struct run_request limits_request(const struct cell *cell, const struct configuration *contestant,
-                                  double step) {
+struct run_request limits_request(const struct cell *cell,
+                                  const struct configuration *configuration, double step) {
     struct run_request request =
-        contestant_request(contestant, step, cell->scene->run.atol / cell->scene->run.rtol);
+        configuration_request(configuration, step, cell->scene->run.atol / cell->scene->run.rtol);
     request.treatment = limits_treatment(cell);
     request.diagnostics = 1; /* a run whose energy nobody accounts for has diverged */
     return request;

@@ -6,9 +6,9 @@
 
 static int stability_tabulate(struct plan *plan, const char *folder) {
     struct statements statements;
-    if (statements_open(&statements, folder, NULL,
-                        plan->quick ? "--quick: coarser maps, brackets of 12 %" : NULL,
-                        plan->reason))
+    if (plan_open_statements(plan, &statements, folder, NULL,
+                             plan->quick ? "--quick: coarser maps, brackets of 12 %" : NULL,
+                             plan->reason))
         return -1;
     const int code =
         stability_maps(plan, folder, &statements) || limits_tabulate(plan, folder, &statements) ? -1
@@ -19,7 +19,9 @@ static int stability_tabulate(struct plan *plan, const char *folder) {
 const struct experiment stability_experiment = {
     .name = "stability",
     .question = "what is the longest stable step of each stepper, and how does it fail beyond?",
+    .chapter = CHAPTER_STABILITY,
     .place = 2,
+    .headline = "longest steps",
     .quick_seconds = 6,
     .full_seconds = 120,
     .answers = 1u << ANSWERS_FAILURES,

@@ -49,7 +49,7 @@ struct ring_down {
 struct ring_down measured_ring_down(const struct stepper_method *method, double tolerance,
                                     double h);
 
-/* The same by linear theory, of a method that stepper_is_predictable. */
+/* The ring-down by linear theory, of a method that stepper_is_predictable. */
 struct ring_down predicted_ring_down(const struct stepper_method *method, double h);
 
 /* --- stability_modes.c: linear theory of a wisp --- */

@@ -9,11 +9,11 @@
 
 /* A run that the table of failures is to have. */
 static int add_failure(struct plan *plan, const struct cell *cell,
-                       const struct configuration *contestant, double step) {
-    const struct run_request request = limits_request(cell, contestant, step);
+                       const struct configuration *configuration, double step) {
+    const struct run_request request = limits_request(cell, configuration, step);
     char group[128];
     snprintf(group, sizeof group, "failures, %s", cell->name);
-    return plan_add(plan, cell->scene, &request, group, "%s", contestant->name);
+    return plan_add(plan, cell->scene, &request, group, "%s", configuration->name);
 }
 
 /* The step above the limit, and longer ones as far as the clock lets them be. */
@@ -23,7 +23,7 @@ int limits_plan_failures(struct plan *plan, const struct cell *cell, const struc
     for (size_t k = 0; k < sizeof beyond / sizeof *beyond; k++) {
         const double missed = limits_step(cell, trial->place.missed);
         const double step = limits_step(cell, limits_place(cell, beyond[k] * missed));
-        if (step > last && add_failure(plan, cell, trial->contestant, step))
+        if (step > last && add_failure(plan, cell, trial->configuration, step))
             return -1;
         last = fmax(last, step);
     }
@@ -47,47 +47,59 @@ int limits_plan_known(struct plan *plan, const struct cell *cell) {
 
 static const struct trial *trial_of(const struct cell *cell, const char *stepper) {
     for (int i = 0; i < cell->trial_count; i++)
-        if (strcmp(cell->trials[i].contestant->name, stepper) == 0)
+        if (strcmp(cell->trials[i].configuration->name, stepper) == 0)
             return &cell->trials[i];
     return NULL;
 }
 
+#define FAILURE_COLUMNS(X)                                                                         \
+    SCENE_COLUMN(X, cell->subject)                                                                 \
+    TREATED_COLUMN(X, limits_treatment(cell))                                                      \
+    CONFIGURATION_COLUMN(X, "stepper", one->label)                                                 \
+    X("step", "s", "length of a step", "%.9g", step)                                               \
+    X("rate", "Hz", "rate of the steps, 1 / step", "%.9g", 1 / step)                               \
+    X("kind", "-", "how the run ended", "%s", stable ? "stable" : outcome_name(run.outcome))       \
+    X("time", "s", "simulated time at which it failed", "%.9g",                                    \
+      stable ? (double)NAN : run_number(&run, "failure_time"))                                     \
+    X("finite", "-", "whether the state stays finite", "%s",                                       \
+      run.outcome == NOT_FINITE ? "no" : "yes")                                                    \
+    X("error", "m", "error of the frames before that, rms over free nodes", "%.9g", deviation.rms) \
+    X("largest_error", "m", "largest error of a node in the frames before that", "%.9g",           \
+      deviation.largest)                                                                           \
+    X("order", "-", "kept or lost: whether the error is what shorter steps predict", "%s",         \
+      !stable                     ? "-"                                                            \
+      : deviation.rms <= in_order ? "kept"                                                         \
+                                  : "lost")
+
 static int write_failure(struct plan *plan, FILE *stream, const struct cell *cell,
-                         const struct labelled_case *one, const struct run_files *tight) {
+                         const struct labelled_case *one, const struct run_files *reference) {
     const double step = one->run.settings.step;
     struct run_files run;
     struct deviation deviation;
     if (run_read_states(&run, one->run.folder, plan->trajectories, plan->reason))
         return -1;
     const int code =
-        measure_deviation(cell->scene, run.states, tight->states, 1, &deviation, plan->reason);
+        measure_deviation(cell->scene, run.states, reference->states, 1, &deviation, plan->reason);
     const int stable = run.outcome == FINISHED;
     const double in_order = limits_allowed(cell, trial_of(cell, one->label), IN_ORDER, step);
     if (!code)
-        fprintf(stream, "%s\t%s\t%s\t%.9g\t%.9g\t%s\t%.9g\t%s\t%.9g\t%.9g\t%s\n", cell->subject,
-                limits_treatment(cell), one->label, step, 1 / step,
-                stable ? "stable" : outcome_name(run.outcome),
-                stable ? NAN : run_number(&run, "failure_time"),
-                run.outcome == NOT_FINITE ? "no" : "yes", deviation.rms, deviation.largest,
-                !stable                     ? "-"
-                : deviation.rms <= in_order ? "kept"
-                                            : "lost");
+        WRITE_ROW(stream, FAILURE_COLUMNS);
     run_free(&run);
     return code;
 }
 
 static int write_cell_failures(struct plan *plan, FILE *stream, const struct cell *cell) {
-    struct run_files tight;
+    struct run_files reference;
     char group[128];
     int code = 0;
     snprintf(group, sizeof group, "failures, %s", cell->name);
-    if (run_read_states(&tight, plan->cases[cell->tight].run.folder, plan->trajectories,
+    if (run_read_states(&reference, plan->cases[cell->reference].run.folder, plan->trajectories,
                         plan->reason))
         return -1;
-    for (int i = 0; i < plan->case_count && tight.outcome == FINISHED && !code; i++)
+    for (int i = 0; i < plan->case_count && reference.outcome == FINISHED && !code; i++)
         if (strcmp(plan->cases[i].group, group) == 0)
-            code = write_failure(plan, stream, cell, &plan->cases[i], &tight);
-    run_free(&tight);
+            code = write_failure(plan, stream, cell, &plan->cases[i], &reference);
+    run_free(&reference);
     return code;
 }
 
@@ -98,14 +110,11 @@ int limits_write_failures(struct plan *plan, const char *folder) {
             &file, folder, "failures",
             "how methods fail at steps that are too long: kind, when it first shows, "
             "whether the state stays finite, and the error of the frames before, m (rms, "
-            "largest); order: lost with more than ten times the error that it foretells from "
+            "largest); order: lost with more than ten times the error that it predicts from "
             "shorter "
             "steps, and more than 0.1 mm; nan: of time, it does not fail; of errors, there is no "
             "frame to compare",
-            plan->subjects[0].scene,
-            "scene\ttreatment\tstepper\tstep\trate\tkind\ttime\tfinite\terror\tlargest_error"
-            "\torder",
-            plan->reason))
+            plan->subjects[0].scene, COLUMNS(FAILURE_COLUMNS), plan->reason))
         return -1;
     for (int i = 0; i < limits->cell_count; i++)
         if (!limits->cells[i].axis && write_cell_failures(plan, file.stream, &limits->cells[i])) {

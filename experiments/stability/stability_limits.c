@@ -40,14 +40,15 @@ const struct axis limits_axes[AXES] = {
 /* --- the plan --- */
 
 static int begin_cell(struct plan *plan, struct cell *cell) {
-    const struct run_request tight = {.stepper = "reference", .treatment = limits_treatment(cell)};
+    const struct run_request reference = {.stepper = "reference",
+                                          .treatment = limits_treatment(cell)};
     int mode_count = 0, code = 0;
-    cell->tight = plan->case_count;
-    if (plan_add(plan, cell->scene, &tight, cell->name, "tight"))
+    cell->reference = plan->case_count;
+    if (plan_add(plan, cell->scene, &reference, cell->name, "reference"))
         return -1;
     struct mode_rate *modes = scene_modes(cell->scene, cell->treatment, &mode_count);
     for (int i = 0; i < plan->configuration_count && !code; i++)
-        if (!cell->axis || !contestant_is_adaptive(&plan->configurations[i]))
+        if (!cell->axis || !configuration_is_adaptive(&plan->configurations[i]))
             code = limits_begin(plan, cell, &plan->configurations[i], modes, mode_count);
     free(modes);
     return code;
@@ -130,7 +131,8 @@ static int plan_scenes(struct plan *plan, struct limits *limits) {
             snprintf(cell->name, sizeof cell->name, "%s %s", subject->name, limits_treatment(cell));
             limits->cell_count++;
             if (begin_cell(plan, cell) ||
-                (strcmp(subject->source, "swing") == 0 && limits_plan_known(plan, cell)))
+                (plan->set_count == 0 && strcmp(subject->source, "swing") == 0 &&
+                 limits_plan_known(plan, cell)))
                 return -1;
         }
     }
@@ -147,54 +149,38 @@ int limits_plan(struct plan *plan) {
                  trials = (size_t)plan->configuration_count;
     struct limits *limits = plan->memo = calloc(1, sizeof *limits + cells * sizeof *limits->cells +
                                                        cells * trials * sizeof(struct trial));
-    if (!limits) {
-        snprintf(plan->reason, REASON_SIZE, "out of memory");
-        return -1;
-    }
+    if (!limits)
+        return fail_with(plan->reason, "out of memory");
     for (size_t i = 0; i < cells; i++) /* behind the cells */
         limits->cells[i].trials = (struct trial *)(limits->cells + cells) + i * trials;
     if (plan_scenes(plan, limits))
         return -1;
-    return plan->scene_count ? 0 : plan_axes(plan, limits);
+    return plan_is_own(plan) ? plan_axes(plan, limits) : 0;
 }
 
 /* --- from round to round --- */
 
-static int refine_cell(struct plan *plan, struct cell *cell, const struct run_files *tight) {
-    for (int i = 0; i < cell->trial_count; i++) {
-        struct trial *trial = &cell->trials[i];
-        if (trial->phase == DONE)
-            continue;
-        if (tight->outcome != FINISHED && trial->phase != TIMING) {
-            trial->phase = DONE;
-            snprintf(trial->note, sizeof trial->note, "no tight solution: %s",
-                     outcome_name(tight->outcome));
-        } else if (limits_go_on(plan, cell, trial, tight)) {
-            return -1;
-        }
-    }
-    return 0;
+static int is_done(const void *ctx, int i) {
+    return ((const struct cell *)ctx)->trials[i].phase == DONE;
 }
 
-static int is_done(const struct cell *cell) {
-    for (int i = 0; i < cell->trial_count; i++)
-        if (cell->trials[i].phase != DONE)
-            return 0;
-    return 1;
+static int go_on(struct plan *plan, void *ctx, int i, const struct run_files *reference) {
+    struct cell *cell = ctx;
+    struct trial *trial = &cell->trials[i];
+    if (reference->outcome == FINISHED || trial->phase == TIMING)
+        return limits_go_on(plan, cell, trial, reference);
+    trial->phase = DONE;
+    snprintf(trial->note, sizeof trial->note, "no reference solution: %s",
+             outcome_name(reference->outcome));
+    return 0;
 }
 
 int limits_refine(struct plan *plan) {
     struct limits *limits = plan->memo;
     for (int i = 0; i < limits->cell_count; i++) {
-        struct run_files tight;
-        if (is_done(&limits->cells[i]))
-            continue;
-        if (run_read_states(&tight, plan->cases[limits->cells[i].tight].run.folder,
-                            plan->trajectories, plan->reason))
-            return -1;
-        const int code = refine_cell(plan, &limits->cells[i], &tight);
-        run_free(&tight);
-        if (code)
+        struct cell *cell = &limits->cells[i];
+        const struct searches trials = {cell->reference, cell->trial_count, cell, is_done, go_on};
+        if (searches_go_on(plan, &trials))
             return -1;
     }
     return 0;

@@ -31,7 +31,7 @@ enum phase { ANCHORING, SEARCHING, AIMING, TIMING, DONE };
 
 /* One method in one cell. */
 struct trial {
-    const struct configuration *contestant;
+    const struct configuration *configuration;
     double predicted; /* step, s; NaN: no prediction */
     enum phase phase;
     struct bracket place; /* reached: of the longest stable step, or -1 */
@@ -53,7 +53,7 @@ struct cell {
     double value;
     const char *subject;  /* its name; of a whole scene */
     char name[96];        /* of its runs */
-    int tight;            /* its case in the plan */
+    int reference;        /* its case in the plan */
     struct trial *trials; /* at most one for each of the plan's configurations; in the memo */
     int trial_count;
 };
@@ -85,8 +85,8 @@ double limits_step(const struct cell *cell, int place);
 int limits_place(const struct cell *cell, double step);
 
 const char *limits_treatment(const struct cell *cell);
-struct run_request limits_request(const struct cell *cell, const struct configuration *contestant,
-                                  double step);
+struct run_request limits_request(const struct cell *cell,
+                                  const struct configuration *configuration, double step);
 
 /* The error, m, that a step may have for an aim. */
 double limits_allowed(const struct cell *cell, const struct trial *trial, enum aim_kind aim,
@@ -100,12 +100,12 @@ double limits_allowed(const struct cell *cell, const struct trial *trial, enum a
 /* Adds the trial of a method to a cell whose modes are these, or NULL, and its first run to
  * the plan. A method that refuses the scene is done, and the note says why. 0, or -1 with
  * plan->reason. */
-int limits_begin(struct plan *plan, struct cell *cell, const struct configuration *contestant,
+int limits_begin(struct plan *plan, struct cell *cell, const struct configuration *configuration,
                  const struct mode_rate *modes, int mode_count);
 
 /* Takes what the trial's last run has shown, and plans its next one. 0, or -1 with plan->reason. */
 int limits_go_on(struct plan *plan, const struct cell *cell, struct trial *trial,
-                 const struct run_files *tight);
+                 const struct run_files *reference);
 
 /* --- stability_failures.c: 0, or -1 with plan->reason --- */
 

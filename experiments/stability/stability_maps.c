@@ -14,7 +14,7 @@ static int is_fixed(const struct stepper_method *method) {
 }
 
 static int open_map(struct plan *plan, struct atomic_file *file, const char *folder,
-                    const char *name, const char *what, const char *columns) {
+                    const char *name, const char *what, const struct column *columns) {
     return open_table(file, folder, name, what, plan->loaded[0], columns, plan->reason);
 }
 
@@ -39,14 +39,25 @@ static void state_agreement(struct statements *statements, const char *map, cons
     row.verdict = !agreement->count ? NOT_ASKED : holds_if(agreement->worst < 1e-6);
     if (agreement->count)
         statements_add(statements, row,
-                       "The real code's %s is that of the stability function: at %d points they "
-                       "differ by at most %.2g.",
-                       what, agreement->count, agreement->worst);
+                       "In the real code the %s is within %.2g of that of the stability function, "
+                       "at %d points.",
+                       what, agreement->worst, agreement->count);
     else
         statements_add(statements, row, "No method with a stability function was asked for.");
 }
 
+#define STEPPER_COLUMN(X) X("stepper", "-", "name of the stepper", "%s", method->name)
+#define GROWTH_COLUMNS(X)                                                                   \
+    X("growth", "1", "growth per step, measured by stepping the real code", "%.9g", growth) \
+    X("theory", "1", "growth per step by the stability function", "%.9g", theory)
+
 /* --- the regions --- */
+
+#define REGION_COLUMNS(X)                                 \
+    STEPPER_COLUMN(X)                                     \
+    X("re", "1", "real part of z h", "%g", creal(z))      \
+    X("im", "1", "imaginary part of z h", "%g", cimag(z)) \
+    GROWTH_COLUMNS(X)
 
 static void write_region(FILE *stream, const struct stepper_method *method, double spacing,
                          struct agreement *agreement) {
@@ -59,8 +70,7 @@ static void write_region(FILE *stream, const struct stepper_method *method, doub
             small_dahlquist(&small, z);
             const double growth = measured_growth(method, loose, &small, 1),
                          theory = method->table ? cabs(butcher_stability(method->table, z)) : NAN;
-            fprintf(stream, "%s\t%g\t%g\t%.9g\t%.9g\n", method->name, creal(z), cimag(z), growth,
-                    theory);
+            WRITE_ROW(stream, REGION_COLUMNS);
             agree(agreement, growth, theory);
         }
         fprintf(stream, "\n");
@@ -77,7 +87,7 @@ static int write_regions(struct plan *plan, const char *folder, struct statement
                  "that is forced on them: growth per unit of time at rtol 0.01; nan: of theory, "
                  "there is "
                  "no stability function; of growth, the method failed there",
-                 "stepper\tre\tim\tgrowth\ttheory"))
+                 COLUMNS(REGION_COLUMNS)))
         return -1;
     for (int i = 0; stepper_methods[i]; i++) {
         const double fine = plan->quick ? 0.2 : 0.05, coarse = plan->quick ? 0.5 : 0.25;
@@ -99,6 +109,12 @@ static double oscillator_theory(const struct stepper_method *method, double h, d
                : NAN;
 }
 
+#define OSCILLATOR_COLUMNS(X)                           \
+    STEPPER_COLUMN(X)                                   \
+    X("omega_h", "1", "omega times the step", "%g", h)  \
+    X("zeta", "1", "damping over critical", "%g", zeta) \
+    GROWTH_COLUMNS(X)
+
 static void write_oscillator(FILE *stream, const struct stepper_method *method, int quick,
                              struct agreement *agreement) {
     const double h_step = quick ? 0.2 : 0.05, zeta_step = quick ? 0.25 : 0.05;
@@ -110,7 +126,7 @@ static void write_oscillator(FILE *stream, const struct stepper_method *method, 
             small_oscillator(&small, zeta);
             const double growth = measured_growth(method, loose, &small, h),
                          theory = oscillator_theory(method, h, zeta);
-            fprintf(stream, "%s\t%g\t%g\t%.9g\t%.9g\n", method->name, h, zeta, growth, theory);
+            WRITE_ROW(stream, OSCILLATOR_COLUMNS);
             agree(agreement, growth, theory);
         }
         fprintf(stream, "\n");
@@ -126,7 +142,7 @@ static int write_oscillators(struct plan *plan, const char *folder, struct state
                  "measured by stepping the real code, and by linear theory where the method has "
                  "one; adaptive methods have no omega h; nan: of theory, there is none; of "
                  "growth, the method failed there",
-                 "stepper\tomega_h\tzeta\tgrowth\ttheory"))
+                 COLUMNS(OSCILLATOR_COLUMNS)))
         return -1;
     for (int i = 0; stepper_methods[i]; i++)
         if (is_fixed(stepper_methods[i]) && plan_wants(plan, stepper_methods[i]->name))
@@ -137,6 +153,18 @@ static int write_oscillators(struct plan *plan, const char *folder, struct state
 
 /* --- numerical damping --- */
 
+#define RING_COLUMNS(X)                                                                      \
+    STEPPER_COLUMN(X)                                                                        \
+    X("setting", "1", "omega h, or rtol of adaptive methods", "%g", setting)                 \
+    X("steps_per_period", "1", "steps to a period, in the mean", "%.9g", m.steps_per_period) \
+    X("damping", "1", "damping of the method's own, over critical, by ring-down", "%.9g",    \
+      m.damping)                                                                             \
+    X("frequency_shift", "1", "relative shift of the frequency, by ring-down", "%.9g",       \
+      m.frequency_shift)                                                                     \
+    X("damping_theory", "1", "damping of the method by linear theory", "%.9g", p.damping)    \
+    X("frequency_shift_theory", "1", "shift of the frequency by linear theory", "%.9g",      \
+      p.frequency_shift)
+
 static void write_ring(FILE *stream, const struct stepper_method *method, double setting,
                        struct agreement *agreement) {
     const int fixed = is_fixed(method);
@@ -145,8 +173,7 @@ static void write_ring(FILE *stream, const struct stepper_method *method, double
                                                               : (struct ring_down){NAN, NAN, NAN};
     if (isnan(m.damping))
         return;
-    fprintf(stream, "%s\t%g\t%.9g\t%.9g\t%.9g\t%.9g\t%.9g\n", method->name, setting,
-            m.steps_per_period, m.damping, m.frequency_shift, p.damping, p.frequency_shift);
+    WRITE_ROW(stream, RING_COLUMNS);
     agree(agreement, m.damping, p.damping);
 }
 
@@ -160,8 +187,7 @@ static int write_damping(struct plan *plan, const char *folder, struct statement
             "of the real code and by |R(i omega h)| and arg R, R what linear theory multiplies by; "
             "setting: omega h, or rtol of adaptive methods, whose steps per period are the mean; "
             "nan: of theory, there is none; else the ring-down grew or died too fast to be read",
-            "stepper\tsetting\tsteps_per_period\tdamping\tfrequency_shift\tdamping_theory\t"
-            "frequency_shift_theory"))
+            COLUMNS(RING_COLUMNS)))
         return -1;
     for (int i = 0; stepper_methods[i]; i++) {
         const struct stepper_method *method = stepper_methods[i];
@@ -175,7 +201,7 @@ static int write_damping(struct plan *plan, const char *folder, struct statement
         }
         fprintf(file.stream, "\n\n");
     }
-    state_agreement(statements, "damping", "own damping", &agreement);
+    state_agreement(statements, "damping", "damping of an undamped oscillator", &agreement);
     return atomic_commit(&file, plan->reason);
 }
 

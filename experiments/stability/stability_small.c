@@ -293,7 +293,7 @@ static int one_step(struct stepper *stepper, double *t, double h, double end, do
 
 static const struct ring_down unknown = {NAN, NAN, NAN};
 
-/* Of one step, by the eigenvalue that turns as the step turns y = 1. */
+/* The ring-down of one step, by the eigenvalue that turns as the step turns y = 1. */
 static struct ring_down matrix_ring_down(struct stepper *stepper, struct small_system *s,
                                          double h) {
     double m[4];
@@ -305,7 +305,7 @@ static struct ring_down matrix_ring_down(struct stepper *stepper, struct small_s
     return ring_of(log(cabs(turn)) / h, carg(turn) / h, 2 * M_PI / h);
 }
 
-/* Of a train of steps. */
+/* The ring-down of a train of steps. */
 static struct ring_down train_ring_down(const struct stepper_method *method, double tolerance,
                                         double h) {
     struct small_system small;

@@ -13,7 +13,7 @@ static const char *kind_of(const struct trial *trial) {
 
 /* The longest stable step, s; of adaptive methods the mean one. */
 static double largest_step(const struct cell *cell, const struct trial *trial) {
-    if (contestant_is_adaptive(trial->contestant))
+    if (configuration_is_adaptive(trial->configuration))
         return trial->cost.outcome == FINISHED
                    ? cell->scene->duration * cell->scene->wisp_count / trial->cost.steps
                    : NAN;
@@ -37,17 +37,30 @@ static struct prediction prediction_of(const struct trial *trial, int digits) {
     return said;
 }
 
-/* Rows of a method along an axis; blocks are parted by two blank lines. */
+#define PREDICTED_COLUMN(X, trial) \
+    X("predicted", "s", "longest stable step by linear theory", "%s", prediction_of(trial, 9).text)
+#define ALONG_COLUMNS(X)                                                                 \
+    X("axis", "-", "the setting that is varied", "%s", axis->name)                       \
+    X("value", "see axis", "value of that setting", "%g", cell->value)                   \
+    CONFIGURATION_COLUMN(X, "stepper", configuration->name)                              \
+    X("step", "s", "longest stable step", "%.9g", largest_step(cell, t))                 \
+    X("unstable_step", "s", "the next longer step, which is not stable", "%.9g",         \
+      limits_step(cell, t->place.missed))                                                \
+    PREDICTED_COLUMN(X, t)                                                               \
+    X("kind", "-", "how the run at unstable_step ended", "%s", kind_of(t))               \
+    X("order_step", "s",                                                                 \
+      "longest step whose error is what the order predicts, to a factor of ten", "%.9g", \
+      aim_step(cell, t, IN_ORDER))
+
+/* Rows of a method along an axis; blocks are separated by two blank lines. */
 static void write_along(FILE *stream, const struct limits *limits, const struct axis *axis,
-                        const struct configuration *contestant) {
+                        const struct configuration *configuration) {
     for (int i = 0; i < limits->cell_count; i++) {
         const struct cell *cell = &limits->cells[i];
         for (int k = 0; cell->axis == axis && k < cell->trial_count; k++) {
             const struct trial *t = &cell->trials[k];
-            if (t->contestant == contestant)
-                fprintf(stream, "%s\t%g\t%s\t%.9g\t%.9g\t%s\t%s\t%.9g\n", axis->name, cell->value,
-                        contestant->name, largest_step(cell, t), limits_step(cell, t->place.missed),
-                        prediction_of(t, 9).text, kind_of(t), aim_step(cell, t, IN_ORDER));
+            if (t->configuration == configuration)
+                WRITE_ROW(stream, ALONG_COLUMNS);
         }
     }
     fprintf(stream, "\n\n");
@@ -65,8 +78,7 @@ static int write_limits(struct plan *plan, const char *folder) {
             "what "
             "the method's order makes of that at shorter ones, to a factor of ten; nan: of step, "
             "none that was tried is stable; of unstable_step, all are",
-            plan->loaded[0],
-            "axis\tvalue\tstepper\tstep\tunstable_step\tpredicted\tkind\torder_step", plan->reason))
+            plan->loaded[0], COLUMNS(ALONG_COLUMNS), plan->reason))
         return -1;
     for (int a = 0; a < AXES; a++)
         for (int c = 0; c < plan->configuration_count; c++)
@@ -74,18 +86,37 @@ static int write_limits(struct plan *plan, const char *folder) {
     return atomic_commit(&file, plan->reason);
 }
 
+#define AIM_COLUMNS(X, name, aim, meaning)                                                         \
+    X(name "_step", "s", "longest step with an error of " meaning, "%.9g", aim_step(cell, t, aim)) \
+    X(name "_error", "m", "error at " name "_step", "%.9g", t->aims[aim].error)                    \
+    X(name "_cpu", "s", "CPU time at " name "_step, for a simulated second", "%.9g",               \
+      t->aims[aim].cost.cpu.median / cell->scene->duration)
+#define LARGEST_COLUMNS(X)                                                                 \
+    SCENE_COLUMN(X, cell->subject)                                                         \
+    TREATED_COLUMN(X, limits_treatment(cell))                                              \
+    CONFIGURATION_COLUMN(X, "stepper", t->configuration->name)                             \
+    X("step", "s", "longest stable step; of adaptive methods the mean one", "%.17g", step) \
+    X("rate", "Hz", "rate of the steps, 1 / step", "%.9g", 1 / step)                       \
+    PREDICTED_COLUMN(X, t)                                                                 \
+    X("unstable_step", "s", "the next longer step, which is not stable", "%.17g",          \
+      limits_step(cell, t->place.missed))                                                  \
+    X("kind", "-", "how the run at unstable_step ended", "%s",                             \
+      adaptive ? "chooses its steps" : kind_of(t))                                         \
+    X("time", "s", "simulated time at which that failed", "%.9g", t->missed.failure_time)  \
+    X("error", "m", "error at step, rms over free nodes and frames", "%.9g", t->error)     \
+    X("cpu_per_second", "s", "CPU time at step, for a simulated second", "%.9g",           \
+      t->cost.cpu.median / cell->scene->duration)                                          \
+    AIM_COLUMNS(X, "near", NEAR, "a twentieth of the wisp's length")                       \
+    AIM_COLUMNS(X, "mm", MILLIMETRE, "1 mm")                                               \
+    X("order_step", "s",                                                                   \
+      "longest step whose error is what the order predicts, to a factor of ten", "%.9g",   \
+      aim_step(cell, t, IN_ORDER))                                                         \
+    NOTE_COLUMN(X, adaptive ? "mean step at rtol 1e-3" : t->note)
+
 static void write_largest(FILE *stream, const struct cell *cell, const struct trial *t) {
     const double step = largest_step(cell, t);
-    const int adaptive = contestant_is_adaptive(t->contestant);
-    fprintf(stream, "%s\t%s\t%s\t%.17g\t%.9g\t%s\t%.17g\t%s\t%.9g\t%.9g\t%.9g", cell->subject,
-            limits_treatment(cell), t->contestant->name, step, 1 / step, prediction_of(t, 9).text,
-            limits_step(cell, t->place.missed), adaptive ? "chooses its steps" : kind_of(t),
-            t->missed.failure_time, t->error, t->cost.cpu.median / cell->scene->duration);
-    for (int i = NEAR; i <= MILLIMETRE; i++)
-        fprintf(stream, "\t%.9g\t%.9g\t%.9g", aim_step(cell, t, (enum aim_kind)i), t->aims[i].error,
-                t->aims[i].cost.cpu.median / cell->scene->duration);
-    fprintf(stream, "\t%.9g\t%s\n", aim_step(cell, t, IN_ORDER),
-            adaptive ? "mean step at rtol 1e-3" : t->note);
+    const int adaptive = configuration_is_adaptive(t->configuration);
+    WRITE_ROW(stream, LARGEST_COLUMNS);
 }
 
 static int write_scenes(struct plan *plan, const char *folder) {
@@ -104,11 +135,7 @@ static int write_scenes(struct plan *plan, const char *folder) {
             "bound, and no prediction where there is no theory of the method, or too many unknowns "
             "for eigenvalues; nan: of step, none that was tried is stable; of near, mm and order, "
             "none is, or the method chooses its steps; of what fails, none does",
-            plan->subjects[0].scene,
-            "scene\ttreatment\tstepper\tstep\trate\tpredicted\tunstable_step\tkind\ttime\terror\t"
-            "cpu_per_second\tnear_step\tnear_error\tnear_cpu\tmm_step\tmm_error\tmm_cpu\torder_step"
-            "\tnote",
-            plan->reason))
+            plan->subjects[0].scene, COLUMNS(LARGEST_COLUMNS), plan->reason))
         return -1;
     for (int i = 0; i < limits->cell_count; i++)
         for (int k = 0; !limits->cells[i].axis && k < limits->cells[i].trial_count; k++)
@@ -118,26 +145,26 @@ static int write_scenes(struct plan *plan, const char *folder) {
 
 /* --- statements --- */
 
-/* "; within 5 % of the wisp's length up to 1 ms, within 1 mm up to 0.1 ms": how good a stable step
- * is. */
+/* "; it is within 5 % of the wisp's length up to 1 ms, and within 1 mm up to 0.1 ms": how good a
+ * stable step is. */
 static void describe_aims(const struct cell *cell, const struct trial *t, char text[128]) {
     const double near = aim_step(cell, t, NEAR), mm = aim_step(cell, t, MILLIMETRE);
     size_t used = 0;
     text[0] = '\0';
     if (!isnan(near))
-        used = (size_t)snprintf(text, 128, "; within 5 %% of the wisp's length up to %.3g ms",
+        used = (size_t)snprintf(text, 128, "; it is within 5 %% of the wisp's length up to %.3g ms",
                                 1e3 * near);
     if (!isnan(mm))
-        snprintf(text + used, 128 - used, "%s within 1 mm up to %.3g ms", used ? "," : ";",
-                 1e3 * mm);
+        snprintf(text + used, 128 - used, "%s within 1 mm up to %.3g ms",
+                 used ? ", and" : "; it is", 1e3 * mm);
     else
         snprintf(text + used, 128 - used, "%s within 1 mm at none that was tried",
-                 used ? "," : ";");
+                 used ? ", and" : "; it is");
 }
 
 static void state_fixed(struct statements *statements, struct statement row,
                         const struct cell *cell, const struct trial *t, const char *where) {
-    const char *name = t->contestant->name;
+    const char *name = t->configuration->name;
     char aims[128];
     describe_aims(cell, t, aims);
     if (t->place.reached < 0 && t->place.missed < 0)
@@ -150,8 +177,8 @@ static void state_fixed(struct statements *statements, struct statement row,
                        name, where, row.value, aims);
     else
         statements_add(statements, row,
-                       "%s is stable on %s up to %.3g ms (%.0f Hz); the next step tried ends '%s' "
-                       "at %.3g s%s.",
+                       "%s is stable on %s with steps up to %.3g ms (%.0f Hz); the next longer one "
+                       "tried ends '%s' at %.3g s%s.",
                        name, where, row.value, 1e3 / row.value, outcome_name(t->missed.outcome),
                        t->missed.failure_time, aims);
 }
@@ -159,7 +186,7 @@ static void state_fixed(struct statements *statements, struct statement row,
 /* A method that chooses its steps has no longest one. */
 static void state_adaptive(struct statements *statements, struct statement row,
                            const struct trial *t, const char *where) {
-    const char *name = t->contestant->name;
+    const char *name = t->configuration->name;
     if (row.verdict == HOLDS)
         statements_add(statements, row,
                        "%s chooses its steps on %s, %.3g ms in the mean at rtol %g, and has no "
@@ -174,7 +201,7 @@ static void state_adaptive(struct statements *statements, struct statement row,
 void limits_state_trial(struct statements *statements, const struct cell *cell,
                         const struct trial *trial, enum question answers) {
     char key[160], where[128];
-    snprintf(key, sizeof key, "%.90s, %.60s", cell->name, trial->contestant->name);
+    snprintf(key, sizeof key, "%.90s, %.60s", cell->name, trial->configuration->name);
     snprintf(where, sizeof where, "%s (%s)", cell->subject, limits_treatment(cell));
     const double step = 1e3 * largest_step(cell, trial);
     const struct statement row = {.key = key,
@@ -184,10 +211,46 @@ void limits_state_trial(struct statements *statements, const struct cell *cell,
                                   .verdict = isnan(step) ? NOT_REACHED : HOLDS,
                                   .value = step,
                                   .unit = "ms"};
-    if (contestant_is_adaptive(trial->contestant))
+    if (configuration_is_adaptive(trial->configuration))
         state_adaptive(statements, row, trial, where);
     else
         state_fixed(statements, row, cell, trial, where);
+}
+
+static int is_explicit(const struct trial *t) {
+    return !(t->configuration->method->capabilities & (STEPPER_ADAPTIVE | STEPPER_IMPLICIT));
+}
+
+/* How far explicit methods get on a cell, and whoever gets farthest within a millimetre. */
+static void state_extremes(struct statements *statements, const struct cell *cell) {
+    const struct trial *least = NULL, *greatest = NULL, *farthest = NULL;
+    for (int k = 0; k < cell->trial_count; k++) {
+        const struct trial *t = &cell->trials[k];
+        const double step = limits_step(cell, t->place.reached);
+        if (configuration_is_adaptive(t->configuration) || isnan(step))
+            continue;
+        if (is_explicit(t) && (!least || step < largest_step(cell, least)))
+            least = t;
+        if (is_explicit(t) && (!greatest || step > largest_step(cell, greatest)))
+            greatest = t;
+        if (aim_step(cell, t, MILLIMETRE) > (farthest ? aim_step(cell, farthest, MILLIMETRE) : 0))
+            farthest = t;
+    }
+    if (!least || !farthest)
+        return; /* the user asked for others, or nobody got there */
+    char key[128];
+    snprintf(key, sizeof key, "%.90s, longest steps", cell->subject);
+    const struct statement row = {.key = key,
+                                  .tables = "largest-step",
+                                  .answers = ANSWERS_FAILURES,
+                                  .value = 1e3 * largest_step(cell, least),
+                                  .unit = "ms"};
+    statements_add(statements, row,
+                   "On %s explicit methods fail beyond steps of %.3g ms (%s) to %.3g ms (%s), and "
+                   "%s stays within a millimetre with steps of %.3g ms.",
+                   cell->subject, row.value, least->configuration->name,
+                   1e3 * largest_step(cell, greatest), greatest->configuration->name,
+                   farthest->configuration->name, 1e3 * aim_step(cell, farthest, MILLIMETRE));
 }
 
 /* How far the measured limits of the axes are from the predicted ones. */
@@ -209,15 +272,16 @@ static void state_prediction(struct statements *statements, const struct plan *p
         row.unit = "1";
         row.verdict = holds_if(row.value < 1.25);
         statements_add(statements, row,
-                       "Along EA, damping, nodes and penalty ratio linear theory foretells the "
-                       "longest steps: they are %.2f to %.2f of the predicted.",
+                       "Along EA, damping, nodes and penalty ratio the longest steps are %.2f to "
+                       "%.2f times those that linear theory predicts.",
                        least, greatest);
         return;
     }
-    row.verdict = plan->scene_count ? NOT_ASKED : NOT_REACHED;
+    row.verdict = plan_is_own(plan) ? NOT_REACHED : NOT_ASKED;
     statements_add(statements, row, "The axes EA, damping, nodes and penalty ratio %s.",
-                   plan->scene_count ? "are those of swing, and are left out with --scene"
-                                     : "have no longest step beside a prediction");
+                   plan_is_own(plan)
+                       ? "have no longest step beside a prediction"
+                       : "are those of swing, and are left out with --scene and --set");
 }
 
 static void state_cuts(struct statements *statements, const struct plan *plan) {
@@ -256,6 +320,8 @@ static void state_trials(struct statements *statements, const struct limits *lim
             continue;
         const int first = strcmp(cell->subject, scene) != 0;
         scene = cell->subject;
+        if (first)
+            state_extremes(statements, cell);
         for (int k = 0; k < cell->trial_count; k++)
             limits_state_trial(statements, cell, &cell->trials[k],
                                first ? ANSWERS_FAILURES : ANSWERS_NONE);

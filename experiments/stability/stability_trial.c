@@ -22,36 +22,37 @@ static int resolution(const struct plan *plan) {
 
 static int add_run(struct plan *plan, const struct cell *cell, struct trial *trial, double step,
                    int timings) {
-    struct run_request request = limits_request(cell, trial->contestant, step);
+    struct run_request request = limits_request(cell, trial->configuration, step);
     request.timings = timings;
     request.diagnostics = !timings;
     trial->run = plan->case_count;
-    return plan_add(plan, cell->scene, &request, cell->name, "%s, %s %.4g", trial->contestant->name,
-                    contestant_is_adaptive(trial->contestant) ? "rtol" : "step", step);
+    return plan_add(plan, cell->scene, &request, cell->name, "%s, %s %.4g",
+                    trial->configuration->name,
+                    configuration_is_adaptive(trial->configuration) ? "rtol" : "step", step);
 }
 
-static int is_too_dear(const struct cell *cell, const struct trial *trial, int place) {
-    return estimated_cost(cell->scene, cell->treatment, trial->contestant,
+static int is_too_expensive(const struct cell *cell, const struct trial *trial, int place) {
+    return estimated_cost(cell->scene, cell->treatment, trial->configuration,
                           limits_step(cell, place)) > longest_run;
 }
 
 /* Runs of shorter steps that nobody waits for end the search. */
 static int try_place(struct plan *plan, const struct cell *cell, struct trial *trial) {
-    if (!is_too_dear(cell, trial, trial->place.at))
+    if (!is_too_expensive(cell, trial, trial->place.at))
         return add_run(plan, cell, trial, limits_step(cell, trial->place.at), 0);
     snprintf(trial->note, sizeof trial->note, "a run of shorter steps would take more than %g s",
              longest_run);
     trial->phase = DONE;
-    plan_refuse(plan, trial->contestant->method, trial->note);
+    plan_refuse(plan, trial->configuration->method, trial->note);
     return 0;
 }
 
-int limits_begin(struct plan *plan, struct cell *cell, const struct configuration *contestant,
+int limits_begin(struct plan *plan, struct cell *cell, const struct configuration *configuration,
                  const struct mode_rate *modes, int mode_count) {
-    const struct stepper_method *method = contestant->method;
+    const struct stepper_method *method = configuration->method;
     struct trial *trial = &cell->trials[cell->trial_count++];
-    const struct run_request request = limits_request(cell, contestant, 1e-3);
-    *trial = (struct trial){.contestant = contestant,
+    const struct run_request request = limits_request(cell, configuration, 1e-3);
+    *trial = (struct trial){.configuration = configuration,
                             .predicted = modes && stepper_is_predictable(method)
                                              ? stable_step(method, modes, mode_count)
                                              : NAN,
@@ -65,7 +66,7 @@ int limits_begin(struct plan *plan, struct cell *cell, const struct configuratio
             (struct aim){.place = bracket_begin(-1, 0), .error = NAN, .timed = -1, .cost = no_cost};
     if (!plan_takes(plan, cell->scene, &request, trial->note))
         return 0;
-    if (contestant_is_adaptive(contestant)) {
+    if (configuration_is_adaptive(configuration)) {
         trial->phase = TIMING;
         return add_run(plan, cell, trial, LIMITS_TOLERANCE, 3);
     }
@@ -112,7 +113,7 @@ static int read_timing(struct plan *plan, struct trial *trial) {
 
 /* --- the aims --- */
 
-/* Of an axis only the order is asked for. */
+/* Along an axis only the order is asked for. */
 static int has_aim(const struct cell *cell, int aim) {
     return !cell->axis || aim == IN_ORDER;
 }
@@ -127,7 +128,7 @@ static int take_error(const struct plan *plan, const struct cell *cell, struct t
     if (reached)
         aim->error = error;
     return bracket_take(&aim->place, reached, LIMITS_STRIDE, resolution(plan)) &&
-           !is_too_dear(cell, trial, aim->place.at);
+           !is_too_expensive(cell, trial, aim->place.at);
 }
 
 /* Goes to the first aim that the longest stable step does not reach, and to shorter ones. */
@@ -201,11 +202,11 @@ static int take_place(struct plan *plan, const struct cell *cell, struct trial *
 }
 
 int limits_go_on(struct plan *plan, const struct cell *cell, struct trial *trial,
-                 const struct run_files *tight) {
+                 const struct run_files *reference) {
     struct verdict verdict;
     if (trial->phase == TIMING)
         return read_timing(plan, trial);
-    if (judge_runs(plan, trial->run, 1, cell->scene, tight, &verdict))
+    if (judge_runs(plan, trial->run, 1, cell->scene, reference, &verdict))
         return -1;
     return trial->phase == ANCHORING   ? take_anchor(plan, cell, trial, &verdict)
            : trial->phase == SEARCHING ? take_place(plan, cell, trial, &verdict)

@@ -1,43 +1,44 @@
-/* Charts of error against cost: contestants on scenes of wisps, from steps that are too long for
+/* Charts of error against cost: configurations on scenes of wisps, from steps that are too long for
  * them to steps that are shorter than anyone needs. What experiments work-precision and solvers
- * share; they differ in their contestants.
+ * share; they differ in their configurations.
  *
- * First the tight solution of each scene and treatment, and how long a trajectory means anything
- * there (the separation horizon); then, round by round, the largest step at which each method with
- * fixed steps is stable, and what one tolerance costs each adaptive one; then the charts. What is
- * run follows from costs that are predicted, of steps counted and the table of configurations
- * (race_settings.c): no clock has a say, so that the same command gives the same rows on any
- * machine, whatever else that does. */
+ * First the reference solution of each scene and treatment, and how long a trajectory means
+ * anything there (the separation horizon); then, round by round, the largest step at which each
+ * method with fixed steps is stable, and what one tolerance costs each adaptive one; then the
+ * charts. What is run follows from costs that are predicted, of steps counted and the table of
+ * configurations (race_settings.c): no clock has a say, so that the same command gives the same
+ * rows on any machine, whatever else that does. */
 #ifndef WISPLAB_RACE_H
 #define WISPLAB_RACE_H
 
 #include "base/files.h"
+#include "base/hash.h"
 #include "experiments/common/search.h"
 #include "experiments/common/statements.h"
 
 /* A chart shows at most so many steps beyond the largest stable one, and so many below it. */
-enum { RUNGS_BEYOND = 2, RUNGS_BELOW = 6, RUNGS_MAX = 48, TOLERANCES = 11, JITTERS = 9 };
+enum { LEVELS_BEYOND = 2, LEVELS_BELOW = 6, LEVELS_MAX = 48, TOLERANCES = 11, JITTERS = 9 };
 
 /* Treatments of a scene at most. */
 enum { FIELDS_MAX = 3 };
 
 struct race {
     const char *const *scenes, *const *quick_scenes; /* own ones; NULL-terminated */
-    unsigned kinds, capabilities;                    /* of contestants: configurations_choose */
+    unsigned kinds, capabilities;                    /* of configurations: configurations_choose */
     const char *const *treatments;                   /* NULL-terminated; NULL: all */
     double seconds, quick_seconds; /* predicted, of one core: by them scenes are cut */
 };
 
-/* One contestant in a field: the settings at which it runs. */
+/* One configuration in a field: the settings at which it runs. */
 struct entry {
-    const struct configuration *contestant; /* one of the plan's */
-    int searching;                          /* a run of its at place.at is awaited */
-    struct bracket place; /* of a fixed step, in rungs: the largest stable one is place.reached */
+    const struct configuration *configuration; /* one of the plan's */
+    int searching;                             /* a run of its at place.at is awaited */
+    struct bracket place; /* of a fixed step, in levels: the largest stable one is place.reached */
     const char *stopped;  /* what limit ended the search; NULL: none */
     double pace;          /* of an adaptive one: steps tried per simulated second, in all wisps, at
-                             RUNG_PROBED; NaN: unknown */
-    int first, last;      /* rungs of the chart; where last < first there is none */
-    char left_out[200];   /* which rungs the chart has not, and why; empty: it has all */
+                             LEVEL_PROBED; NaN: unknown */
+    int first, last;      /* levels of the chart; where last < first there is none */
+    char left_out[200];   /* which levels the chart has not, and why; empty: it has all */
     char refused[REASON_SIZE]; /* why it cannot take part; empty: it can */
 };
 
@@ -47,18 +48,20 @@ struct extent {
     double strain, penetration, drift;
 };
 
-/* What came of one contestant at one setting. */
+/* What came of one configuration at one setting. */
 struct point {
     const struct entry *entry;
     double setting;
-    const char *status;                 /* an outcome's name, "parted", "refused", "left out" */
-    int runs, failed;                   /* of jittered tolerances; 1 of a fixed step */
-    struct cost cost;                   /* of the run with the median error; CPU time over all */
+    const char *status; /* an outcome's name, "diverged history", "refused", "left out" */
+    int lanes, threads; /* the most wisps side by side; that share the scene's wisps; 0: no run */
+    const char *run;    /* folder in `runs` of the one that stands for all, of the plan; or "-" */
+    int runs, failed;   /* of jittered tolerances; 1 of a fixed step */
+    struct cost cost;   /* of the run with the median error; CPU time over all */
     struct deviation deviation;         /* likewise; NaN where a run did not finish */
     struct extent extent;               /* likewise */
     double error_least, error_greatest; /* rms over the jittered runs, m */
-    int limited;                        /* closer to the reference than ten times its bound */
-    int front[2]; /* not limited, and none is cheaper and better: by either race_cost */
+    int reference_limited;              /* closer to the reference than ten times its bound */
+    int front[2]; /* not reference-limited, and none is cheaper and better: by either race_cost */
     char note[REASON_SIZE];
 };
 
@@ -67,7 +70,7 @@ struct field {
     const struct subject *subject;
     const struct scene *whole, *scene; /* of the reference; cut to the horizon */
     int treatment;
-    char left_out[64]; /* other treatments of the scene that are too dear; empty: none */
+    char left_out[64]; /* other treatments of the scene that are too expensive; empty: none */
     int touches;       /* whether ticks can part trajectories: they are compared with a horizon */
     double horizon;    /* s; the duration where nothing parts within it; NaN: unknown */
     int has_reference;
@@ -82,6 +85,15 @@ struct field {
     double treatment_error; /* m; NaN: unknown */
 };
 
+/* A trajectory of another program, in the field that it is compared in. */
+struct foreign {
+    char name[40];                    /* of its curve */
+    const char *file;                 /* the user's */
+    char hash[HASH_SIZE];             /* of the file */
+    const struct field *field;        /* one of the notes' */
+    double evaluations, cpu, setting; /* what it took, the latter s; NaN: not said */
+};
+
 /* The penalty ratio that stands for the exact constrained motion: samples are then held 30 times
  * more stiffly than by their own springs, which still is softer than stretching. */
 #define EXACT_RATIO "3000"
@@ -90,6 +102,8 @@ struct field {
 struct race_notes {
     const struct race *race;
     enum { RACE_REFERENCES, RACE_SEARCHES, RACE_CHARTS } stage; /* whose runs are planned */
+    int foreign_count;
+    struct foreign *foreign; /* behind the entries, curve by curve */
     int field_count;
     struct field fields[];
 };
@@ -106,7 +120,7 @@ struct race_tally {
 struct race_answers {
     unsigned asked;        /* the experiment's `answers` */
     int subjects;          /* scenes stated so far */
-    const char **cheapest; /* of each scene and target: a contestant's name; NULL: none */
+    const char **cheapest; /* of each scene and target: a configuration's name; NULL: none */
     struct race_tally method, treatment; /* the thesis's choice, as either */
 };
 
@@ -121,22 +135,22 @@ int race_tabulate(struct plan *plan, const char *folder);
 
 const char *race_treatment(int treatment);
 
-/* The setting of rung k: a step, s, of a ladder_step; or a relative tolerance. */
+/* The setting of level k: a step, s, of a sequence_step; or a relative tolerance. */
 double race_setting(const struct field *field, const struct entry *entry, int k);
 
-/* Whether the ladder of an entry has rung k: --quick takes every other tolerance. */
+/* Whether the ladder of an entry has level k: --quick takes every other tolerance. */
 int race_takes(const struct plan *plan, const struct entry *entry, int k);
 
 /* The tolerance by which an adaptive method tells its pace. */
-enum { RUNG_PROBED = 4 };
+enum { LEVEL_PROBED = 4 };
 
 /* CPU time of one run, s, as it would be on the machine of the table of costs; NaN: unknown. */
 double race_predicted(const struct field *field, const struct entry *entry, int k);
 
-/* Whether a run is so dear that it is done once, without diagnoses. */
-int race_is_dear(const struct field *field, const struct entry *entry, int k);
+/* Whether a run is so expensive that it is done once, without diagnoses. */
+int race_is_expensive(const struct field *field, const struct entry *entry, int k);
 
-/* How many runs a rung has, at tolerances that differ in the twelfth digit. */
+/* How many runs a level has, at tolerances that differ in the twelfth digit. */
 int race_jitters(const struct plan *plan, const struct field *field, const struct entry *entry,
                  int k);
 
@@ -152,12 +166,12 @@ void race_search(const struct plan *plan, const struct field *field, struct entr
 void race_search_on(const struct plan *plan, const struct field *field, struct entry *entry,
                     enum outcome outcome);
 
-/* When all searches of a scene's fields have ended: which rungs their charts have. */
+/* When all searches of a scene's fields have ended: which levels their charts have. */
 void race_fit(const struct plan *plan, struct field *fields, int field_count);
 
 /* How long of a scene the race may take by predicted costs, s: what the budget allows, but a second
- * at least (with --quick a tenth of one). Where that is too dear, treatments are taken out, the
- * dearest first, down to one; `left_out` names them. */
+ * at least (with --quick a tenth of one). Where that is too expensive, treatments are taken out,
+ * the costliest first, down to one; `left_out` names them. */
 double race_afford(struct plan *plan, const struct race *race, const struct scene *scene,
                    int *treatments, int *count, char left_out[64]);
 
@@ -165,7 +179,7 @@ double race_afford(struct plan *plan, const struct race *race, const struct scen
 
 void race_group(char group[128], const struct field *field);
 
-/* The run of entry at rung k with the j-th jittered tolerance; NULL: there is none. */
+/* The run of entry at level k with the j-th jittered tolerance; NULL: there is none. */
 const struct labelled_case *race_case(const struct plan *plan, const struct field *field,
                                       const struct entry *entry, int k, int j);
 
@@ -186,18 +200,32 @@ void race_mark_fronts(struct field *field);
  */
 double race_cost(const struct point *p, int measure);
 
-/* The cheapest run within the target, m, of another contestant than `besides`; or NULL. */
+/* The cheapest run within the target, m, of another configuration than `besides`; or NULL. */
 const struct point *race_cheapest(const struct field *field, double target,
                                   const struct configuration *besides);
 
-/* The cheapest run of one contestant within the target, m; or NULL. */
+/* The cheapest run of one configuration within the target, m; or NULL. */
 const struct point *race_cheapest_of(const struct field *field, double target,
-                                     const struct configuration *contestant);
+                                     const struct configuration *configuration);
+
+/* --- race_foreign.c --- */
+
+/* Reads and checks the files of plan->states. 0, or -1 with plan->reason. */
+int race_foreign_plan(struct plan *plan, struct race_notes *notes);
+
+/* The point of one while its field's reference is there; `entry` says what it is called. 0, or -1
+ * with plan->reason. */
+int race_foreign_read(struct plan *plan, const struct foreign *foreign, const struct entry *entry,
+                      struct point *point);
 
 /* --- race_statements.c --- */
 
 /* States that a field, just read, has no reference, or is not compared to the end. */
 void race_state_reference(struct statements *statements, const struct field *field);
+
+/* States what a foreign trajectory, of several the `number`-th, is beside the field's runs. */
+void race_state_foreign(struct statements *statements, const struct field *field,
+                        const struct point *point, int number);
 
 /* States what the fields of one scene show, with their points, and adds it to the answers. */
 void race_state_subject(struct statements *statements, const struct field *fields, int field_count,

@@ -34,18 +34,18 @@ static const struct labelled_case *found(const struct plan *plan, const struct f
 static struct run_request request_for(const struct plan *plan, const struct field *field,
                                       const struct entry *entry, int k, int j) {
     const struct scene *scene = field->scene;
-    const double jitter = contestant_is_adaptive(entry->contestant) ? 1 + j * 1e-12 : 1;
+    const double jitter = configuration_is_adaptive(entry->configuration) ? 1 + j * 1e-12 : 1;
     struct run_request request =
-        contestant_request(entry->contestant, race_setting(field, entry, k) * jitter,
-                           scene->run.atol / scene->run.rtol);
+        configuration_request(entry->configuration, race_setting(field, entry, k) * jitter,
+                              scene->run.atol / scene->run.rtol);
     request.treatment = race_treatment(field->treatment);
     request.timings = race_timings(plan, field, entry, k); /* these go without diagnoses */
-    request.diagnostics = !race_is_dear(field, entry, k);
+    request.diagnostics = !race_is_expensive(field, entry, k);
     return request;
 }
 
 static void name_run(char label[64], const struct entry *entry, int k, int j) {
-    snprintf(label, 64, "%s, rung %d.%d", entry->contestant->name, k, j);
+    snprintf(label, 64, "%s, level %d.%d", entry->configuration->name, k, j);
 }
 
 const struct labelled_case *race_case(const struct plan *plan, const struct field *field,
@@ -81,11 +81,11 @@ static struct run_request reference_request(const struct field *field) {
                                 .treatment = race_treatment(field->treatment)};
 }
 
-/* One for each contestant, also where it is refused. */
+/* One for each configuration, also where it is refused. */
 static void add_entries(struct plan *plan, struct field *field) {
     for (int c = 0; c < plan->configuration_count; c++) {
         struct entry *entry = &field->entries[field->entry_count++];
-        *entry = (struct entry){.contestant = &plan->configurations[c], .last = -1};
+        *entry = (struct entry){.configuration = &plan->configurations[c], .last = -1};
         const struct run_request request = request_for(plan, field, entry, 0, 0);
         plan_takes(plan, field->scene, &request, entry->refused);
     }
@@ -94,11 +94,11 @@ static void add_entries(struct plan *plan, struct field *field) {
 /* `exact` is the scene whose penalty stands for the exact motion, or NULL. */
 static int plan_field(struct plan *plan, struct field *field, const struct scene *exact) {
     struct run_request request = reference_request(field);
-    if (adds(plan, field, field->whole, &request, "tight"))
+    if (adds(plan, field, field->whole, &request, "reference"))
         return -1;
     request.perturbation = HORIZON_PERTURBATION;
     request.draw = 1;
-    if (field->touches && adds(plan, field, field->whole, &request, "tight, perturbed"))
+    if (field->touches && adds(plan, field, field->whole, &request, "reference, perturbed"))
         return -1;
     const struct run_request stiff = {.stepper = "reference", .treatment = "penalty"};
     add_entries(plan, field);
@@ -156,28 +156,29 @@ int race_plan(struct plan *plan, const struct race *race) {
     const size_t fields = FIELDS_MAX * (size_t)plan->subject_count,
                  entries = (size_t)plan->configuration_count;
     struct race_notes *notes = calloc(1, sizeof *notes + fields * sizeof *notes->fields +
-                                             fields * entries * sizeof(struct entry));
+                                             fields * entries * sizeof(struct entry) +
+                                             (size_t)plan->states_count * sizeof(struct foreign));
     plan->memo = notes;
-    if (!notes) {
-        snprintf(plan->reason, REASON_SIZE, "out of memory");
-        return -1;
-    }
+    if (!notes)
+        return fail_with(plan->reason, "out of memory");
     notes->race = race;
     for (size_t f = 0; f < fields; f++) /* behind the fields */
         notes->fields[f].entries = (struct entry *)(notes->fields + fields) + f * entries;
-    return plan_scenes(plan, notes);
+    notes->foreign =
+        (struct foreign *)((struct entry *)(notes->fields + fields) + fields * entries);
+    return plan_scenes(plan, notes) || race_foreign_plan(plan, notes) ? -1 : 0;
 }
 
 /* --- what the first stage tells --- */
 
 /* Reads how long trajectories may be compared, and cuts the field's scene to that. */
 static int read_horizon(struct plan *plan, struct field *field) {
-    const struct labelled_case *tight = found(plan, field, "tight"),
-                               *perturbed = found(plan, field, "tight, perturbed");
+    const struct labelled_case *reference = found(plan, field, "reference"),
+                               *perturbed = found(plan, field, "reference, perturbed");
     field->horizon = field->whole->duration;
     if (!perturbed)
         return 0;
-    if (measure_horizon(plan->trajectories, tight->run.folder, perturbed->run.folder,
+    if (measure_horizon(plan->trajectories, reference->run.folder, perturbed->run.folder,
                         &field->horizon, plan->reason))
         return -1;
     if (isnan(field->horizon) || field->horizon >= field->whole->duration)
@@ -208,7 +209,7 @@ static int read_search(struct plan *plan, const struct field *field, struct entr
     if (run_read(&run, one->run.folder, plan->reason))
         return -1;
     const double time = run_number(&run, "simulated_time") - field->scene->begin;
-    if (contestant_is_adaptive(entry->contestant) && time > 0)
+    if (configuration_is_adaptive(entry->configuration) && time > 0)
         entry->pace =
             (run_number(&run, "counters.steps") + run_number(&run, "counters.rejected_steps")) /
             time;
@@ -219,7 +220,7 @@ static int read_search(struct plan *plan, const struct field *field, struct entr
 
 /* Returns how many searches go on, or -1. */
 static int go_on_searching(struct plan *plan, struct field *field) {
-    int going = 0;
+    int unfinished = 0;
     for (int i = 0; i < field->entry_count; i++) {
         struct entry *entry = &field->entries[i];
         if (!entry->searching)
@@ -227,9 +228,9 @@ static int go_on_searching(struct plan *plan, struct field *field) {
         if (read_search(plan, field, entry) ||
             (entry->searching && plan_run(plan, field, entry, entry->place.at, 0)))
             return -1;
-        going += entry->searching;
+        unfinished += entry->searching;
     }
-    return going;
+    return unfinished;
 }
 
 /* --- charts --- */
@@ -266,13 +267,13 @@ static int refine_references(struct plan *plan, struct race_notes *notes) {
     return 0;
 }
 
-static int refine_searches(struct plan *plan, struct race_notes *notes, int *going) {
-    *going = 0;
+static int refine_searches(struct plan *plan, struct race_notes *notes, int *unfinished) {
+    *unfinished = 0;
     for (int f = 0; f < notes->field_count; f++) {
         const int more = go_on_searching(plan, &notes->fields[f]);
         if (more < 0)
             return -1;
-        *going += more;
+        *unfinished += more;
     }
     return 0;
 }
@@ -281,15 +282,15 @@ static int refine_searches(struct plan *plan, struct race_notes *notes, int *goi
 int race_refine(struct plan *plan) {
     struct race_notes *notes = plan->memo;
     const int before = plan->case_count;
-    int code = 0, going = 1;
+    int code = 0, unfinished = 1;
     if (notes->stage == RACE_REFERENCES) {
         code = refine_references(plan, notes);
         notes->stage = RACE_SEARCHES;
-        going = plan->case_count > before;
+        unfinished = plan->case_count > before;
     } else if (notes->stage == RACE_SEARCHES) {
-        code = refine_searches(plan, notes, &going);
+        code = refine_searches(plan, notes, &unfinished);
     }
-    if (code || going || notes->stage == RACE_CHARTS)
+    if (code || unfinished || notes->stage == RACE_CHARTS)
         return code;
     notes->stage = RACE_CHARTS;
     return plan_charts(plan, notes);

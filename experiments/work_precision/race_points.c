@@ -1,4 +1,4 @@
-/* A race's runs read back: one point for each contestant and setting, and the Pareto fronts. */
+/* A race's runs read back: one point for each configuration and setting, and the Pareto fronts. */
 #include "base/files.h"
 #include "base/table.h"
 #include "model/model.h"
@@ -17,7 +17,7 @@ double race_cost(const struct point *p, int measure) {
 }
 
 double race_error_at_most(const struct field *field, const struct point *p) {
-    return p->error_greatest + (p->limited ? field->bound : 0);
+    return p->error_greatest + (p->reference_limited ? field->bound : 0);
 }
 
 static struct point *new_point(struct field *field, const struct entry *entry, int k,
@@ -28,6 +28,7 @@ static struct point *new_point(struct field *field, const struct entry *entry, i
                         .setting = race_setting(field, entry, k),
                         .status = status,
                         .failed = 1,
+                        .run = "-",
                         .cost = no_cost,
                         .deviation = none,
                         .extent = {NAN, NAN, NAN},
@@ -44,16 +45,9 @@ struct outcome_of_run {
     struct cost cost;
     struct deviation deviation;
     struct extent extent;
+    const char *folder; /* in `runs`, of the plan */
     char reason[REASON_SIZE];
 };
-
-static double largest_of(const struct table *table, const char *name) {
-    const int column = table_column(table, name);
-    double largest = NAN;
-    for (int i = 0; i < table->row_count && column >= 0; i++)
-        largest = fmax(largest, fabs(table_value(table, i, column)));
-    return largest;
-}
 
 /* 0, or -1 with a reason. */
 static int read_extent(const char *folder, struct extent *extent, char *reason) {
@@ -64,15 +58,16 @@ static int read_extent(const char *folder, struct extent *extent, char *reason) 
         return 0; /* the run died before it had begun the table */
     if (table_read(&diagnoses, path, reason))
         return -1;
-    extent->strain = largest_of(&diagnoses, "strain");
-    extent->penetration = largest_of(&diagnoses, "penetration");
-    extent->drift = largest_of(&diagnoses, "residual") / largest_of(&diagnoses, "kinetic");
+    extent->strain = measure_largest(&diagnoses, "strain");
+    extent->penetration = measure_largest(&diagnoses, "penetration");
+    extent->drift =
+        measure_largest(&diagnoses, "residual") / measure_largest(&diagnoses, "kinetic");
     table_free(&diagnoses);
     return 0;
 }
 
 static int read_run(struct plan *plan, const struct field *field, const struct labelled_case *one,
-                    const struct configuration *contestant, struct outcome_of_run *result) {
+                    const struct configuration *configuration, struct outcome_of_run *result) {
     const struct scene *scene = field->scene;
     struct run_files run;
     int code = 0;
@@ -81,8 +76,9 @@ static int read_run(struct plan *plan, const struct field *field, const struct l
     const char *reason = json_string_value(json_object_get(run.json, "reason"));
     result->outcome = run.outcome;
     result->cost = run_cost(&run);
-    cost_count(&result->cost, scene, (enum wisp_treatment)field->treatment, contestant);
-    result->deviation.rms = result->deviation.parted = NAN;
+    cost_count(&result->cost, scene, (enum wisp_treatment)field->treatment, configuration);
+    result->deviation.rms = result->deviation.history_diverged = NAN;
+    result->folder = strrchr(one->run.folder, '/') + 1;
     snprintf(result->reason, REASON_SIZE, "%s", reason ? reason : "");
     if (run.outcome == FINISHED && field->has_reference)
         code =
@@ -111,6 +107,7 @@ static void summarise(struct point *p, struct outcome_of_run *runs, int count) {
     p->cost = runs[count / 2].cost;
     p->deviation = runs[count / 2].deviation;
     p->extent = runs[count / 2].extent;
+    p->run = runs[count / 2].folder;
     p->error_least = runs[0].deviation.rms;
     p->error_greatest = runs[count - 1].deviation.rms;
     if (count == 1)
@@ -128,6 +125,7 @@ static void record_failure(struct point *p, const struct outcome_of_run *runs, i
         first++;
     p->cost = runs[first].cost;
     p->extent = runs[first].extent;
+    p->run = runs[first].folder;
     p->status = outcome_name(runs[first].outcome);
     if (count == 1)
         snprintf(p->note, sizeof p->note, "%s", runs[first].reason);
@@ -138,43 +136,49 @@ static void record_failure(struct point *p, const struct outcome_of_run *runs, i
 
 /* Wisps that split at other ticks than the reference's are on the chart as a failure: their error
  * is of fewer frames. */
-static int record_parting(struct point *p, const struct outcome_of_run *run) {
+static int record_divergence(struct point *p, const struct outcome_of_run *run) {
     p->cost = run->cost;
-    p->status = "parted";
+    p->status = "diverged history";
+    p->run = run->folder;
     snprintf(p->note, sizeof p->note,
              "wisps split at other ticks than the reference's; compared before %.6g s",
-             run->deviation.parted);
+             run->deviation.history_diverged);
     return 1;
 }
 
 static int read_point(struct plan *plan, struct field *field, const struct entry *entry, int k) {
     struct outcome_of_run runs[JITTERS];
-    struct point *p = new_point(field, entry, k, outcome_name(FINISHED),
-                                race_is_dear(field, entry, k) ? "not diagnosed, for its cost" : "");
+    struct point *p =
+        new_point(field, entry, k, outcome_name(FINISHED),
+                  race_is_expensive(field, entry, k) ? "not diagnosed, for its cost" : "");
+    const struct settings *settings = &race_case(plan, field, entry, k, 0)->run.settings;
     const int count = race_jitters(plan, field, entry, k);
+    p->lanes = settings_lanes(settings);
+    p->threads = settings->threads;
     p->runs = count;
     p->failed = 0;
     for (int j = 0; j < count; j++) {
-        if (read_run(plan, field, race_case(plan, field, entry, k, j), entry->contestant, &runs[j]))
+        if (read_run(plan, field, race_case(plan, field, entry, k, j), entry->configuration,
+                     &runs[j]))
             return -1;
         p->failed += runs[j].outcome != FINISHED;
     }
-    int parted = 0;
-    for (int j = 0; j < count && !p->failed && !parted; j++)
-        if (!isnan(runs[j].deviation.parted))
-            parted = record_parting(p, &runs[j]);
+    int diverged = 0;
+    for (int j = 0; j < count && !p->failed && !diverged; j++)
+        if (!isnan(runs[j].deviation.history_diverged))
+            diverged = record_divergence(p, &runs[j]);
     if (p->failed)
         record_failure(p, runs, count);
-    else if (parted)
+    else if (diverged)
         p->failed = count;
     else
         summarise(p, runs, count);
-    p->limited = p->deviation.rms < 10 * field->bound;
+    p->reference_limited = p->deviation.rms < 10 * field->bound;
     return 0;
 }
 
-/* A contestant that is refused, or of which something is left out, gets a line that says so. Of the
- * steps of a search that found no stable one, the chart has those that were tried. */
+/* A configuration that is refused, or of which something is left out, gets a line that says so. Of
+ * the steps of a search that found no stable one, the chart has those that were tried. */
 static int read_entry(struct plan *plan, struct field *field, const struct entry *entry) {
     if (entry->refused[0]) {
         new_point(field, entry, 0, outcome_name(REFUSED), entry->refused);
@@ -195,10 +199,10 @@ static void read_evaluation(struct field *field) {
     field->evaluation = NAN;
     for (int i = 0; i < field->point_count; i++) {
         const struct point *p = &field->points[i];
-        const struct stepper_method *method = p->entry->contestant->method;
+        const struct stepper_method *method = p->entry->configuration->method;
         if (race_finished(p) && !(method->capabilities & (STEPPER_ADAPTIVE | STEPPER_IMPLICIT)) &&
-            (!best || method->order > best->entry->contestant->method->order ||
-             (method->order == best->entry->contestant->method->order &&
+            (!best || method->order > best->entry->configuration->method->order ||
+             (method->order == best->entry->configuration->method->order &&
               p->cost.evaluations > best->cost.evaluations)))
             best = p;
     }
@@ -210,11 +214,11 @@ static void read_evaluation(struct field *field) {
 static int read_reference(struct plan *plan, struct field *field) {
     char group[128];
     race_group(group, field);
-    if (run_read_states(&field->reference, find_case(plan, group, "tight")->run.folder,
+    if (run_read_states(&field->reference, find_case(plan, group, "reference")->run.folder,
                         plan->trajectories, plan->reason))
         return -1;
     field->has_reference = field->reference.outcome == FINISHED;
-    field->bound = run_number(&field->reference, "second_opinion.bound");
+    field->bound = run_number(&field->reference, "cross_check.bound");
     return 0;
 }
 
@@ -225,10 +229,10 @@ static int read_reference(struct plan *plan, struct field *field) {
 static void mark_front(struct field *field, int measure) {
     for (int i = 0; i < field->point_count; i++) {
         struct point *p = &field->points[i];
-        p->front[measure] = race_finished(p) && !p->limited;
+        p->front[measure] = race_finished(p) && !p->reference_limited;
         for (int j = 0; j < field->point_count && p->front[measure]; j++) {
             const struct point *other = &field->points[j];
-            const int as_good = race_finished(other) && !other->limited && j != i &&
+            const int as_good = race_finished(other) && !other->reference_limited && j != i &&
                                 race_cost(other, measure) <= race_cost(p, measure) &&
                                 other->deviation.rms <= p->deviation.rms;
             const int better = race_cost(other, measure) < race_cost(p, measure) ||
@@ -255,18 +259,18 @@ const struct point *race_cheapest(const struct field *field, double target,
     const struct point *best = NULL;
     for (int i = 0; i < field->point_count; i++) {
         const struct point *p = &field->points[i];
-        if (p->entry->contestant != besides && is_cheaper(field, target, p, best))
+        if (p->entry->configuration != besides && is_cheaper(field, target, p, best))
             best = p;
     }
     return best;
 }
 
 const struct point *race_cheapest_of(const struct field *field, double target,
-                                     const struct configuration *contestant) {
+                                     const struct configuration *configuration) {
     const struct point *best = NULL;
     for (int i = 0; i < field->point_count; i++) {
         const struct point *p = &field->points[i];
-        if (p->entry->contestant == contestant && is_cheaper(field, target, p, best))
+        if (p->entry->configuration == configuration && is_cheaper(field, target, p, best))
             best = p;
     }
     return best;

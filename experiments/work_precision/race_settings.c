@@ -1,8 +1,8 @@
 /* Which settings a race's charts have, by costs that are known before anything is run.
  *
- * A method with fixed steps has those from two rungs beyond its largest stable step to six below
- * it. The dearest of these, of any method on a scene, is how deep the scene's charts are: all
- * methods have every rung that is predicted to cost no more, so that what is left out cannot have
+ * A method with fixed steps has those from two levels beyond its largest stable step to six below
+ * it. The costliest of these, of any method on a scene, is how deep the scene's charts are: all
+ * methods have every level that is predicted to cost no more, so that what is left out cannot have
  * been the cheapest within an error that some run has reached. */
 #include "model/problems.h"
 #include "race.h"
@@ -15,9 +15,9 @@ const char *race_treatment(int treatment) {
 }
 
 double race_setting(const struct field *field, const struct entry *entry, int k) {
-    return contestant_is_adaptive(entry->contestant)
-               ? pow(10, -1 + (log10(entry->contestant->finest) + 1) * k / (TOLERANCES - 1))
-               : ladder_step(field->whole, 2, k);
+    return configuration_is_adaptive(entry->configuration)
+               ? pow(10, -1 + (log10(entry->configuration->finest) + 1) * k / (TOLERANCES - 1))
+               : sequence_step(field->whole, 2, k);
 }
 
 /* --- predicted costs --- */
@@ -25,7 +25,7 @@ double race_setting(const struct field *field, const struct entry *entry, int k)
 static const double process_cost = 0.012; /* to start one, s */
 
 /* No run that is predicted to take longer is tried, s. */
-static double dearest(const struct plan *plan) {
+static double costliest(const struct plan *plan) {
     return plan->quick ? 0.5 : 1.5;
 }
 
@@ -34,42 +34,43 @@ static double trifle(const struct plan *plan) {
     return plan->quick ? 0.03 : 0.1;
 }
 
-/* Of steps that long, one after the other in all wisps. */
-static double steps_cost(const struct field *field, const struct configuration *contestant,
+/* The cost of steps that long, one after the other in all wisps. */
+static double steps_cost(const struct field *field, const struct configuration *configuration,
                          double step) {
     return process_cost +
-           estimated_cost(field->scene, (enum wisp_treatment)field->treatment, contestant, step);
+           estimated_cost(field->scene, (enum wisp_treatment)field->treatment, configuration, step);
 }
 
 /* An adaptive method of order p takes steps like rtol^(-1/(p+1)). */
 double race_predicted(const struct field *field, const struct entry *entry, int k) {
-    const struct configuration *contestant = entry->contestant;
+    const struct configuration *configuration = entry->configuration;
     const double setting = race_setting(field, entry, k);
-    if (!contestant_is_adaptive(contestant))
-        return steps_cost(field, contestant, setting);
-    const double pace = entry->pace * pow(race_setting(field, entry, RUNG_PROBED) / setting,
-                                          1. / (contestant->order + 1));
-    return steps_cost(field, contestant, field->scene->wisp_count / pace);
+    if (!configuration_is_adaptive(configuration))
+        return steps_cost(field, configuration, setting);
+    const double pace = entry->pace * pow(race_setting(field, entry, LEVEL_PROBED) / setting,
+                                          1. / (configuration->order + 1));
+    return steps_cost(field, configuration, field->scene->wisp_count / pace);
 }
 
 /* A run that takes so long, s, is done once, and once more for its time. */
-static const double dear = 0.5;
+static const double expensive = 0.5;
 
-int race_is_dear(const struct field *field, const struct entry *entry, int k) {
-    return race_predicted(field, entry, k) > dear;
+int race_is_expensive(const struct field *field, const struct entry *entry, int k) {
+    return race_predicted(field, entry, k) > expensive;
 }
 
 int race_jitters(const struct plan *plan, const struct field *field, const struct entry *entry,
                  int k) {
-    return !contestant_is_adaptive(entry->contestant) || race_is_dear(field, entry, k) ? 1
-           : plan->quick                                                               ? 3
-                                                                                       : JITTERS;
+    return !configuration_is_adaptive(entry->configuration) || race_is_expensive(field, entry, k)
+               ? 1
+           : plan->quick ? 3
+                         : JITTERS;
 }
 
 int race_timings(const struct plan *plan, const struct field *field, const struct entry *entry,
                  int k) {
     const double cost = race_predicted(field, entry, k);
-    return contestant_is_adaptive(entry->contestant) || cost > dear
+    return configuration_is_adaptive(entry->configuration) || cost > expensive
                ? 1 /* jittered ones repeat it */
            : plan->quick ? 2
            : cost < 0.2  ? 5
@@ -80,40 +81,40 @@ int race_timings(const struct plan *plan, const struct field *field, const struc
 
 static int first_seen_stable(const struct field *field, const struct entry *entry) {
     int k = 0;
-    while (k < RUNGS_MAX - 1 &&
-           !seems_stable(entry->contestant->method, field->whole, race_setting(field, entry, k)))
+    while (k < LEVELS_MAX - 1 &&
+           !seems_stable(entry->configuration->method, field->whole, race_setting(field, entry, k)))
         k++;
     return k;
 }
 
-static int is_too_dear(const struct plan *plan, const struct field *field,
-                       const struct entry *entry, int k) {
-    return k >= RUNGS_MAX || race_predicted(field, entry, k) > dearest(plan);
+static int is_too_expensive(const struct plan *plan, const struct field *field,
+                            const struct entry *entry, int k) {
+    return k >= LEVELS_MAX || race_predicted(field, entry, k) > costliest(plan);
 }
 
 void race_search(const struct plan *plan, const struct field *field, struct entry *entry) {
-    const int adaptive = contestant_is_adaptive(entry->contestant);
+    const int adaptive = configuration_is_adaptive(entry->configuration);
     entry->pace = NAN;
-    entry->place = bracket_begin(adaptive ? RUNG_PROBED : first_seen_stable(field, entry), 0);
-    entry->searching = adaptive || !is_too_dear(plan, field, entry, entry->place.at);
+    entry->place = bracket_begin(adaptive ? LEVEL_PROBED : first_seen_stable(field, entry), 0);
+    entry->searching = adaptive || !is_too_expensive(plan, field, entry, entry->place.at);
 }
 
-/* An octave at a time, then the rung between. Where a limit has ended the run, shorter steps are of
- * no use. */
+/* An octave at a time, then the level between. Where a limit has ended the run, shorter steps are
+ * of no use. */
 void race_search_on(const struct plan *plan, const struct field *field, struct entry *entry,
                     enum outcome outcome) {
     const int octave = 2;
-    const int limited = outcome == OUT_OF_TIME || outcome == OUT_OF_MEMORY;
-    if (limited)
+    const int cut_off = outcome == OUT_OF_TIME || outcome == OUT_OF_MEMORY;
+    if (cut_off)
         entry->stopped = outcome_name(outcome);
-    entry->searching = !contestant_is_adaptive(entry->contestant) &&
-                       bracket_take(&entry->place, outcome == FINISHED, octave, 1) && !limited &&
-                       !is_too_dear(plan, field, entry, entry->place.at);
+    entry->searching = !configuration_is_adaptive(entry->configuration) &&
+                       bracket_take(&entry->place, outcome == FINISHED, octave, 1) && !cut_off &&
+                       !is_too_expensive(plan, field, entry, entry->place.at);
 }
 
 /* --- the charts --- */
 
-/* The finest rung, up to `last`, that is predicted to cost no more than `cap`, s; or -1. */
+/* The finest level, up to `last`, that is predicted to cost no more than `cap`, s; or -1. */
 static int finest_within(const struct field *field, const struct entry *entry, int last,
                          double cap) {
     int k = last;
@@ -122,13 +123,14 @@ static int finest_within(const struct field *field, const struct entry *entry, i
     return k;
 }
 
-/* The predicted cost of the sixth rung below the largest stable one; 0 where there is none. */
+/* The predicted cost of the sixth level below the largest stable one; 0 where there is none. */
 static double needed(const struct plan *plan, const struct field *field,
                      const struct entry *entry) {
-    if (entry->refused[0] || contestant_is_adaptive(entry->contestant) || entry->place.reached < 0)
+    if (entry->refused[0] || configuration_is_adaptive(entry->configuration) ||
+        entry->place.reached < 0)
         return 0;
-    const int below = (int)fmin(entry->place.reached + RUNGS_BELOW, RUNGS_MAX - 1);
-    return race_predicted(field, entry, finest_within(field, entry, below, dearest(plan)));
+    const int below = (int)fmin(entry->place.reached + LEVELS_BELOW, LEVELS_MAX - 1);
+    return race_predicted(field, entry, finest_within(field, entry, below, costliest(plan)));
 }
 
 static void fit_fixed(const struct field *field, struct entry *entry, double cap) {
@@ -145,9 +147,9 @@ static void fit_fixed(const struct field *field, struct entry *entry, double cap
                      "no step is stable of which a run is predicted to take less than %.2g s", cap);
         return;
     }
-    entry->first = reached > RUNGS_BEYOND ? reached - RUNGS_BEYOND : 0;
-    entry->last = finest_within(field, entry, RUNGS_MAX - 1, cap);
-    if (entry->last < RUNGS_MAX - 1)
+    entry->first = reached > LEVELS_BEYOND ? reached - LEVELS_BEYOND : 0;
+    entry->last = finest_within(field, entry, LEVELS_MAX - 1, cap);
+    if (entry->last < LEVELS_MAX - 1)
         snprintf(entry->left_out, sizeof entry->left_out,
                  "this and shorter steps: a run is predicted to take more than %.2g s", cap);
 }
@@ -156,7 +158,7 @@ static void fit_adaptive(const struct field *field, struct entry *entry, double 
     entry->first = 0;
     entry->last = finest_within(field, entry, TOLERANCES - 1, cap);
     if (isnan(entry->pace)) {
-        entry->first = entry->last = RUNG_PROBED;
+        entry->first = entry->last = LEVEL_PROBED;
         snprintf(entry->left_out, sizeof entry->left_out,
                  "other tolerances: with this one no step succeeded");
     } else if (entry->last < TOLERANCES - 1) {
@@ -175,7 +177,7 @@ void race_fit(const struct plan *plan, struct field *fields, int field_count) {
             struct entry *entry = &fields[f].entries[i];
             if (entry->refused[0])
                 continue;
-            if (contestant_is_adaptive(entry->contestant))
+            if (configuration_is_adaptive(entry->configuration))
                 fit_adaptive(&fields[f], entry, cap);
             else
                 fit_fixed(&fields[f], entry, cap);
@@ -183,60 +185,61 @@ void race_fit(const struct plan *plan, struct field *fields, int field_count) {
 }
 
 int race_takes(const struct plan *plan, const struct entry *entry, int k) {
-    return !plan->quick || !contestant_is_adaptive(entry->contestant) || k % 2 == 0;
+    return !plan->quick || !configuration_is_adaptive(entry->configuration) || k % 2 == 0;
 }
 
 /* --- how long a scene is run --- */
 
 static int would_run(struct plan *plan, const struct field *field, const struct entry *entry) {
-    struct run_request request = contestant_request(
-        entry->contestant, race_setting(field, entry, 0), field->scene->run.atol);
+    struct run_request request = configuration_request(
+        entry->configuration, race_setting(field, entry, 0), field->scene->run.atol);
     char reason[REASON_SIZE];
     request.treatment = race_treatment(field->treatment);
     return plan_takes(plan, field->scene, &request, reason);
 }
 
-/* What the charts of one treatment will cost for a simulated second, by linear theory: the rungs of
- * one method together cost 3.4 times the dearest of them, and each is run with diagnoses, which
- * takes 1.6 times as long, and twice for its time; or where it is dear, twice. */
+/* What the charts of one treatment will cost for a simulated second, by linear theory: the levels
+ * of one method together cost 3.4 times the costliest of them, and each is run with diagnoses,
+ * which takes 1.6 times as long, and twice for its time; or where it is expensive, twice. */
 static double charts_cost(struct plan *plan, const struct scene *scene, int treatment) {
-    const double together = 3.4, below = exp2(RUNGS_BELOW / 2.);
+    const double together = 3.4, below = exp2(LEVELS_BELOW / 2.);
     struct field field = {.whole = scene, .scene = scene, .treatment = treatment};
     double cap = 0;
     int count = 0;
     for (int c = 0; c < plan->configuration_count; c++) {
-        const struct entry entry = {.contestant = &plan->configurations[c]};
+        const struct entry entry = {.configuration = &plan->configurations[c]};
         if (!would_run(plan, &field, &entry))
             continue;
         count++;
-        if (contestant_is_adaptive(entry.contestant))
+        if (configuration_is_adaptive(entry.configuration))
             continue;
         const double step = race_setting(&field, &entry, first_seen_stable(&field, &entry));
-        cap = fmax(cap, steps_cost(&field, entry.contestant, step / below));
+        cap = fmax(cap, steps_cost(&field, entry.configuration, step / below));
     }
-    cap = fmin(cap, dearest(plan));
-    return together * (cap > dear ? 2 : 3.6) * count * cap / scene->duration;
+    cap = fmin(cap, costliest(plan));
+    return together * (cap > expensive ? 2 : 3.6) * count * cap / scene->duration;
 }
 
-/* Of one treatment, with its references, per simulated second. */
+/* The cost of one treatment, with its references, per simulated second. */
 static double treatment_cost(struct plan *plan, const struct scene *scene, int treatment) {
     return charts_cost(plan, scene, treatment) +
            reference_cost(scene) * (scene_has_contacts(scene) ? 2 : 1);
 }
 
-/* Takes the dearest of the treatments out, of equal ones the last. Returns which it was. */
-static int drop_dearest(struct plan *plan, const struct scene *scene, int *treatments, int count) {
-    int dearest_at = 0;
+/* Takes the costliest of the treatments out, of equal ones the last. Returns which it was. */
+static int drop_costliest(struct plan *plan, const struct scene *scene, int *treatments,
+                          int count) {
+    int costliest_at = 0;
     double most = 0;
     for (int i = 0; i < count; i++) {
         const double cost = treatment_cost(plan, scene, treatments[i]);
         if (cost >= most) {
             most = cost;
-            dearest_at = i;
+            costliest_at = i;
         }
     }
-    const int dropped = treatments[dearest_at];
-    for (int i = dearest_at; i + 1 < count; i++)
+    const int dropped = treatments[costliest_at];
+    for (int i = costliest_at; i + 1 < count; i++)
         treatments[i] = treatments[i + 1];
     return dropped;
 }
@@ -253,7 +256,7 @@ double race_afford(struct plan *plan, const struct race *race, const struct scen
             return fmin(scene->duration, fmax(least, budget / cost));
         const size_t used = strlen(left_out);
         snprintf(left_out + used, 64 - used, "%s%s", used ? " and " : "",
-                 race_treatment(drop_dearest(plan, scene, treatments, *count)));
+                 race_treatment(drop_costliest(plan, scene, treatments, *count)));
         --*count;
     }
 }

@@ -7,7 +7,7 @@
 #include <string.h>
 
 static const char *name_of(const struct point *p) {
-    return p->entry->contestant->name;
+    return p->entry->configuration->name;
 }
 
 static const double targets[RACE_TARGETS] = {1e-2, 1e-3, 1e-4};
@@ -17,7 +17,7 @@ static const char nobody_alone[] = "several (tied)";
 
 /* "h = 0.0001" or "rtol 0.001". */
 static const char *setting_name(const struct point *p) {
-    return contestant_is_adaptive(p->entry->contestant) ? "rtol" : "h =";
+    return configuration_is_adaptive(p->entry->configuration) ? "rtol" : "h =";
 }
 
 static int has_envelope(const struct field *field) {
@@ -49,13 +49,13 @@ static double left_of(const struct field *field, double target) {
 }
 
 /* The cheapest run on a scene whose error is at most `target` together with that of its treatment.
- * Of another contestant than `besides`; or NULL. */
+ * Of another configuration than `besides`; or NULL. */
 static const struct point *cheapest_of(const struct field *fields, int count, double target,
                                        const struct point *besides, const struct field **in) {
     const struct point *best = NULL;
     for (int f = 0; f < count; f++) {
         const struct point *p = race_cheapest(&fields[f], left_of(&fields[f], target),
-                                              besides ? besides->entry->contestant : NULL);
+                                              besides ? besides->entry->configuration : NULL);
         if (!p || (best && p->cost.counted >= best->cost.counted))
             continue;
         best = p;
@@ -64,17 +64,18 @@ static const struct point *cheapest_of(const struct field *fields, int count, do
     return best;
 }
 
-/* Other contestants within the target whose costs are not known to be higher: " and rk4 (5 ms)". */
+/* Other configurations within the target whose costs are not known to be higher: " and rk4 (5 ms)".
+ */
 static void list_tied(const struct field *fields, int count, double target,
                       const struct point *best, char text[512]) {
     text[0] = '\0';
     for (int i = 0; i < fields->entry_count; i++) {
-        const struct configuration *contestant = fields->entries[i].contestant;
+        const struct configuration *configuration = fields->entries[i].configuration;
         const struct point *own = NULL;
         const size_t used = strlen(text);
-        for (int f = 0; f < count && contestant != best->entry->contestant; f++) {
+        for (int f = 0; f < count && configuration != best->entry->configuration; f++) {
             const struct point *p =
-                race_cheapest_of(&fields[f], left_of(&fields[f], target), contestant);
+                race_cheapest_of(&fields[f], left_of(&fields[f], target), configuration);
             if (p && (!own || p->cost.counted < own->cost.counted))
                 own = p;
         }
@@ -91,7 +92,7 @@ static void state_target(struct statements *statements, const struct field *fiel
     const struct point *best = cheapest_of(fields, count, error, NULL, &in);
     const struct point *next = best ? cheapest_of(fields, count, error, best, &next_in) : NULL;
     const char *scene = fields->subject->name,
-               *with = has_envelope(fields) ? " (its treatment's error included)" : "";
+               *with = has_envelope(fields) ? " (with its treatment's error)" : "";
     char word[32], tied[512] = "", runner_up[128] = "";
     struct keys keys;
     snprintf(word, sizeof word, "%g mm", mm);
@@ -110,20 +111,21 @@ static void state_target(struct statements *statements, const struct field *fiel
     row.value = 1e3 * best->cost.cpu.median;
     row.unit = "ms";
     if (next)
-        snprintf(runner_up, sizeof runner_up, "; next is %s, %.3g ms", name_of(next),
+        snprintf(runner_up, sizeof runner_up, "; %s is next with %.3g ms", name_of(next),
                  1e3 * next->cost.cpu.median);
     if (tied[0])
         statements_add(statements, row,
-                       "On %s the cheapest within %g mm%s are %s with %s at %s %.3g (%.3g ms of "
-                       "CPU time)%s, whose costs are too close to part them.",
-                       scene, mm, with, name_of(best), race_treatment(in->treatment),
-                       setting_name(best), best->setting, row.value, tied);
+                       "Within %g mm on %s%s the cheapest are %s (%.3g ms of CPU time)%s, too "
+                       "close to tell apart.",
+                       mm, scene, with, name_of(best), row.value, tied);
     else
         statements_add(statements, row,
-                       "On %s the cheapest within %g mm%s is %s with %s at %s %.3g: %.3g ms of CPU "
-                       "time%s.",
-                       scene, mm, with, name_of(best), race_treatment(in->treatment),
-                       setting_name(best), best->setting, row.value, runner_up);
+                       "Within %g mm on %s%s the cheapest is %s with %s, which takes %.3g ms of "
+                       "CPU time at %s %.3g%s%s.",
+                       mm, scene, with, name_of(best), race_treatment(in->treatment), row.value,
+                       setting_name(best), best->setting,
+                       configuration_is_adaptive(best->entry->configuration) ? "" : " s",
+                       runner_up);
 }
 
 /* --- was the thesis's choice right? --- */
@@ -188,7 +190,7 @@ static void state_method(struct statements *statements, const struct field *fiel
                        mm, ms);
     else
         statements_add(statements, row,
-                       "%s: %s errs no more (%.2g mm) and takes %.3g ms, not %.3g.", choice,
+                       "%s: %s errs no more (%.2g mm) and takes %.3g ms against %.3g ms.", choice,
                        name_of(best), mm, 1e3 * best->cost.cpu.median, ms);
 }
 
@@ -202,8 +204,10 @@ static void state_treatment(struct statements *statements, const struct field *f
     row.by = THESIS;
     if (isnan(off) || !race_finished(own)) {
         row.verdict = NOT_REACHED;
-        statements_add(statements, row,
-                       "What projection itself errs on %s beside the method is not known.", scene);
+        statements_add(
+            statements, row,
+            "On %s projection itself errs no more than the method: what it errs is not known.",
+            scene);
         return;
     }
     row.verdict = holds_if(off <= error);
@@ -232,14 +236,14 @@ static void state_choice(struct statements *statements, const struct field *fiel
     row.answers = ANSWERS_CHOICE;
     row.by = THESIS;
     row.verdict = asked ? NOT_REACHED : NOT_ASKED;
-    statements_add(statements, row, "On %s explicit Euler%s %s.", fields->subject->name,
-                   has_envelope(fields) ? " with projection" : "",
-                   asked ? "has no run near 9000 Hz, the thesis's choice" : "was not asked for");
+    statements_add(statements, row, "On %s explicit Euler%s at 9000 Hz is the right method: it %s.",
+                   fields->subject->name, has_envelope(fields) ? " with projection" : "",
+                   asked ? "has no run near that rate" : "was not asked for");
 }
 
 /* --- where does each method fail? --- */
 
-/* What became of a contestant's settings on a scene, under all treatments. */
+/* What became of a configuration's settings on a scene, under all treatments. */
 struct record {
     int runs, failures;
     char kinds[160];        /* of the failures */
@@ -247,14 +251,14 @@ struct record {
     char note[REASON_SIZE]; /* of what was refused or left out */
 };
 
-/* Settings of a contestant follow each other from coarse to fine. */
-static void add_field(struct record *record, const struct field *field, const void *contestant) {
+/* Settings of a configuration follow each other from coarse to fine. */
+static void add_field(struct record *record, const struct field *field, const void *configuration) {
     double safe = NAN;
     int runs = 0;
     for (int i = 0; i < field->point_count; i++) {
         const struct point *p = &field->points[i];
         const size_t used = strlen(record->kinds);
-        if (p->entry->contestant != contestant)
+        if (p->entry->configuration != configuration)
             continue;
         if (p->runs == 0) {
             snprintf(record->note, sizeof record->note, "%s", p->note);
@@ -275,8 +279,8 @@ static void add_field(struct record *record, const struct field *field, const vo
 static void state_record(struct statements *statements, const struct field *fields,
                          const struct entry *entry, const struct record *record,
                          const struct race_answers *answers) {
-    const char *scene = fields->subject->name, *name = entry->contestant->name;
-    const int adaptive = contestant_is_adaptive(entry->contestant);
+    const char *scene = fields->subject->name, *name = entry->configuration->name;
+    const int adaptive = configuration_is_adaptive(entry->configuration);
     char word[96], from[64] = "the finest among them";
     struct keys keys;
     snprintf(word, sizeof word, "failures of %.70s", name);
@@ -284,7 +288,7 @@ static void state_record(struct statements *statements, const struct field *fiel
     row.answers = if_asked(answers, ANSWERS_FAILURES);
     if (record->runs == 0) {
         row.verdict = NOT_REACHED;
-        statements_add(statements, row, "On %s %s has no run: %s.", scene, name, record->note);
+        statements_add(statements, row, "On %s %s has no run (%s).", scene, name, record->note);
         return;
     }
     if (!isnan(record->safe))
@@ -297,16 +301,16 @@ static void state_record(struct statements *statements, const struct field *fiel
                    record->failures, record->runs, record->kinds, from);
 }
 
-/* Whether the first fields have the contestant of an entry. */
+/* Whether the first fields have the configuration of an entry. */
 static int was_seen(const struct field *fields, int field_count, const struct entry *entry) {
     for (int f = 0; f < field_count; f++)
         for (int i = 0; i < fields[f].entry_count; i++)
-            if (fields[f].entries[i].contestant == entry->contestant)
+            if (fields[f].entries[i].configuration == entry->configuration)
                 return 1;
     return 0;
 }
 
-/* Of every contestant that fails, and in one sentence of those that never do. */
+/* Says of every configuration that fails how it does, and in one sentence which never do. */
 static void state_failures(struct statements *statements, const struct field *fields, int count,
                            const struct race_answers *answers) {
     char never[512] = "";
@@ -318,19 +322,19 @@ static void state_failures(struct statements *statements, const struct field *fi
             if (was_seen(fields, f, entry))
                 continue;
             for (int k = f; k < count; k++)
-                add_field(&record, &fields[k], entry->contestant);
+                add_field(&record, &fields[k], entry->configuration);
             if (record.failures > 0 || record.runs == 0)
                 state_record(statements, fields, entry, &record, answers);
             else
                 snprintf(never + used, sizeof never - used, "%s%s", used ? ", " : "",
-                         entry->contestant->name);
+                         entry->configuration->name);
         }
     struct keys keys;
     struct statement row = row_of(fields, "no failures", &keys);
     row.answers = if_asked(answers, ANSWERS_FAILURES);
     if (never[0])
-        statements_add(statements, row, "On %s these never fail: %s.", fields->subject->name,
-                       never);
+        statements_add(statements, row, "On %s these methods never fail: %s.",
+                       fields->subject->name, never);
 }
 
 /* --- what there is --- */
@@ -353,14 +357,14 @@ static void state_points(struct statements *statements, const struct field *fiel
     row.value = finished;
     row.unit = "1";
     statements_add(statements, row,
-                   "On %s %d settings finish, %d fail, %d are refused or left out.",
+                   "On %s %d settings finish, %d fail, and %d are refused or left out.",
                    fields->subject->name, finished, failed, none);
     if (!best)
         return;
     row = row_of(fields, "smallest error", &keys);
     row.value = 1e3 * best->deviation.rms;
     row.unit = "mm";
-    statements_add(statements, row, "The smallest error on %s is %s's, %.2g mm.",
+    statements_add(statements, row, "The smallest error on %s is that of %s, %.2g mm.",
                    fields->subject->name, name_of(best), row.value);
 }
 
@@ -383,6 +387,34 @@ void race_state_reference(struct statements *statements, const struct field *fie
                        "%s with %s is compared up to its separation horizon, %.3g s.", scene,
                        treatment, row.value);
     }
+}
+
+void race_state_foreign(struct statements *statements, const struct field *field,
+                        const struct point *p, int number) {
+    const struct point *best = race_cheapest(field, p->deviation.rms, NULL);
+    const double evaluations = p->cost.evaluations, cpu = p->cost.cpu.median;
+    char word[70], cost[120], ours[160] = "no run of wisplab's own errs as little";
+    struct keys keys;
+    snprintf(word, sizeof word, "%.16s, %.39s %d", race_treatment(field->treatment), name_of(p),
+             number);
+    struct statement row = row_of(field, word, &keys);
+    if (!isnan(evaluations) && !isnan(cpu))
+        snprintf(cost, sizeof cost, "with %.0f evaluations in %.3g s", evaluations, cpu);
+    else if (!isnan(evaluations))
+        snprintf(cost, sizeof cost, "with %.0f evaluations", evaluations);
+    else if (!isnan(cpu))
+        snprintf(cost, sizeof cost, "in %.3g s", cpu);
+    else
+        snprintf(cost, sizeof cost, "at a cost that it does not say");
+    if (best) {
+        row.value = isnan(cpu) ? evaluations / best->cost.evaluations : cpu / best->cost.cpu.median;
+        row.unit = isnan(row.value) ? NULL : "1";
+        snprintf(ours, sizeof ours, "%s errs no more with %.0f evaluations in %.3g s",
+                 name_of(best), best->cost.evaluations, best->cost.cpu.median);
+    }
+    statements_add(statements, row,
+                   "On %s the trajectory %s of another program errs %.2g mm %s; %s.",
+                   field->subject->name, name_of(p), 1e3 * p->deviation.rms, cost, ours);
 }
 
 /* What was left out, and whether it could have won: it is predicted to cost more than anything that
@@ -418,10 +450,10 @@ static void state_cuts(struct statements *statements, const struct field *fields
     row.unit = "1";
     if (cut)
         statements_add(statements, row,
-                       "On %s %d ladders end where runs are predicted to cost more than any that "
-                       "was made, and so could not have been the cheapest within an error that one "
-                       "has reached%s.",
-                       fields->subject->name, cut, open);
+                       "On %s the settings of %d method%s end where runs are predicted to cost "
+                       "more than any that was made, and could not have been the cheapest within "
+                       "an error that was reached%s.",
+                       fields->subject->name, cut, cut == 1 ? "" : "s", open);
 }
 
 void race_state_subject(struct statements *statements, const struct field *fields, int field_count,
@@ -438,9 +470,12 @@ void race_state_subject(struct statements *statements, const struct field *field
 
 /* --- over all scenes --- */
 
-/* "rk4 on 2 scenes, cvode on 1": who is cheapest, and on how many. */
-static void list_winners(const struct race_answers *answers, int target, char text[512]) {
+/* "rk4 is the cheapest on 2, cvode on 1": who is, and on how many; then on how many nobody alone
+ * is.
+ */
+static int list_winners(const struct race_answers *answers, int target, char text[512]) {
     const char *const *winner = answers->cheapest + target;
+    int tied = 0;
     text[0] = '\0';
     for (int i = 0; i < answers->subjects; i++) {
         const char *name = winner[i * RACE_TARGETS];
@@ -452,43 +487,49 @@ static void list_winners(const struct race_answers *answers, int target, char te
             on += same;
             first &= !same || k >= i;
         }
-        if (name && first)
-            snprintf(text + used, 512 - used, "%s%s on %d", used ? ", " : "", name, on);
+        if (name && strcmp(name, nobody_alone) == 0)
+            tied = on;
+        else if (name && first)
+            snprintf(text + used, 512 - used,
+                     used ? ", %s on %d" : "%s is the cheapest on %d of %d scenes", name, on,
+                     answers->subjects);
     }
+    return tied;
 }
 
 static void state_winners(struct statements *statements, const struct race_answers *answers,
                           int target) {
     const double mm = 1e3 * targets[target];
-    char key[32], winners[512];
+    char key[32], winners[512], ties[80] = "";
     snprintf(key, sizeof key, "%g mm", mm);
-    list_winners(answers, target, winners);
+    const int tied = list_winners(answers, target, winners);
     const struct statement row = {.key = key,
                                   .answers = ANSWERS_TARGETS,
-                                  .verdict = winners[0] ? HOLDS : NOT_REACHED,
+                                  .verdict = winners[0] || tied ? HOLDS : NOT_REACHED,
                                   .tables = "scenes"};
-    if (winners[0])
-        statements_add(statements, row, "Cheapest within %g mm is %s of %d scenes.", mm, winners,
-                       answers->subjects);
+    if (tied && winners[0])
+        snprintf(ties, sizeof ties, ", and on %d several methods cost about the same", tied);
+    else if (tied)
+        snprintf(ties, sizeof ties, "several methods cost about the same on %d of %d scenes", tied,
+                 answers->subjects);
+    if (winners[0] || tied)
+        statements_add(statements, row, "Within %g mm %s%s.", mm, winners, ties);
     else
         statements_add(statements, row, "No run on any scene is within %g mm.", mm);
 }
 
-static void state_tally(struct statements *statements, const char *what,
-                        const struct race_tally *tally, const char *meaning) {
-    char key[64];
-    snprintf(key, sizeof key, "choice as a %s", what);
-    struct statement row = {.key = key,
-                            .answers = ANSWERS_CHOICE,
-                            .by = THESIS,
-                            .tables = "scenes",
-                            .value = tally->holds,
-                            .unit = "1",
-                            .verdict = holds_if(tally->holds == tally->of)};
-    statements_add(
-        statements, row,
-        "The thesis's choice is right as a %s on every scene that was tried: on %d of %d %s.", what,
-        tally->holds, tally->of, meaning);
+/* A claim that would hold on every scene, and what is the case where it does not. */
+static void state_tally(struct statements *statements, const char *key, const char *claim,
+                        const struct race_tally *tally, const char *instead) {
+    const struct statement row = {.key = key,
+                                  .answers = ANSWERS_CHOICE,
+                                  .by = THESIS,
+                                  .tables = "scenes",
+                                  .value = tally->holds,
+                                  .unit = "1",
+                                  .verdict = holds_if(tally->holds == tally->of)};
+    statements_add(statements, row, "%s: of %d scenes tried, %s on %d.", claim, tally->of, instead,
+                   tally->of - tally->holds);
 }
 
 void race_state_all(struct statements *statements, const struct race_answers *answers) {
@@ -496,9 +537,12 @@ void race_state_all(struct statements *statements, const struct race_answers *an
         for (int i = 0; i < RACE_TARGETS; i++)
             state_winners(statements, answers, i);
     if (answers->method.of > 0)
-        state_tally(statements, "method", &answers->method,
-                    "no run as accurate is clearly cheaper");
+        state_tally(statements, "choice of the method",
+                    "No method is as accurate as explicit Euler with projection at 9000 Hz and "
+                    "cheaper",
+                    &answers->method, "one is");
     if (answers->treatment.of > 0)
-        state_tally(statements, "treatment", &answers->treatment,
-                    "it is no farther from the exact motion than the method errs");
+        state_tally(statements, "choice of the treatment",
+                    "Projection errs less than the method that it goes with", &answers->treatment,
+                    "it errs more");
 }

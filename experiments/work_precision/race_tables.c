@@ -9,14 +9,124 @@
 static const double targets[] = {1e-2, 1e-3, 1e-4, 1e-5}; /* m: errors that someone may want */
 enum { TARGETS = sizeof targets / sizeof *targets };
 
+/* Why a number of the reference's row is not there; empty where all are. */
+static const char *note_of(const struct field *field) {
+    if (isnan(field->bound) || isnan(field->horizon))
+        return "a reference run did not finish";
+    if (!isnan(field->treatment_error))
+        return "";
+    return field->subject->scene->wisps[0].samples ? "the exact motion's run did not finish"
+                                                   : "no envelope, and so no treatment's error";
+}
+
+/* Why a number is not there; empty where all are. */
+static const char *note_of_point(const struct field *field, const struct point *p) {
+    return !*p->note && isnan(field->evaluation)
+               ? "no explicit method with fixed steps, and so no equivalents"
+               : p->note;
+}
+
+#define TREATMENT_COLUMN(X) TREATED_COLUMN(X, race_treatment(field->treatment))
+
+#define POINT_COLUMNS(X)                                                                           \
+    CONFIGURATION_COLUMN(X, "method", p->entry->configuration->name)                               \
+    TREATMENT_COLUMN(X)                                                                            \
+    X("stepper", "-", "stepper of the configuration", "%s", p->entry->configuration->stepper)      \
+    X("setting", "s or 1", "step, s, or rtol", "%.17g", p->setting)                                \
+    X("status", "-", "how the run ended", "%s", p->status)                                         \
+    X("failure_time", "s", "simulated time at which it failed", "%.17g", cost->failure_time)       \
+    X("error", "m",                                                                                \
+      "distance from the reference solution, rms over free nodes and frames: median of runs",      \
+      "%.17g", d->rms)                                                                             \
+    X("largest", "m", "the largest distance of a free node", "%.17g", d->largest)                  \
+    X("relative", "1", "distance over the length of the node's wisp, rms", "%.17g", d->relative)   \
+    X("end", "m", "distance at the last frame, rms", "%.17g", d->end)                              \
+    X("velocity", "m/s", "difference of velocities, rms", "%.17g", d->velocity)                    \
+    X("radius", "m", "difference of samples' distances from their node, rms", "%.17g", d->radius)  \
+    X("mescd", "1", "-log10 of the largest mixed error at the end", "%.17g", d->mescd)             \
+    CPU_COLUMNS(X, cost)                                                                           \
+    EVALUATIONS_COLUMN(X, cost)                                                                    \
+    STEPS_COLUMN(X, cost)                                                                          \
+    X("reference_limited", "1", "1 where it is within ten times the reference's bound", "%d",      \
+      p->reference_limited)                                                                        \
+    X("front_cpu", "1", "1 where it is on the front of error and counted cost", "%d", p->front[0]) \
+    X("front_evaluations", "1", "1 where it is on the front of error and evaluations", "%d",       \
+      p->front[1])                                                                                 \
+    X("error_least", "m", "least error of the runs", "%.17g", p->error_least)                      \
+    X("error_greatest", "m", "greatest error of the runs", "%.17g", p->error_greatest)             \
+    X("runs", "1", "number of runs", "%d", p->runs)                                                \
+    X("failed", "1", "number of runs that failed", "%d", p->failed)                                \
+    X("equivalents", "1", "CPU time over that of a force evaluation", "%.17g",                     \
+      cost->cpu.median / field->evaluation)                                                        \
+    X("strain", "1", "largest |L/l - 1| of a stretch segment at a frame", "%.17g",                 \
+      p->extent.strain)                                                                            \
+    X("penetration", "m", "largest depth of a node in a body at a frame", "%.17g",                 \
+      p->extent.penetration)                                                                       \
+    X("drift", "1", "largest energy that no work accounts for, over the largest kinetic energy",   \
+      "%.17g", p->extent.drift)                                                                    \
+    X("lanes", "1", "the most wisps that are computed side by side", "%d", p->lanes)               \
+    X("threads", "1", "threads that share the wisps", "%d", p->threads)                            \
+    X("run", "-", "folder of the median run in runs", "%s", p->run)                                \
+    NOTE_COLUMN(X, note_of_point(field, p))
+
+#define REFERENCE_COLUMNS(X)                                                                     \
+    TREATMENT_COLUMN(X)                                                                          \
+    X("bound", "m", "largest difference from a second, unlike method", "%.17g", field->bound)    \
+    X("force_evaluations", "1", "evaluations of the forces in the run", "%.17g",                 \
+      run_number(&field->reference, "counters.force_evaluations"))                               \
+    X("steps", "1", "steps of the run, of all wisps", "%.17g",                                   \
+      run_number(&field->reference, "counters.steps"))                                           \
+    X("status", "-", "how the run ended", "%s", outcome_name(field->reference.outcome))          \
+    X("treatment_error", "m", "distance from the exact constrained motion, rms", "%.17g",        \
+      field->treatment_error)                                                                    \
+    X("horizon", "s", "time until starts 1e-10 m apart are 1 mm apart", "%.17g", field->horizon) \
+    X("compared", "s", "time of the scene that is compared", "%.17g", field->scene->duration)    \
+    X("duration", "s", "duration of the scene", "%.17g", field->subject->scene->duration)        \
+    NOTE_COLUMN(X, note_of(field))
+
+#define SLOPE_COLUMNS(X)                                   \
+    CONFIGURATION_COLUMN(X, "method", configuration->name) \
+    TREATMENT_COLUMN(X)                                    \
+    FIT_COLUMNS(X, !configuration_is_adaptive(configuration), &fit)
+
+#define FRONT_COLUMNS(X)                                                                     \
+    TREATMENT_COLUMN(X)                                                                      \
+    X("measure", "-", "cpu or evaluations: the cost", "%s", measure ? "evaluations" : "cpu") \
+    X("cost", "s or 1", "CPU time, s, or evaluations", "%.17g",                              \
+      measure ? p->cost.evaluations : p->cost.cpu.median)                                    \
+    X("error", "m", "distance from the reference solution, rms over free nodes and frames",  \
+      "%.17g", p->deviation.rms)                                                             \
+    CONFIGURATION_COLUMN(X, "method", p->entry->configuration->name)                         \
+    X("setting", "s or 1", "step, s, or rtol", "%.17g", p->setting)
+
+#define CHEAPEST_COLUMNS(X)                                                                       \
+    TREATMENT_COLUMN(X)                                                                           \
+    X("target", "m", "the error that is allowed", "%g", target)                                   \
+    X("method", "-", "configuration whose run is the cheapest", "%s",                             \
+      p ? p->entry->configuration->name : "none")                                                 \
+    X("setting", "s or 1", "step, s, or rtol of that run", "%.17g", p ? p->setting : (double)NAN) \
+    X("error", "m", "error of that run", "%.17g", p ? p->deviation.rms : (double)NAN)             \
+    CPU_COLUMNS(X, p ? &p->cost : &no_cost)                                                       \
+    X("next_method", "-", "the next cheapest configuration", "%s",                                \
+      next ? next->entry->configuration->name : "none")                                           \
+    X("next_setting", "s or 1", "step, s, or rtol of the next one", "%.17g",                      \
+      next ? next->setting : (double)NAN)                                                         \
+    X("next_cpu_median", "s", "CPU time of the next one, median of repeated runs", "%.17g",       \
+      next ? next->cost.cpu.median : (double)NAN)                                                 \
+    X("tied", "1", "1 where the next one is not known to be more expensive", "%d",                \
+      next && !cost_is_less(&p->cost, &next->cost))                                               \
+    X("note", "-", "why there is no number", "%s",                                                \
+      next ? ""                                                                                   \
+      : p  ? "no other method is within the target"                                               \
+           : "no run is within the target")
+
 enum { POINTS, REFERENCES, SLOPES, FRONT, CHEAPEST, TABLES };
 
-static const struct {
-    const char *suffix, *what, *columns;
-} table_kinds[TABLES] = {
+/* Their names follow the subject's. */
+static const struct table_form table_kinds[TABLES] = {
     [POINTS] =
         {"",
-         "integration error against the tight solution of the same treatment, over free "
+         "integration error against the reference solution of the same treatment, over free "
          "nodes and all frames up to the separation horizon, the common start among them: error = "
          "rms, m, and of runs at jittered tolerances rtol (1 + j 1e-12) the median, the least and "
          "the greatest; of the median one: largest, m; relative = rms over length; end = rms at "
@@ -24,69 +134,56 @@ static const struct {
          "m; mescd at the end; CPU time, s: of repeated, or of the jittered runs, alone on the "
          "machine; equivalents: CPU time over that of a force evaluation in the longest run of the "
          "explicit method with fixed steps of highest order; setting: "
-         "step, s, or rtol; limited: within ten times the reference's bound, and so on no front "
+         "step, s, or rtol; reference_limited: within ten times the reference's bound, and so on "
+         "no front "
          "and "
          "in nobody's way; "
          "front: Pareto, by steps counted and the table of costs, and by force evaluations; "
          "strain, penetration (m): largest at "
          "any frame; drift: largest energy that no work accounts for, over the largest kinetic "
-         "energy, with the works' own error of second order; nan: there is no number, see status "
-         "and note; parted: wisps split at other ticks than the reference's, from where on nothing "
+         "energy, with the works' own error of second order; lanes: the most wisps that are "
+         "computed "
+         "side by side; threads: that share the scene's wisps; run: the folder of the median "
+         "one in runs, or -; nan: there is no number, see status "
+         "and note; diverged history: wisps split at other ticks than the reference's, from where "
+         "on nothing "
          "is compared",
-         "method\ttreatment\tstepper\tsetting\tstatus\tfailure_time\terror\tlargest\trelative"
-         "\tend\tvelocity\tradius\tmescd\tcpu_median\tcpu_least\tcpu_greatest"
-         "\tforce_evaluations\tsteps\tlimited\tfront_cpu\tfront_evaluations\terror_least"
-         "\terror_greatest\truns\tfailed\tequivalents\tstrain\tpenetration\tdrift\tnote"},
+         COLUMNS(POINT_COLUMNS)},
     [REFERENCES] = {"-reference",
-                    "the tight solutions: bound = largest difference from the second opinion, m; "
+                    "the reference solutions: bound = largest difference from the cross-check, m; "
                     "treatment_error = rms over free nodes and frames from the treatment penalty "
                     "with ratio " EXACT_RATIO ", which stands for the exact constrained motion, m; "
                     "horizon: up to when a perturbation of 1e-10 m stays below 1 mm, s; compared: "
                     "what of the scene's duration is compared, s",
-                    "treatment\tbound\tforce_evaluations\tsteps\tstatus\ttreatment_error"
-                    "\thorizon\tcompared\tduration\tnote"},
+                    COLUMNS(REFERENCE_COLUMNS)},
     [SLOPES] = {"-slopes",
                 "slopes of log error over log steps, between a relative error of a hundredth and a "
                 "hundred "
                 "times the reference's bound, " SLOPE_RULE,
-                "method\ttreatment\tkind\tslope\tspread\tpoints"},
+                COLUMNS(SLOPE_COLUMNS)},
     [FRONT] =
         {"-front",
          "Pareto fronts: what no other run beats in cost (steps counted and the table of costs, "
          "shown with its CPU time; or evaluations) and in error, as far as the reference can tell "
-         "(limited ones left out)",
-         "treatment\tmeasure\tcost\terror\tmethod\tsetting"},
+         "(reference-limited ones left out)",
+         COLUMNS(FRONT_COLUMNS)},
     [CHEAPEST] =
         {"-cheapest",
          "the cheapest run with an error of at most target, m, by steps counted and the table of "
-         "costs, with its CPU time, s, and the next method; to the error of a limited run the "
-         "reference's bound is added; tied: the next one is not known to be dearer",
-         "treatment\ttarget\tmethod\tsetting\terror\tcpu_median\tcpu_least\tcpu_greatest"
-         "\tnext_method\tnext_setting\tnext_cpu_median\ttied\tnote"},
+         "costs, with its CPU time, s, and the next method; to the error of a reference-limited "
+         "run the "
+         "reference's bound is added; tied: the next one is not known to be costlier",
+         COLUMNS(CHEAPEST_COLUMNS)},
 };
 
 static void write_point(FILE *stream, const struct field *field, const struct point *p) {
     const struct deviation *d = &p->deviation;
     const struct cost *cost = &p->cost;
-    fprintf(stream, "%s\t%s\t%s\t%.17g\t%s\t%.17g", p->entry->contestant->name,
-            race_treatment(field->treatment), p->entry->contestant->stepper, p->setting, p->status,
-            cost->failure_time);
-    const double numbers[] = {
-        d->rms,          d->largest,         d->relative,       d->end,
-        d->velocity,     d->radius,          d->mescd,          cost->cpu.median,
-        cost->cpu.least, cost->cpu.greatest, cost->evaluations, cost->steps};
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
-        fprintf(stream, "\t%.17g", numbers[i]);
-    fprintf(stream, "\t%d\t%d\t%d\t%.17g\t%.17g\t%d\t%d\t%.17g\t%.17g\t%.17g\t%.17g\t%s\n",
-            p->limited, p->front[0], p->front[1], p->error_least, p->error_greatest, p->runs,
-            p->failed, cost->cpu.median / field->evaluation, p->extent.strain,
-            p->extent.penetration, p->extent.drift,
-            !*p->note && isnan(field->evaluation)
-                ? "no explicit method with fixed steps, and so no equivalents"
-                : p->note);
+    WRITE_ROW(stream, POINT_COLUMNS);
 }
 
-/* Rows of each contestant in the order of its settings; blocks are parted by two blank lines. */
+/* Rows of each configuration in the order of its settings; blocks are separated by two blank lines.
+ */
 static void write_points(FILE *stream, const struct field *field) {
     for (int i = 0; i < field->point_count; i++) {
         const int last =
@@ -97,25 +194,22 @@ static void write_points(FILE *stream, const struct field *field) {
 }
 
 static void write_slope(FILE *stream, const struct field *field,
-                        const struct configuration *contestant) {
+                        const struct configuration *configuration) {
     const double least = fmax(1e-13, 100 * field->bound);
     struct slope slope = {.count = 0};
     for (int i = 0; i < field->point_count; i++) {
         const struct point *p = &field->points[i];
-        if (p->entry->contestant != contestant || !race_finished(p) ||
+        if (p->entry->configuration != configuration || !race_finished(p) ||
             p->deviation.relative > 0.01 || p->deviation.rms < least)
             continue; /* out of the asymptotic range, or of what the reference can tell */
         slope_add(&slope, p->cost.steps, p->deviation.rms);
     }
-    const struct fit fit = slope_fit(&slope, contestant);
+    const struct fit fit = slope_fit(&slope, configuration);
     if (fit.points > 0)
-        fprintf(stream, "%s\t%s\t%s\t%.3f\t%.3f\t%d\n", contestant->name,
-                race_treatment(field->treatment),
-                contestant_is_adaptive(contestant) ? "adaptive" : "fixed", fit.slope, fit.spread,
-                fit.points);
+        WRITE_ROW(stream, SLOPE_COLUMNS);
 }
 
-/* The next point of a front: the cheapest that is dearer than `than`. */
+/* The next point of a front: the cheapest that is costlier than `than`. */
 static const struct point *next_on_front(const struct field *field, int measure, double than) {
     const struct point *best = NULL;
     for (int i = 0; i < field->point_count; i++) {
@@ -131,78 +225,25 @@ static void write_front(FILE *stream, const struct field *field) {
     for (int measure = 0; measure < 2; measure++) {
         const struct point *p = next_on_front(field, measure, -1);
         for (; p; p = next_on_front(field, measure, race_cost(p, measure)))
-            fprintf(stream, "%s\t%s\t%.17g\t%.17g\t%s\t%.17g\n", race_treatment(field->treatment),
-                    measure ? "evaluations" : "cpu",
-                    measure ? p->cost.evaluations : p->cost.cpu.median, p->deviation.rms,
-                    p->entry->contestant->name, p->setting);
+            WRITE_ROW(stream, FRONT_COLUMNS);
         fprintf(stream, "\n\n");
     }
 }
 
 static void write_cheapest(FILE *stream, const struct field *field, double target) {
     const struct point *p = race_cheapest(field, target, NULL);
-    const struct point *next = p ? race_cheapest(field, target, p->entry->contestant) : NULL;
-    fprintf(stream, "%s\t%g\t%s\t%.17g\t%.17g\t%.17g\t%.17g\t%.17g\t%s\t%.17g\t%.17g\t%d\t%s\n",
-            race_treatment(field->treatment), target, p ? p->entry->contestant->name : "none",
-            p ? p->setting : NAN, p ? p->deviation.rms : NAN, p ? p->cost.cpu.median : NAN,
-            p ? p->cost.cpu.least : NAN, p ? p->cost.cpu.greatest : NAN,
-            next ? next->entry->contestant->name : "none", next ? next->setting : NAN,
-            next ? next->cost.cpu.median : NAN, next && !cost_is_less(&p->cost, &next->cost),
-            next ? ""
-            : p  ? "no other method is within the target"
-                 : "no run is within the target");
-}
-
-/* Why a number of the reference's row is not there; empty where all are. */
-static const char *note_of(const struct field *field) {
-    if (isnan(field->bound) || isnan(field->horizon))
-        return "a tight run did not finish";
-    if (!isnan(field->treatment_error))
-        return "";
-    return field->subject->scene->wisps[0].samples ? "the exact motion's run did not finish"
-                                                   : "no envelope, and so no treatment's error";
+    const struct point *next = p ? race_cheapest(field, target, p->entry->configuration) : NULL;
+    WRITE_ROW(stream, CHEAPEST_COLUMNS);
 }
 
 static void write_field(const struct atomic_file *files, const struct field *field) {
     write_points(files[POINTS].stream, field);
     for (int i = 0; i < field->entry_count; i++)
-        write_slope(files[SLOPES].stream, field, field->entries[i].contestant);
+        write_slope(files[SLOPES].stream, field, field->entries[i].configuration);
     write_front(files[FRONT].stream, field);
-    fprintf(files[REFERENCES].stream,
-            "%s\t%.17g\t%.17g\t%.17g\t%s\t%.17g\t%.17g\t%.17g\t%.17g\t%s\n",
-            race_treatment(field->treatment), field->bound,
-            run_number(&field->reference, "counters.force_evaluations"),
-            run_number(&field->reference, "counters.steps"), outcome_name(field->reference.outcome),
-            field->treatment_error, field->horizon, field->scene->duration,
-            field->subject->scene->duration, note_of(field));
+    WRITE_ROW(files[REFERENCES].stream, REFERENCE_COLUMNS);
     for (int i = 0; i < TARGETS && field->has_reference; i++)
         write_cheapest(files[CHEAPEST].stream, field, targets[i]);
-}
-
-/* Opens the tables of a subject. Returns 0, or -1 with a reason and none of them open. */
-static int open_tables(struct atomic_file *files, const struct subject *subject, const char *folder,
-                       char *reason) {
-    for (int i = 0; i < TABLES; i++) {
-        char name[128];
-        snprintf(name, sizeof name, "%s%s", subject->name, table_kinds[i].suffix);
-        if (open_table(&files[i], folder, name, table_kinds[i].what, subject->scene,
-                       table_kinds[i].columns, reason)) {
-            while (i-- > 0)
-                atomic_discard(&files[i]);
-            return -1;
-        }
-    }
-    return 0;
-}
-
-static int close_tables(struct atomic_file *files, int code, char *reason) {
-    for (int i = 0; i < TABLES; i++) {
-        if (code)
-            atomic_discard(&files[i]);
-        else
-            code = atomic_commit(&files[i], reason);
-    }
-    return code;
 }
 
 /* Tables and statements. The fields of a subject follow each other; each keeps its points until all
@@ -216,12 +257,36 @@ struct output {
     int most;
 };
 
+/* Trajectories of other programs, after our own points. */
+static int write_foreign(struct plan *plan, const struct field *field, FILE *stream,
+                         struct statements *statements) {
+    const struct race_notes *notes = plan->memo;
+    int number = 0;
+    for (int i = 0; i < notes->foreign_count; i++) {
+        const struct foreign *foreign = &notes->foreign[i];
+        const struct configuration called = {.name = foreign->name, .stepper = "-"};
+        const struct entry entry = {.configuration = &called};
+        struct point point;
+        if (foreign->field != field)
+            continue;
+        if (race_foreign_read(plan, foreign, &entry, &point))
+            return -1;
+        write_point(stream, field, &point);
+        race_state_foreign(statements, field, &point, ++number);
+        if (i + 1 == notes->foreign_count || strcmp(foreign[1].name, foreign->name) != 0)
+            fprintf(stream, "\n\n");
+    }
+    return 0;
+}
+
 static int write_one(struct plan *plan, struct field *field, const struct atomic_file *files,
                      struct output *output) {
-    const int code = race_read(plan, field);
+    int code = race_read(plan, field);
     if (!code) {
         write_field(files, field);
         race_state_reference(&output->statements, field);
+        if (field->has_reference)
+            code = write_foreign(plan, field, files[POINTS].stream, &output->statements);
     }
     run_free(&field->reference);
     return code;
@@ -232,7 +297,8 @@ static int tabulate_subject(struct plan *plan, const struct subject *subject,
                             struct output *output) {
     struct race_notes *notes = plan->memo;
     struct atomic_file files[TABLES];
-    int code = open_tables(files, subject, output->folder, plan->reason);
+    int code = tables_open(files, table_kinds, TABLES, output->folder, subject->name,
+                           subject->scene, plan->reason);
     int first = 0, count = 0, there = 0;
     if (code)
         return -1;
@@ -247,15 +313,16 @@ static int tabulate_subject(struct plan *plan, const struct subject *subject,
     }
     if (!code && there > 0)
         race_state_subject(&output->statements, fields, count, &output->answers);
-    return close_tables(files, code, plan->reason) ? -1 : there;
+    return tables_close(files, TABLES, code, plan->reason) ? -1 : there;
 }
 
-static double longest_wisp(const struct scene *scene) {
-    double length = 0;
-    for (int i = 0; i < scene->wisp_count; i++)
-        length = fmax(length, scene->wisps[i].length);
-    return length;
-}
+#define LIST_COLUMNS(X)                                                                   \
+    X("file", "-", "name of the scene's tables and figures", "%s", subject->name)         \
+    X("name", "-", "name of the scene", "%s", subject->scene->name)                       \
+    X("samples", "1", "samples around a node of its first wisp", "%d",                    \
+      subject->scene->wisps[0].samples)                                                   \
+    X("length", "m", "length of its longest wisp", "%.17g", longest_wisp(subject->scene)) \
+    X("wisps", "1", "number of wisps", "%d", subject->scene->wisp_count)
 
 /* The figures' list: scenes with at least one reference. */
 static int tabulate_all(struct plan *plan, struct output *output) {
@@ -267,9 +334,7 @@ static int tabulate_all(struct plan *plan, struct output *output) {
             return -1;
         drawn += there > 0;
         if (there > 0)
-            fprintf(output->list, "%s\t%s\t%d\t%.17g\t%d\n", subject->name, subject->scene->name,
-                    subject->scene->wisps[0].samples, longest_wisp(subject->scene),
-                    subject->scene->wisp_count);
+            WRITE_ROW(output->list, LIST_COLUMNS);
     }
     race_state_all(&output->statements, &output->answers);
     if (drawn > 0)
@@ -286,9 +351,9 @@ static int write_all(struct plan *plan, struct output *output) {
     const char *cut = plan->quick ? strstr(drawn, "--quick") : NULL;
     struct atomic_file list;
     if (open_table(&list, output->folder, "scenes", plan->quick ? drawn : "scenes drawn", NULL,
-                   "file\tname\tsamples\tlength\twisps", plan->reason))
+                   COLUMNS(LIST_COLUMNS), plan->reason))
         return -1;
-    if (statements_open(&output->statements, output->folder, NULL, cut, plan->reason)) {
+    if (plan_open_statements(plan, &output->statements, output->folder, NULL, cut, plan->reason)) {
         atomic_discard(&list);
         return -1;
     }
@@ -302,7 +367,7 @@ static int write_all(struct plan *plan, struct output *output) {
 }
 
 int race_tabulate(struct plan *plan, const char *folder) {
-    const int most = plan->configuration_count * (RUNGS_MAX + 1) + 1;
+    const int most = plan->configuration_count * (LEVELS_MAX + 1) + 1;
     struct output output = {
         .folder = folder,
         .answers = {.asked = plan->experiment->answers,

@@ -5,6 +5,7 @@
 # README leaves the program as it is, bit for bit, and the hash that runs are named by with it.
 
 set(WISPLAB_COMMIT "")
+set(WISPLAB_YEAR "")
 set(changes "")
 set(made_from CMakeLists.txt src integrators experiments)
 if(EXISTS ${SOURCE}/.git)
@@ -12,6 +13,8 @@ if(EXISTS ${SOURCE}/.git)
   set(git git --no-optional-locks -c safe.directory=${SOURCE} -C ${SOURCE})
   execute_process(COMMAND ${git} log -1 --format=%h --abbrev=12 -- ${made_from}
                   OUTPUT_VARIABLE WISPLAB_COMMIT OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
+  execute_process(COMMAND ${git} log -1 --format=%cd --date=format:%Y -- ${made_from}
+                  OUTPUT_VARIABLE WISPLAB_YEAR OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
   execute_process(COMMAND ${git} status --porcelain -- ${made_from}
                   OUTPUT_VARIABLE changes ERROR_QUIET)
 endif()

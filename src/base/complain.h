@@ -5,7 +5,7 @@
 /* Says one line on standard error and returns the exit code given. */
 int complain(int code, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-/* The same of a process that is about to end wherever it is, in a signal's handler or without
+/* The complaint of a process that is about to end wherever it is, in a signal's handler or without
  * memory; in place of a line of progress. */
 void complain_last(const char *why);
 

@@ -17,6 +17,14 @@
 #include <time.h>
 #include <unistd.h>
 
+int fail_with(char *reason, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(reason, REASON_SIZE, format, arguments);
+    va_end(arguments);
+    return -1;
+}
+
 int path_format(char *path, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
@@ -113,37 +121,40 @@ int path_beside_program(const char *name, char *path) {
 }
 
 static char data_path[PATH_SIZE];
+static const char *told_path;
+static pthread_once_t data_found = PTHREAD_ONCE_INIT; /* for pictures are drawn side by side */
 
 static void find_data(void) {
-    if (path_beside_program("../share/wisplab", data_path) || !file_exists(data_path))
+    const int none = told_path ? path_format(data_path, "%s", told_path)
+                               : path_beside_program("../share/wisplab", data_path);
+    if (none || !file_exists(data_path))
         path_format(data_path, "%s", WISPLAB_SOURCE_DIR);
 }
 
-/* Once, for pictures are drawn side by side. */
 const char *data_folder(void) {
-    static pthread_once_t once = PTHREAD_ONCE_INIT;
-    pthread_once(&once, find_data);
+    pthread_once(&data_found, find_data);
     return data_path;
+}
+
+void data_folder_is(const char *folder) {
+    told_path = folder;
+    data_folder();
 }
 
 int make_folder(const char *path, char *reason) {
     enum { ROOM = 200 }; /* for what will stand in it */
     char partial[PATH_SIZE];
-    if (path[0] == '\0' || path_format(partial, "%s", path) || strlen(path) + ROOM > PATH_SIZE) {
-        snprintf(reason, REASON_SIZE, "%.60s...: the path of a folder must have 1 to %d letters",
-                 path, PATH_SIZE - ROOM);
-        return -1;
-    }
+    if (path[0] == '\0' || path_format(partial, "%s", path) || strlen(path) + ROOM > PATH_SIZE)
+        return fail_with(reason, "%.60s...: the path of a folder must have 1 to %d letters", path,
+                         PATH_SIZE - ROOM);
     for (char *p = partial + 1;; p++) {
         if (*p != '/' && *p != '\0')
             continue;
         const char end = *p;
         *p = '\0';
-        if (mkdir(partial, 0777) && errno != EEXIST) {
-            snprintf(reason, REASON_SIZE, "%.150s: cannot make the folder: %s", partial,
-                     strerror(errno));
-            return -1;
-        }
+        if (mkdir(partial, 0777) && errno != EEXIST)
+            return fail_with(reason, "%.150s: cannot make the folder: %s", partial,
+                             strerror(errno));
         *p = end;
         if (end == '\0')
             break;
@@ -151,8 +162,7 @@ int make_folder(const char *path, char *reason) {
     struct stat status;
     if (stat(path, &status) == 0 && S_ISDIR(status.st_mode) && access(path, W_OK) == 0)
         return 0;
-    snprintf(reason, REASON_SIZE, "%.150s: not a folder that can be written to", path);
-    return -1;
+    return fail_with(reason, "%.150s: not a folder that can be written to", path);
 }
 
 /* --- files that appear whole --- */
@@ -228,11 +238,8 @@ int temporary_folder(const char *folder, char *path, char *reason) {
     if (make_folder(folder, reason))
         return -1;
     if (path_format(name, "%s/.drawing", folder) || temporary_name(name, path, PATH_SIZE) ||
-        mkdir(path, 0777)) {
-        snprintf(reason, REASON_SIZE, "%.150s: cannot make a folder there: %s", folder,
-                 strerror(errno));
-        return -1;
-    }
+        mkdir(path, 0777))
+        return fail_with(reason, "%.150s: cannot make a folder there: %s", folder, strerror(errno));
     if (stat(path, &status) == 0)
         remove_leftovers(name, status.st_mtime);
     return 0;
@@ -244,9 +251,7 @@ int atomic_open(struct atomic_file *file, const char *path, char *reason) {
     path_format(file->path, "%s", path);
     struct stat status;
     if (stat(path, &status) == 0 && !S_ISREG(status.st_mode)) { /* a device would be renamed away */
-        snprintf(reason, REASON_SIZE, "%.150s: cannot write: there is something, and no file",
-                 path);
-        return -1;
+        return fail_with(reason, "%.150s: cannot write: there is something, and no file", path);
     }
     if (temporary_name(path, file->temporary, sizeof file->temporary))
         return fail(file, reason);

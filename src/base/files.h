@@ -8,6 +8,9 @@
 
 enum { PATH_SIZE = 1024, REASON_SIZE = 400 };
 
+/* Writes why something failed (printf) into `reason` (REASON_SIZE); returns -1. */
+int fail_with(char *reason, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
 /* Joins parts into `path` (PATH_SIZE); returns 0, or -1 where it does not fit. */
 int path_format(char *path, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
@@ -21,6 +24,10 @@ int path_beside_program(const char *name, char *path);
 
 /* The folder that holds `experiments` and `plots`: beside an installed program, or the source. */
 const char *data_folder(void);
+
+/* Says where that is in a program that is not ours, whose place tells nothing: `folder` if it is
+ * there, or the source. To be said once, before the first call of data_folder. */
+void data_folder_is(const char *folder);
 
 /* Makes a folder and its parents. Returns 0, or -1 with one line in `reason` (REASON_SIZE). */
 int make_folder(const char *path, char *reason);

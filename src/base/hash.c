@@ -2,14 +2,11 @@
 
 #include "files.h"
 
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* Fowler-Noll-Vo 1a with 64 bits (RFC 9923). */
-static const uint64_t fnv_start = 0xcbf29ce484222325u;
-
-static uint64_t fnv_bytes(uint64_t hash, const void *bytes, size_t count) {
+uint64_t hash_add(uint64_t hash, const void *bytes, size_t count) {
     const unsigned char *p = bytes;
     for (size_t i = 0; i < count; i++)
         hash = (hash ^ p[i]) * 0x100000001b3u;
@@ -21,23 +18,23 @@ static void print_hash(uint64_t hash, char text[HASH_SIZE]) {
 }
 
 void hash_bytes(const void *bytes, size_t count, char hash[HASH_SIZE]) {
-    print_hash(fnv_bytes(fnv_start, bytes, count), hash);
+    print_hash(hash_add(HASH_START, bytes, count), hash);
 }
 
 void hash_json(const json_t *json, char hash[HASH_SIZE]) {
     char *text = json_dumps(json, JSON_COMPACT | JSON_SORT_KEYS | JSON_REAL_PRECISION(17));
-    print_hash(text ? fnv_bytes(fnv_start, text, strlen(text)) : 0, hash);
+    print_hash(text ? hash_add(HASH_START, text, strlen(text)) : 0, hash);
     free(text);
 }
 
 int hash_file(const char *path, char hash[HASH_SIZE]) {
-    uint64_t sum = fnv_start;
+    uint64_t sum = HASH_START;
     FILE *file = fopen(path, "rb");
     char block[65536];
     if (!file)
         return -1;
     for (size_t n; (n = fread(block, 1, sizeof block, file)) > 0;)
-        sum = fnv_bytes(sum, block, n);
+        sum = hash_add(sum, block, n);
     const int failed = ferror(file);
     fclose(file);
     print_hash(sum, hash);

@@ -4,8 +4,13 @@
 
 #include <jansson.h>
 #include <stddef.h>
+#include <stdint.h>
 
 enum { HASH_SIZE = 17 }; /* 16 hexadecimal digits and a zero */
+
+/* FNV-1a of bytes, as a number that more bytes may be added to; it begins with HASH_START. */
+#define HASH_START 0xcbf29ce484222325u
+uint64_t hash_add(uint64_t hash, const void *bytes, size_t count);
 
 /* FNV-1a of bytes in memory. */
 void hash_bytes(const void *bytes, size_t count, char hash[HASH_SIZE]);

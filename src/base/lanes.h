@@ -1,6 +1,7 @@
-/* Arithmetic on LANES wisps side by side. Every file of this folder is compiled twice, for parts
- * of 1 and of 4 wisps: the same operations in the same order, so that a wisp's bits do not depend
- * on how it is packed. Names that leave the folder carry the number of lanes. */
+/* Arithmetic on LANES wisps side by side. Every file of the kernel is compiled three times, for
+ * parts of 1, of 4 and of 8 wisps: the same operations in the same order, so that a wisp's bits do
+ * not depend on how it is packed. Names that leave the folder carry the kernel's. A compiler
+ * without registers of that width takes several. */
 #ifndef WISPLAB_LANES_H
 #define WISPLAB_LANES_H
 
@@ -13,10 +14,13 @@
 #ifndef LANES
 #define LANES 1 /* for editors; the build always says */
 #endif
+#ifndef KERNEL
+#define KERNEL LANES /* the kernel's name: wide_4 and wide_8 are for wider registers */
+#endif
 
-#define LANED_2(name, lanes) name##_##lanes
-#define LANED_1(name, lanes) LANED_2(name, lanes)
-#define LANED(name)          LANED_1(name, LANES)
+#define LANED_2(name, kernel) name##_##kernel
+#define LANED_1(name, kernel) LANED_2(name, kernel)
+#define LANED(name)           LANED_1(name, KERNEL)
 
 /* For functions whose arguments become constants where they are inlined: the compiler makes one
  * body for all otherwise. */
@@ -85,11 +89,16 @@ static inline void lane_set(lane *x, int k, double value) {
 static inline lane lane_all(double x) {
     return x - (lane){0};
 }
+/* Compilers that spare the widest registers find two instructions in the loop. */
 static inline lane lane_sqrt(lane x) {
+#if LANES == 8 && defined(__AVX512F__)
+    return (lane)_mm512_sqrt_pd((__m512d)x);
+#else
     lane y;
     for (int k = 0; k < LANES; k++)
         y[k] = sqrt(x[k]);
     return y;
+#endif
 }
 static inline lane lane_select(mask m, lane yes, lane no) {
     return (lane)((m & (mask)yes) | (~m & (mask)no));
@@ -98,6 +107,8 @@ static inline lane lane_select(mask m, lane yes, lane no) {
 static inline lane lane_max(lane a, lane b) {
 #if LANES == 4 && defined(__AVX__)
     return (lane)_mm256_max_pd((__m256d)a, (__m256d)b);
+#elif LANES == 8 && defined(__AVX512F__)
+    return (lane)_mm512_max_pd((__m512d)a, (__m512d)b);
 #else
     return lane_select(a > b, a, b);
 #endif
@@ -105,6 +116,8 @@ static inline lane lane_max(lane a, lane b) {
 static inline lane lane_min(lane a, lane b) {
 #if LANES == 4 && defined(__AVX__)
     return (lane)_mm256_min_pd((__m256d)a, (__m256d)b);
+#elif LANES == 8 && defined(__AVX512F__)
+    return (lane)_mm512_min_pd((__m512d)a, (__m512d)b);
 #else
     return lane_select(a < b, a, b);
 #endif
@@ -113,6 +126,8 @@ static inline lane lane_min(lane a, lane b) {
 static inline unsigned mask_bits(mask m) {
 #if LANES == 4 && defined(__AVX__)
     return (unsigned)_mm256_movemask_pd((__m256d)m);
+#elif LANES == 8 && defined(__AVX512F__)
+    return _mm512_test_epi64_mask((__m512i)m, (__m512i)m);
 #else
     unsigned bits = 0;
     for (int k = 0; k < LANES; k++)

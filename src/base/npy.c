@@ -31,7 +31,7 @@ void npy_begin(FILE *stream, const char *const *names) {
     fprintf(stream, "]}%*s\n", (int)(whole - length), "");
 }
 
-/* The same both ways. */
+/* To and from the file's order of bytes: a swap is its own inverse. */
 static double little_endian(double x) {
     uint64_t bits;
     memcpy(&bits, &x, sizeof bits);
@@ -101,7 +101,7 @@ static const char *read_names(struct table *table, char *header) {
     return sound && table->column_count > 0 ? NULL : "is no array of named columns of <f8";
 }
 
-/* Of one dimension; -1: of another shape. */
+/* The length of an array of one dimension; -1 where it has another shape. */
 static long long read_rows(const char *header) {
     static const char key[] = "'shape': (";
     const char *at = strstr(header, key);

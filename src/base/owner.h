@@ -12,7 +12,7 @@ struct owner {
                                  number at another time is another process; 0: not known */
 };
 
-/* This host: its name, its boot and its space of process numbers, parted by slashes, without
+/* This host: its name, its boot and its space of process numbers, separated by slashes, without
  * blanks; only where all three are the same does a process number mean the same. The environment's
  * WISPLAB_HOST takes its place: two processes of one machine then are as if on two. Static. */
 const char *owner_host(void);

@@ -154,10 +154,9 @@ int text_table_check(const struct text_table *table, const char *path, char *rea
             if (!text_cell_is_empty(cell) || is_for_words(table->name[i]) ||
                 row_has_reason(table, row, table->name[i]))
                 continue;
-            snprintf(reason, REASON_SIZE,
-                     "%.150s: row %d, column %.40s: empty, and no status or note says why", path,
-                     row + 1, table->name[i]);
-            return -1;
+            return fail_with(reason,
+                             "%.150s: row %d, column %.40s: empty, and no status or note says why",
+                             path, row + 1, table->name[i]);
         }
     }
     return 0;

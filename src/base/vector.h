@@ -24,6 +24,26 @@ static inline double vector_length(const double a[3]) {
     return sqrt(vector_dot(a, a));
 }
 
+static inline double vector_largest(const double a[3]) {
+    return fmax(fabs(a[0]), fmax(fabs(a[1]), fabs(a[2])));
+}
+
+/* Scales to length 1; what has no length stays 0, a direction that no test takes for one. */
+static inline void vector_normalise(double a[3]) {
+    const double length = vector_length(a);
+    for (int k = 0; k < 3; k++)
+        a[k] = length > 0 ? a[k] / length : 0;
+}
+
+/* Normalises a vector, not 0, of any size: it is scaled first by its largest component, so that no
+ * square overflows or vanishes. */
+static inline void vector_normalise_any(double a[3]) {
+    const double most = vector_largest(a);
+    for (int k = 0; k < 3; k++)
+        a[k] /= most;
+    vector_normalise(a);
+}
+
 /* Whether all of n numbers are finite. */
 static inline int all_finite(const double *x, int n) {
     double sum[8] = {

@@ -31,7 +31,8 @@ struct workers {
     int leave;
     struct share *share; /* by thread */
 
-    /* Of the round. Who takes a task away may read them: they stay until all tasks are finished. */
+    /* What belongs to a round. Who takes a task away may read it: they stay until all tasks are
+     * finished. */
     void (*task)(void *ctx, int index);
     void *ctx;
     _Alignas(64) atomic_int unfinished;
@@ -150,6 +151,10 @@ void workers_free(struct workers *w) {
     pthread_cond_destroy(&w->end);
     free(w->share);
     free(w);
+}
+
+int workers_threads(const struct workers *w) {
+    return w ? w->threads : 1;
 }
 
 /* Wakes the threads that sleep. One that is about to has counted itself before it looks for a round

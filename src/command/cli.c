@@ -2,6 +2,7 @@
 
 #include "base/complain.h"
 #include "base/options.h"
+#include "integrators/plugin.h"
 #include "run/runs.h"
 
 #include <ctype.h>
@@ -35,6 +36,24 @@ int argument_given(const struct arguments *arguments, const char *name) {
     int count;
     argument_list(arguments, name, &count);
     return count > 0;
+}
+
+static int is_among(const char *const *list, const char *name) {
+    while (*list && strcmp(*list, name) != 0)
+        list++;
+    return *list != NULL;
+}
+
+void argument_command(const struct arguments *arguments, const char *const *but, char *text,
+                      size_t size) {
+    const struct cli_option *options = arguments->command->options;
+    size_t used = (size_t)snprintf(text, size, "wisplab %s", arguments->command->name);
+    for (int i = 0; options[i].name; i++)
+        for (int k = 0; k < arguments->option[i].count && used < size; k++)
+            if (!is_among(but, options[i].name))
+                used += (size_t)snprintf(text + used, size - used, " --%s%s%s", options[i].name,
+                                         options[i].argument ? " " : "",
+                                         options[i].argument ? arguments->option[i].value[k] : "");
 }
 
 int argument_positive(const struct arguments *arguments, const char *name, double absent,
@@ -148,6 +167,16 @@ static void print_command_help(const struct command *command) {
     printf("\n%s", command->details);
 }
 
+static int load_plugins(const struct arguments *arguments) {
+    static const char name[] = "plugin";
+    const int i = option_index(arguments->command, name, strlen(name));
+    char reason[REASON_SIZE];
+    for (int k = 0; i >= 0 && k < arguments->option[i].count; k++)
+        if (plugin_load(arguments->option[i].value[k], reason))
+            return complain(-1, "--plugin %s", reason);
+    return 0;
+}
+
 int cli_run(const struct command *command, int argc, char **argv) {
     struct arguments arguments = {.command = command};
     for (int i = 0; i < argc; i++) {
@@ -156,5 +185,7 @@ int cli_run(const struct command *command, int argc, char **argv) {
             return 0;
         }
     }
-    return read_arguments(&arguments, argc, argv) ? 1 : command->run(&arguments);
+    return read_arguments(&arguments, argc, argv) || load_plugins(&arguments)
+               ? 1
+               : command->run(&arguments);
 }

@@ -3,9 +3,11 @@
 #ifndef WISPLAB_CLI_H
 #define WISPLAB_CLI_H
 
+#include <stddef.h>
+
 struct run_limits;
 
-enum { CLI_OPTIONS_MAX = 24, CLI_REPEATS_MAX = 64, CLI_WORDS_MAX = 8 };
+enum { CLI_OPTIONS_MAX = 32, CLI_REPEATS_MAX = 64, CLI_WORDS_MAX = 8 };
 
 /* Ends with a name of NULL. */
 struct cli_option {
@@ -43,9 +45,18 @@ const char *argument_text(const struct arguments *arguments, const char *name);
 const char *const *argument_list(const struct arguments *arguments, const char *name, int *count);
 int argument_given(const struct arguments *arguments, const char *name);
 
+/* The command with its options as one would type it, but for those in `but`, NULL-terminated. */
+void argument_command(const struct arguments *arguments, const char *const *but, char *text,
+                      size_t size);
+
 /* A positive number; `absent` where not given. Returns 0, or -1 having said why on stderr. */
 int argument_positive(const struct arguments *arguments, const char *name, double absent,
                       double *value);
+
+/* The option of commands that know steppers, to be put into their tables: plug-ins are loaded
+ * before a command begins. */
+#define CLI_PLUGIN_OPTION \
+    { "plugin", "FILE", "a stepper of your own, a shared object FILE.so", 1 }
 
 /* The options that every command with runs takes, to be put into its table. */
 #define CLI_LIMIT_OPTIONS                                                              \

@@ -14,7 +14,8 @@
 #include <string.h>
 
 static const struct cli_option options[] = {
-    {"treatment", "NAME", "how constraints are kept (default generalised; circle: free)", 0},
+    {"treatment", "NAME",
+     "how constraints are kept (default generalised; circle, rosenblum, anjyo: free)", 0},
     {"time", "T", "time, s (default: that of the state; at the start the scene's begin)", 0},
     {"state", "FILE",
      "a states.tsv or states.npy, of which the last frame is taken (default: the start)", 0},
@@ -43,9 +44,7 @@ static void print_rows(const struct scene *scene, const struct model *model, con
     char what[80];
     snprintf(what, sizeof what, "accelerations at t = %s s: m/s^2", DIGITS(model->t));
     write_provenance(stdout, what, scene);
-    for (int i = 0; i < model->rate_column_count; i++)
-        printf("%s%s", i ? "\t" : "", model->rate_columns[i]);
-    putchar('\n');
+    state_write_rate_columns(stdout, model);
     for (int i = 0; i < model->row_count; i++)
         for (int j = 0; j < model->rate_column_count; j++)
             printf("%s%c", DIGITS(rows[i * model->rate_column_count + j]),

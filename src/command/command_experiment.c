@@ -1,7 +1,7 @@
 /* wisplab experiment: plan -> runs -> tables -> figures. */
 #include "base/complain.h"
 #include "cli.h"
-#include "experiments/common/carry_out.h"
+#include "experiments/common/run_experiment.h"
 #include "experiments/registry.h"
 
 #include <math.h>
@@ -9,33 +9,24 @@
 
 static const struct cli_option options[] = {
     {"scene", "SCENE", "scenes instead of the experiment's own", 1},
+    {"set", "PATH=VALUE", "change a setting of all its scenes: --set material.drag_rate=2", 1},
     {"stepper", "NAME", "only these steppers", 1},
+    {"states", "NAME=FILE", "a trajectory of another program, charted as NAME (see below)", 1},
     {"quick", NULL, "a small, stated subset", 0},
     {"fresh", NULL, "run again what is there already", 0},
     {"jobs", "N", "runs at a time; timed runs are always alone (default: processors)", 0},
-    {"shard", "I/N", "do only the I-th of N shares of the runs (1 to N), for job arrays", 0},
     {"out", "DIR", "root folder of results (default results)", 0},
+    CLI_PLUGIN_OPTION,
     CLI_LIMIT_OPTIONS,
     {0},
 };
-
-/* "2/8" -> 2, 8. Numbers of ten digits, which an int may not hold, leave a rest. */
-static int read_shard(const char *text, int *shard, int *shards) {
-    char rest;
-    *shard = *shards = 1;
-    if (!text ||
-        (sscanf(text, "%9d/%9d%c", shard, shards, &rest) == 2 && *shard >= 1 && *shards >= *shard))
-        return 0;
-    return complain(-1, "--shard %s: must be I/N with 1 <= I <= N", text);
-}
 
 /* Returns 0, or -1 having said why. */
 static int read_manner(const struct arguments *arguments, struct manner *manner) {
     double jobs;
     manner->fresh = argument_given(arguments, "fresh");
     manner->show_progress = !argument_given(arguments, "no-progress");
-    if (read_shard(argument_text(arguments, "shard"), &manner->shard, &manner->shards) ||
-        argument_limits(arguments, 0, 4096, &manner->limits) ||
+    if (argument_limits(arguments, 0, 4096, &manner->limits) ||
         argument_positive(arguments, "jobs", (double)sysconf(_SC_NPROCESSORS_ONLN), &jobs))
         return -1;
     if (jobs != floor(jobs) || jobs > 1024)
@@ -55,14 +46,19 @@ static int experiment(const struct arguments *arguments) {
     if (!plan.out)
         plan.out = "results";
     plan.scenes = argument_list(arguments, "scene", &plan.scene_count);
+    plan.sets = argument_list(arguments, "set", &plan.set_count);
     plan.steppers = argument_list(arguments, "stepper", &plan.stepper_count);
+    plan.states = argument_list(arguments, "states", &plan.states_count);
+    if (plan.states_count > 0 && !plan.experiment->takes_states)
+        return complain(1, "experiment %s has no place for --states; work-precision and solvers do",
+                        plan.experiment->name);
     for (int i = 0; i < plan.stepper_count; i++)
         if (!stepper_find(plan.steppers[i]))
             return complain(1, "no stepper '%s'; `wisplab list steppers` names them",
                             plan.steppers[i]);
     struct manner manner = {.runs = 0};
     plan.trajectories = trajectories_create();
-    const int code = read_manner(arguments, &manner) ? 1 : carry_out(&plan, &manner);
+    const int code = read_manner(arguments, &manner) ? 1 : run_experiment(&plan, &manner);
     plan_free(&plan);
     trajectories_free(plan.trajectories);
     return code;
@@ -74,11 +70,34 @@ const struct command experiment_command = {
     .summary = "run an experiment: its runs, its tables, its figures",
     .details =
         "Runs that are there already are not run again: an interrupted experiment goes on where\n"
-        "it was. Tables and figures appear in DIR/NAME, runs in DIR/runs.\n"
+        "it was. Tables and figures appear in DIR/NAME, runs in DIR/runs. A table's # lines say\n"
+        "where it comes from, and of each column its name, unit and meaning.\n"
+        "\n"
+        "--set changes the experiment's own scenes, or those of --scene, before it varies what it\n"
+        "asks about. Tables, figures and statements then name the scene by the change; what is\n"
+        "known of the experiment's own scenes alone is left out, as with --scene. What it sets in\n"
+        "all its runs cannot be changed, nor scenes that nobody can choose (circle, history,\n"
+        "chapter5).\n"
         "\n"
         "  wisplab experiment circle\n"
         "  wisplab experiment circle --quick --out /tmp/quick\n"
-        "  wisplab experiment circle --stepper rk4 --stepper euler\n",
+        "  wisplab experiment circle --stepper rk4 --stepper euler\n"
+        "  wisplab experiment needs --scene swing --set material.drag_rate=2\n"
+        "  wisplab experiment work-precision --plugin ./my-stepper.so --stepper my-stepper\n"
+        "  wisplab experiment work-precision --scene swing --states scipy-bdf=bdf.tsv\n"
+        "\n"
+        "A file of --states is a table as states.tsv, with the columns t, wisp, node, x, y, z "
+        "and,\n"
+        "if it has them, vx, vy, vz and those of the samples, for every frame that is compared (a\n"
+        "file may have more). Files with one NAME are points of one curve. Lines before its "
+        "column\n"
+        "names may say what it took, and of what it is:\n"
+        "\n"
+        "  # evaluations: 5210            force evaluations of all wisps\n"
+        "  # cpu_seconds: 1.3             on one thread\n"
+        "  # setting: 1e-6                tolerance, or step in s\n"
+        "  # treatment: generalised       which is meant where nothing is said\n"
+        "  # scene swing, hash 0123...    as `wisplab run` writes it: checked\n",
     .options = options,
     .words_least = 1,
     .words_most = 1,

@@ -6,6 +6,7 @@
 #include "experiments/registry.h"
 #include "model/problems.h"
 #include "run/runs.h"
+#include "scene/scene_settings.h"
 
 #include <dirent.h>
 #include <stdlib.h>
@@ -91,12 +92,57 @@ static void list_scenes(int verbose) {
         free(entries);
 }
 
+/* A cell of a table: a stroke where there is nothing. */
+static void list_cell(const char *text) {
+    printf("\t%s", text && *text ? text : "-");
+}
+
+/* In columns of their own. */
+static void list_setting_cells(const struct scene_setting *setting) {
+    char type[40], right[REASON_SIZE], text[100];
+    setting_type(setting, type, sizeof type);
+    list_cell(type);
+    list_cell(setting->unit);
+    list_cell(setting->initial ? setting->initial : "required");
+    setting_what(setting, right, sizeof right);
+    list_cell(right);
+    setting_problems(setting, text, sizeof text);
+    list_cell(text);
+    setting_with(setting, text, sizeof text);
+    list_cell(text);
+    list_cell(setting->meaning);
+}
+
+/* In one sentence; most are of wisps, and it says whose the others are. */
+static void list_setting_sentence(const struct scene_setting *setting) {
+    char right[REASON_SIZE], problem[100], with[100];
+    setting_right(setting, right, sizeof right);
+    setting_problems(setting, problem, sizeof problem);
+    setting_with(setting, with, sizeof with);
+    printf("\t%s%s%s%s: %s", right, setting->initial ? "" : " (required)", *with ? ", " : "", with,
+           setting->meaning);
+    if (!(setting->problems & OF_WISPS))
+        printf("; of %s", problem);
+}
+
+static void list_settings(int verbose) {
+    if (verbose)
+        printf("name\ttype\tunit\tdefault\tvalues\tproblems\twith\tmeaning\n");
+    for (const struct scene_setting *s = scene_settings; s->name; s++) {
+        char path[100];
+        setting_path(s, path, sizeof path);
+        printf("%s", path);
+        (verbose ? list_setting_cells : list_setting_sentence)(s);
+        putchar('\n');
+    }
+}
+
 static const struct {
     const char *name;
     void (*list)(int verbose);
 } kinds[] = {
     {"scenes", list_scenes}, {"steppers", list_steppers},       {"treatments", list_treatments},
-    {"linear", list_linear}, {"experiments", list_experiments},
+    {"linear", list_linear}, {"experiments", list_experiments}, {"settings", list_settings},
 };
 
 static int list(const struct arguments *arguments) {
@@ -114,20 +160,21 @@ static int list(const struct arguments *arguments) {
     return found ? 0
                  : complain(1,
                             "list: no '%s'; there are scenes, steppers, treatments, linear, "
-                            "experiments",
+                            "experiments, settings",
                             wanted);
 }
 
 static const struct cli_option options[] = {
-    {"verbose", NULL, "references and options too (also -v)", 0},
+    {"verbose", NULL, "references and options too, settings in columns (also -v)", 0},
+    CLI_PLUGIN_OPTION,
     {0},
 };
 
 const struct command list_command = {
     .name = "list",
-    .usage = "[scenes|steppers|treatments|linear|experiments] [-v]",
+    .usage = "[scenes|steppers|treatments|linear|experiments|settings] [-v]",
     .summary = "what there is, one line each: name, tab, description",
-    .details = "  wisplab list\n  wisplab list steppers -v\n",
+    .details = "  wisplab list\n  wisplab list steppers -v\n  wisplab list settings\n",
     .options = options,
     .words_most = 1,
     .first_word = "kinds",

@@ -3,27 +3,12 @@
 #include "base/complain.h"
 #include "build_info.h"
 #include "commands.h"
+#include "man.h"
 
 #include <stdio.h>
 #include <string.h>
 
-/* --- roff --- */
-
-/* Text as it is: no letter of it is markup, at the start of a line neither. */
-static void roff(const char *text) {
-    int start = 1;
-    for (; *text; text++) {
-        if (start && (*text == '.' || *text == '\''))
-            printf("\\&");
-        if (*text == '\\')
-            printf("\\e");
-        else if (*text == '-')
-            printf("\\-");
-        else
-            putchar(*text);
-        start = *text == '\n';
-    }
-}
+/* --- wisplab(1) --- */
 
 static void roff_option(const struct cli_option *option) {
     printf(".TP\n\\fB\\-\\-");
@@ -54,8 +39,7 @@ static void roff_command(const struct command *command) {
     printf(".fi\n");
 }
 
-static int man(const struct arguments *arguments) {
-    (void)arguments;
+static int print_program(void) {
     printf(".TH WISPLAB 1 \"\" \"wisplab %s\" \"User Commands\"\n", WISPLAB_VERSION);
     printf(".SH NAME\nwisplab \\- compare time integrators on one deformable hair\\-wisp model\n");
     printf(".SH SYNOPSIS\n.B wisplab\n.I COMMAND\n.RI [ OPTION ]...\n");
@@ -67,7 +51,18 @@ static int man(const struct arguments *arguments) {
             roff_command(commands[i]);
     printf(".SH EXIT STATUS\n");
     roff(program_exit_codes);
+    printf(".SH SEE ALSO\n.BR wisplab\\-scene (5)\n");
     return 0;
+}
+
+static int man(const struct arguments *arguments) {
+    const char *page = arguments->word_count ? arguments->words[0] : NULL;
+    if (!page)
+        return print_program();
+    if (strcmp(page, "scene") == 0)
+        return man_scene();
+    return complain(1, "man: no page '%.60s'; there is scene, and without a word the program's",
+                    page);
 }
 
 /* --- bash --- */
@@ -77,10 +72,8 @@ static int man(const struct arguments *arguments) {
 static const struct {
     const char *option, *kind;
 } completed[] = {
-    {"scene", "scenes"},
-    {"stepper", "steppers"},
-    {"treatment", "treatments"},
-    {"linear", "linear"},
+    {"scene", "scenes"},  {"stepper", "steppers"}, {"treatment", "treatments"},
+    {"linear", "linear"}, {"set", "settings"},
 };
 
 static void bash_names(void) {
@@ -91,6 +84,7 @@ static void bash_names(void) {
            "    options) { \"${COMP_WORDS[0]}\" list steppers -v; \"${COMP_WORDS[0]}\" list linear "
            "-v; } |\n"
            "        sed -n 's/^\\t--option \\([^=]*=\\).*/\\1/p' | sort -u ;;\n"
+           "    settings) \"${COMP_WORDS[0]}\" list settings | sed 's/\\t.*/=/' ;;\n"
            "    *) \"${COMP_WORDS[0]}\" list \"$1\" | cut -f 1 | sort -u ;;\n"
            "    esac 2>/dev/null\n"
            "}\n\n");
@@ -160,10 +154,11 @@ static const struct cli_option options[] = {{0}};
 
 const struct command man_command = {
     .name = "man",
-    .usage = "",
-    .summary = "print the man page",
+    .usage = "[scene]",
+    .summary = "print the man page of the program, or of scene files",
     .details = "",
     .options = options,
+    .words_most = 1,
     .hidden = 1,
     .run = man,
 };

@@ -5,12 +5,14 @@
 #include "base/workers.h"
 #include "cli.h"
 #include "picture/film.h"
+#include "picture/layout.h"
 #include "picture/strip.h"
 #include "run/runs.h"
 #include "scene/scene_load.h"
 
 #include <ctype.h>
 #include <errno.h>
+#include <limits.h>
 #include <math.h>
 #include <pthread.h>
 #include <stdlib.h>
@@ -25,8 +27,11 @@ static const struct cli_option options[] = {
     {"envelope", NULL, "show the outline of the sections", 0},
     {"style", NULL, "show the style field as arrows", 0},
     {"bodies", NULL, "show bodies alone", 0},
+    {"section", "[WISP:]NODE", "show the plane of a node alone: samples, rim, where hairs are", 0},
     {"strip", NULL, "all pictures on one page: a row for each run, a column for each frame", 0},
     {"columns", "N", "pictures side by side in a strip (default: all of a run)", 0},
+    {"beside", NULL, "runs beside each other in a strip, frames below each other", 0},
+    {"large", "FRAME", "in a strip: another frame of the first run, shown large", 0},
     {"error", "STATES", "colour is the distance from these states at the same frame", 0},
     {"film", NULL, "also a film of the pictures: GIF, and MP4 where ffmpeg is installed", 0},
     {"rate", "R", "pictures a second in the film (default 30)", 0},
@@ -70,7 +75,7 @@ static int read_size(struct task *task) {
         return complain(-1, "--size %s: must be two whole numbers from 64 to 8192, as 1280x960",
                         text);
     task->request.width = width;
-    task->request.height = height - (task->as_strip ? 0 : STRIP_TITLE);
+    task->request.height = height - (task->as_strip ? 0 : LAYOUT_TITLE);
     return 0;
 }
 
@@ -104,15 +109,38 @@ static unsigned read_views(const struct arguments *arguments) {
     return (views ? views : VIEW_HAIR) | style;
 }
 
+/* A picture of its own: what belongs to others is refused. */
+static int read_section(struct task *task) {
+    static const char *const others[] = {"hair",   "skeleton", "envelope", "style",
+                                         "bodies", "error",    NULL};
+    const char *text = argument_text(task->arguments, "section");
+    struct plane_view *plane = &task->request.plane;
+    int length = 0;
+    if (!text)
+        return 0;
+    for (int i = 0; others[i]; i++)
+        if (argument_given(task->arguments, others[i]))
+            return complain(-1, "--section: is a picture of its own; leave out --%s", others[i]);
+    if ((sscanf(text, "%7d%n", &plane->node, &length) != 1 || text[length]) &&
+        (sscanf(text, "%7d:%7d%n", &plane->wisp, &plane->node, &length) != 2 || text[length]))
+        return complain(
+            -1, "--section %s: must be the number of a node, or of wisp and node, as 3:8", text);
+    if (plane->wisp < 0)
+        return complain(-1, "--section %s: there is no wisp %d", text, plane->wisp);
+    task->request.views = VIEW_PLANE;
+    return 0;
+}
+
 static int read_task(struct task *task) {
     const struct arguments *arguments = task->arguments;
     const char *out = argument_text(arguments, "out"), *format = argument_text(arguments, "format");
     task->as_strip = arguments->word_count > 1 || argument_given(arguments, "strip") ||
-                     argument_given(arguments, "columns");
+                     argument_given(arguments, "columns") || argument_given(arguments, "large");
     task->film = argument_given(arguments, "film");
     task->out = out ? out : "results/render";
     task->format = format ? format : "png";
     task->request.views = read_views(arguments);
+    task->request.beside = argument_given(arguments, "beside");
     task->request.sets = argument_list(arguments, "set", &task->request.set_count);
     if (strcmp(task->format, "png") != 0 && strcmp(task->format, "svg") != 0)
         return complain(-1, "--format %s: is not one of png, svg", format);
@@ -120,8 +148,9 @@ static int read_task(struct task *task) {
         return complain(-1, "--film: is of single pictures of one run; leave out the strip");
     if (task->film && strcmp(task->format, "png") != 0)
         return complain(-1, "--film: is made of png; leave out --format");
-    return read_size(task) || read_rate(task) ||
+    return read_section(task) || read_size(task) || read_rate(task) ||
                    read_whole(arguments, "columns", 400, 0, &task->request.columns) ||
+                   read_whole(arguments, "large", INT_MAX, 0, &task->request.large) ||
                    read_whole(arguments, "threads", 1024, (int)sysconf(_SC_NPROCESSORS_ONLN),
                               &task->threads)
                ? -1
@@ -135,7 +164,7 @@ static int read_task(struct task *task) {
 static int run_scene(struct task *task, int i) {
     const struct run_limits limits = {.seconds = 0};
     const struct run_request request = {.threads = task->threads};
-    struct run_case run;
+    struct run_case run = {.sink = NULL};
     char reason[REASON_SIZE];
     struct scene *scene =
         scene_load(task->arguments->words[i], task->request.sets, task->request.set_count, reason);
@@ -398,7 +427,8 @@ const struct command render_command = {
         "  wisplab render cvode --frames 24 --size 1280x960\n"
         "  wisplab render swing-envelope --frames 1,8 --skeleton --envelope\n"
         "  wisplab render swing --skeleton --film --size 480x360\n"
-        "  wisplab render euler rk4 --error reference --frames 5,10,20\n"
+        "  wisplab render swing-envelope --section 8 --frames 1,8 --strip\n"
+        "  wisplab render euler rk4 --error reference --frames 5,10,20 --beside\n"
         "  wisplab render sphere --set 'render={eye=[0,0,1]; target=[0,-0.2,0]; hairs=100;}'\n"
         "\n"
         "The scene's group `render` may have eye and target (m), angle (of view, rad), light\n"

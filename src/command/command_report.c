@@ -3,7 +3,7 @@
 #include "base/files.h"
 #include "base/progress.h"
 #include "cli.h"
-#include "experiments/common/carry_out.h"
+#include "experiments/common/run_experiment.h"
 #include "experiments/registry.h"
 #include "report/report.h"
 
@@ -17,6 +17,7 @@ static const struct cli_option options[] = {
     {"fresh", NULL, "run again what is there already", 0},
     {"jobs", "N", "runs at a time; timed runs are always alone (default: processors)", 0},
     {"out", "DIR", "root folder of results (default results)", 0},
+    CLI_PLUGIN_OPTION,
     CLI_LIMIT_OPTIONS,
     {0},
 };
@@ -24,9 +25,7 @@ static const struct cli_option options[] = {
 /* Returns 0, or -1 having said why. */
 static int read_manner(const struct arguments *arguments, struct manner *manner) {
     double jobs;
-    *manner = (struct manner){.shard = 1,
-                              .shards = 1,
-                              .fresh = argument_given(arguments, "fresh"),
+    *manner = (struct manner){.fresh = argument_given(arguments, "fresh"),
                               .show_progress = !argument_given(arguments, "no-progress")};
     if (argument_limits(arguments, 0, 4096, &manner->limits) ||
         argument_positive(arguments, "jobs", (double)sysconf(_SC_NPROCESSORS_ONLN), &jobs))
@@ -82,7 +81,7 @@ static int do_part(const struct report *report, struct report_part *part,
                         .fresh = manner->fresh,
                         .out = report->root,
                         .trajectories = trajectories};
-    int code = carry_out(&plan, &own);
+    int code = run_experiment(&plan, &own);
     if (own.nothing_left) {
         snprintf(part->note, REASON_SIZE, "failed: %.350s", plan.reason);
         part->included = 0;
@@ -114,9 +113,13 @@ static int write_page(const struct report *report) {
 
 static int make_report(const struct arguments *arguments) {
     const char *out = argument_text(arguments, "out");
+    char command[512];
     struct report report = {.root = out ? out : "results",
-                            .quick = argument_given(arguments, "quick")};
+                            .quick = argument_given(arguments, "quick"),
+                            .command = command};
     struct manner manner;
+    argument_command(arguments, (const char *const[]){"out", "no-progress", NULL}, command,
+                     sizeof command);
     const double start = monotonic_seconds();
     int code = 0;
     if (read_manner(arguments, &manner))

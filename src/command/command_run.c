@@ -36,6 +36,7 @@ static const struct cli_option options[] = {
     {"save", "FILE", "write the last frame there, for a scene's start or eval --state", 0},
     {"profile", NULL, "time every call to the model; printed, and in run.json", 0},
     {"diagnostics", NULL, "write diagnostics.tsv: energies, works, strain, contacts by frame", 0},
+    CLI_PLUGIN_OPTION,
     CLI_LIMIT_OPTIONS,
     {0},
 };
@@ -121,7 +122,7 @@ static void announce(const struct run_case *run) {
     say("%s with %s (%s): %d unknowns;%s", run->scene->name, run->settings.method->name,
         run->scene->problem->treatments[run->settings.treatment].name, run->settings.unknowns,
         terms);
-    json_t *warnings = scene_warnings(run->scene), *one;
+    json_t *warnings = scene_warnings(run->scene, &run->settings), *one;
     size_t i;
     json_array_foreach(warnings, i, one) complain(0, "warning: %s", json_string_value(one));
     json_decref(warnings);
@@ -177,11 +178,11 @@ static void suggest_solver(const struct run_case *run, const struct run_request 
     if (!used || settings_resolve(run->scene, &other, &settings, reason))
         return;
     struct configuration *all = configurations_choose(CONFIGURATION_ANY, STEPPER_SOLVES);
-    const struct configuration *dear = all ? with_solver(all, run, used->name) : NULL,
+    const struct configuration *expensive = all ? with_solver(all, run, used->name) : NULL,
                                *cheap = all ? with_solver(all, run, own) : NULL;
-    if (dear && cheap && dear->cost > 2 * cheap->cost)
+    if (expensive && cheap && expensive->cost > 2 * cheap->cost)
         say("%s: a step with --linear %s takes about 1/%.0f of the time of one with %s",
-            run->scene->name, own, dear->cost / cheap->cost, used->name);
+            run->scene->name, own, expensive->cost / cheap->cost, used->name);
     free(all);
 }
 
@@ -198,7 +199,7 @@ static int report(const struct run_case *run, enum outcome outcome, const char *
     return outcome_exit_code(outcome);
 }
 
-/* Of a run that reached its end. */
+/* Saves the last state of a run that reached its end. */
 static int save(const struct run_case *run, const char *file) {
     char states[PATH_SIZE], reason[REASON_SIZE];
     path_format(states, "%s/states.tsv", run->folder);
@@ -209,7 +210,7 @@ static int run_scene(const struct arguments *arguments) {
     char reason[REASON_SIZE];
     struct run_request request;
     struct run_limits limits;
-    struct run_case run;
+    struct run_case run = {.sink = NULL};
     const char *out = argument_text(arguments, "out"), *file = argument_text(arguments, "save");
     int code = 1;
 
@@ -257,7 +258,8 @@ const struct command run_command = {
         "\n"
         "states.npy has the columns and rows of states.tsv as doubles: numpy.load reads it, and "
         "so\n"
-        "do render, export, eval --state and a scene's start.\n",
+        "do render, export, eval --state and a scene's start. The # lines of states.tsv say what\n"
+        "each column is: name, unit, meaning.\n",
     .options = options,
     .words_least = 1,
     .words_most = 1,

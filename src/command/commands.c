@@ -7,12 +7,17 @@
 #include <string.h>
 
 extern const struct command list_command, run_command, eval_command, experiment_command,
-    plot_command, render_command, export_command, report_command, man_command, completion_command;
+    plot_command, render_command, export_command, report_command, sweep_command, compare_command,
+    cite_command, man_command, completion_command;
 
 const struct command *const commands[] = {
-    &list_command, &run_command,    &eval_command,   &experiment_command, &report_command,
-    &plot_command, &render_command, &export_command, &man_command,        &completion_command,
-    NULL,
+    &list_command,       &run_command,
+    &eval_command,       &experiment_command,
+    &sweep_command,      &report_command,
+    &compare_command,    &cite_command,
+    &plot_command,       &render_command,
+    &export_command,     &man_command,
+    &completion_command, NULL,
 };
 
 const char program_summary[] =
@@ -20,7 +25,7 @@ const char program_summary[] =
 const char program_exit_codes[] =
     "Exit codes: 0 done, 1 the input or the command is wrong, 2 the machine failed\n"
     "(disk full, no memory, gnuplot missing), 3 the integration failed and run.json says\n"
-    "how and when.\n";
+    "how and when, 4 compare has found something worse.\n";
 
 static void print_help(void) {
     printf("%s\n\nusage: wisplab COMMAND ...\n\n", program_summary);

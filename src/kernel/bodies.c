@@ -174,7 +174,8 @@ static inline lane entry(const struct obstacle *body, struct vec from, struct ve
     return lane_select(meets, s, none);
 }
 
-/* Of node i's sample j: r to the first crossing, and no more inwards than the body. `from`: the
+/* Shortens the r of node i's sample j to the first crossing; inwards it then moves no faster than
+ * the body. `from`: the
  * node along the body's axes. Returns the lanes in which it was inside. */
 static inline mask pull_sample(const struct kernel_part *part, int i, int j, struct vec from,
                                struct vec surface, const struct obstacle *body, mask among,

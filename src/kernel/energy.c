@@ -16,12 +16,20 @@
  *                mu e'.(v' + r'' a), with mu (r'' + a.v') = s + F.a + mu a.v':
  *                    sum mu e'.v' - v.P F.
  *
+ * A body that pushes by penalty has of a point the energy e of a spring, by mass, and the point has
+ * the acceleration f; as the body sees it, it moves with u. Where -grad e is what is elastic of f,
+ * e changes by (grad e).u, and f.x' + grad e.u = (f + grad e).u + f.(x' - u): what damping takes,
+ * and what the body puts in. A sample that is r a from its node moves by r a' besides, as in
+ * gravity's field.
+ *
  * Measuring leaves no trace in what steppers use: it works on a copy of the part with work space
  * of its own. */
 #include "system/energy.h"
 
 #include "frames.h"
 #include "part.h"
+#include "parting.h"
+#include "push.h"
 #include "springs.h"
 
 #include <stdlib.h>
@@ -154,7 +162,7 @@ static struct vec tangent_rate_of(const struct kernel_part *part, const double *
     return tangent_rate(&r);
 }
 
-/* Of the frame of nodes 0 and 1, which turns with the head. */
+/* The rate of the frame of nodes 0 and 1, which turns with the head. */
 static struct frame first_frame_rate(const struct kernel_part *part) {
     const struct vec w = LANED(kernel_turning)(part, part->rest_tangent);
     const struct vec u = LANED(kernel_turning)(part, part->rest_normal);
@@ -221,10 +229,15 @@ static struct sample sample_of(const struct kernel_part *part, const struct fram
 
 /* --- energies --- */
 
-static void node_energies(const struct kernel_part *part, int i, const double *q, const double *v,
-                          struct vec gravity, struct lane_energies *sum) {
+static lane energy_in_bodies(struct kernel_part *part, double t, struct vec p, struct vec v) {
+    return part->push ? LANED(kernel_pushed)(part, t, p, v).energy : lane_all(0);
+}
+
+static void node_energies(struct kernel_part *part, int i, double t, const double *q,
+                          const double *v, struct vec gravity, struct lane_energies *sum) {
     const struct vec p = vec_load(q, 0);
     const lane mu = part->sample_mass[i];
+    sum->bodies += part->mass[i] * energy_in_bodies(part, t, p, vec_load(v, 0));
     sum->kinetic += 0.5 * part->mass[i] * square(vec_load(v, 0));
     sum->gravity -= part->mass[i] * dot(gravity, p);
     for (int j = 0; j < part->samples; j++) {
@@ -233,6 +246,7 @@ static void node_energies(const struct kernel_part *part, int i, const double *q
         sum->kinetic += 0.5 * mu * square(s.velocity);
         sum->gravity -= mu * dot(gravity, add(p, s.d));
         sum->envelope += 0.5 * mu * (part->spring_k * gap * gap + part->penalty_k * square(s.off));
+        sum->bodies += mu * energy_in_bodies(part, t, add(p, s.d), s.velocity);
     }
 }
 
@@ -250,7 +264,7 @@ int LANED(kernel_energies)(void *ctx, double t, const double *q, const double *v
     spring_energies(part, q, v, &sum);
     for (int i = 2; i < part->nodes; i++) {
         const int at = (i - 2) * part->node_unknowns * LANES;
-        node_energies(part, i, q + at, v + at, every(part->surroundings->gravity), &sum);
+        node_energies(part, i, t, q + at, v + at, every(part->surroundings->gravity), &sum);
     }
 #define X(name, meaning) energies->name = sum_of_wisps(part, sum.name);
     ENERGIES(X)
@@ -273,38 +287,58 @@ static struct outside outside_of(const struct surroundings *around, double t) {
     return (struct outside){every(around->gravity), every(style), every(wind)};
 }
 
-/* The treatment's power on a sample by its mass; `turning` is a', `a` the node's acceleration. See
- * above. */
+static struct pushed pushed_by_bodies(struct kernel_part *part, double t, struct vec p,
+                                      struct vec v) {
+    const struct vec none = {lane_all(0), lane_all(0), lane_all(0)};
+    if (!part->push)
+        return (struct pushed){lane_all(0), none, none, lane_all(0), lane_all(0)};
+    return LANED(kernel_pushed)(part, t, p, v);
+}
+
+/* The treatment's power on a sample by its mass; `turning` is a', `a` the node's acceleration,
+ * `bodies` what they do to the sample. See above. */
 static lane treatment_power(const struct kernel_part *part, const struct sample *s,
                             struct vec turning, struct vec velocity, struct vec a,
-                            const struct outside *outside) {
+                            const struct outside *outside, const struct pushed *bodies) {
     if (part->treatment == WISP_PENALTY)
         return (part->spring_k * (s->r - part->radius) - part->penalty_k * s->r) *
                dot(s->off, turning);
-    const lane turned = s->rate * dot(velocity, turning) - s->r * dot(outside->gravity, turning);
+    const struct vec fields = add(outside->gravity, bodies->elastic);
+    const lane turned = s->rate * dot(velocity, turning) - s->r * dot(fields, turning);
     if (part->treatment == WISP_GENERALISED)
         return turned;
     const struct vec air = scale(part->drag, sub(outside->wind, s->velocity));
-    const struct vec push = add(add(outside->gravity, outside->style), air);
+    const struct vec push =
+        add(add(add(outside->gravity, outside->style), air), bodies->acceleration);
     const struct vec lost = add_scaled(push, -dot(push, s->line), s->line);
     return turned + dot(s->velocity, a) - dot(velocity, lost);
 }
 
-static void node_powers(const struct kernel_part *part, int i, const double *q, const double *v,
+static void add_pushed(const struct pushed *bodies, lane mass, struct lane_powers *sum) {
+    sum->body_damping += mass * bodies->loss;
+    sum->bodies += mass * bodies->work;
+}
+
+static void node_powers(struct kernel_part *part, int i, double t, const double *q, const double *v,
                         const double *a, const struct outside *outside, const struct frame *turning,
                         struct lane_powers *sum) {
-    const struct vec velocity = vec_load(v, 0);
+    const struct vec p = vec_load(q, 0), velocity = vec_load(v, 0);
     const lane mass = part->mass[i], mu = part->sample_mass[i];
+    const struct pushed own = pushed_by_bodies(part, t, p, velocity);
+    add_pushed(&own, mass, sum);
     sum->drag += mass * part->drag * dot(sub(outside->wind, velocity), velocity);
     sum->style += mass * dot(outside->style, velocity);
     for (int j = 0; j < part->samples; j++) {
         const struct sample s = sample_of(part, &part->frames[i], j, q, v);
         const struct vec turn = half_line(part, turning, j, part->samples);
+        const struct pushed bodies = pushed_by_bodies(part, t, add(p, s.d), s.velocity);
+        add_pushed(&bodies, mu, sum);
         sum->drag += mu * part->drag * dot(sub(outside->wind, s.velocity), s.velocity);
         sum->style += mu * dot(outside->style, s.velocity);
         sum->envelope_damping -=
             mu * (part->spring_c * s.rate * s.rate + part->penalty_c * square(s.off_rate));
-        sum->treatment += mu * treatment_power(part, &s, turn, velocity, vec_load(a, 0), outside);
+        sum->treatment +=
+            mu * treatment_power(part, &s, turn, velocity, vec_load(a, 0), outside, &bodies);
     }
 }
 
@@ -320,15 +354,19 @@ int LANED(kernel_powers)(void *ctx, double t, const double *q, const double *v,
     code = LANED(kernel_acceleration)(part, t, q, v, copy.acceleration);
     if (code)
         return code;
-    const struct outside outside = outside_of(part->surroundings, t);
+    const struct outside everywhere = outside_of(part->surroundings, t);
     struct frame turning = first_frame_rate(part);
     memset(&sum, 0, sizeof sum);
     spring_powers(part, q, v, &sum);
     for (int i = 2; i < part->nodes; i++) {
         const int at = (i - 2) * part->node_unknowns * LANES;
+        struct outside outside = everywhere;
+        if (has_parting(part))
+            outside.style = add_scaled(outside.style, parting_side(part, vec_load(q + at, 0)),
+                                       parting_strength(part, t));
         if (part->samples > 0)
             turning = frame_rate(part, i, q, v, turning);
-        node_powers(part, i, q + at, v + at, copy.acceleration + at, &outside, &turning, &sum);
+        node_powers(part, i, t, q + at, v + at, copy.acceleration + at, &outside, &turning, &sum);
     }
 #define X(name, meaning) powers->name = sum_of_wisps(part, sum.name);
     POWERS(X)

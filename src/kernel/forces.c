@@ -1,6 +1,8 @@
 /* The accelerations of a part: springs from the root to the tip, then frames and samples. */
 #include "frames.h"
 #include "part.h"
+#include "parting.h"
+#include "push.h"
 #include "rigid.h"
 #include "springs.h"
 
@@ -15,6 +17,14 @@ SPECIALISED lane centripetal(const struct reach *r) {
     return dot(across, across) * r->inverse;
 }
 
+/* Three nodes take turns: with three turns in one each keeps its registers. Between the scalar ones
+ * a move is an instruction, between vectors only a name. */
+#if LANES == 1
+#define WITHOUT_MOVES _Pragma("GCC unroll 3")
+#else
+#define WITHOUT_MOVES
+#endif
+
 /* Tangents and spring forces on all nodes. `stretch` and `bending` are constants where this is
  * inlined. Returns the lanes in which no segment and no spring has lost its direction. */
 SPECIALISED mask walk_springs(struct kernel_part *part, const double *q, const double *v,
@@ -26,6 +36,7 @@ SPECIALISED mask walk_springs(struct kernel_part *part, const double *q, const d
     struct reach before = first_segment(part);
 
     part->t[0] = part->tangent;
+    WITHOUT_MOVES
     for (int i = 2; i < part->nodes; i++) {
         const struct vec p = node(part, q, i), pv = node(part, v, i);
         const struct reach segment = reach(pb, p, vb, pv, &sound);
@@ -194,13 +205,19 @@ SPECIALISED struct outside outside(const struct kernel_part *part, double t) {
 SPECIALISED void walk_nodes(struct kernel_part *part, double t, const double *q, const double *v,
                             double *acceleration, enum wisp_treatment treatment, int samples) {
     const struct outside out = outside(part, t);
-    const struct vec wind = out.wind, g = out.g;
+    const struct vec wind = out.wind;
+    const int parted = has_parting(part);
+    struct vec g = out.g, parting = out.g;
+    if (parted)
+        parting = parting_strength(part, t);
     if (samples > 0)
         plane_normals(part, part->frames);
 
     for (int i = 2; i < part->nodes; i++) {
         const int at = (i - 2) * part->node_unknowns * LANES;
         const struct vec pv = vec_load(v + at, 0);
+        if (parted)
+            g = add_scaled(out.g, parting_side(part, vec_load(q + at, 0)), parting);
         const struct vec G = add_scaled(g, part->drag, sub(wind, pv));
         struct vec a = add_scaled(G, part->inverse_mass[i], part->force[i]);
         if (samples > 0) {
@@ -290,7 +307,25 @@ int LANED(kernel_acceleration)(void *ctx, double t, const double *q, const doubl
         walk_nodes(part, t, q, v, a, WISP_PENALTY, 4);
     else
         walk_nodes(part, t, q, v, a, part->treatment, part->samples);
+    if (part->push)
+        LANED(kernel_push_accelerate)(part, t, q, v, a);
     if (part->rigid)
         LANED(kernel_tighten)(part, t, a);
     return 0;
+}
+
+/* Springs and hinges that are as soft as nothing. */
+int LANED(kernel_without_springs)(void *ctx, double t, const double *q, const double *v,
+                                  double *a) {
+    struct kernel_part *part = ctx;
+    lane *const constants[] = {&part->stretch_k, &part->stretch_c, &part->bend_k, &part->bend_c};
+    lane kept[4];
+    for (int i = 0; i < 4; i++) {
+        kept[i] = *constants[i];
+        *constants[i] = lane_all(0);
+    }
+    const int code = LANED(kernel_acceleration)(part, t, q, v, a);
+    for (int i = 0; i < 4; i++)
+        *constants[i] = kept[i];
+    return code;
 }

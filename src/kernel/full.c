@@ -36,6 +36,11 @@ struct coefficients {
     int pulls; /* gamma is not 0 in all lanes: where it is, nothing is added to forces of 0 */
 };
 
+/* The penetrations of the last acceleration, after kernel_push_penetrations. */
+static const struct penetration *penetrations_of(const struct kernel_part *part, int i) {
+    return part->push ? penetrating_node(part, &part->push->penetrations, i) : NULL;
+}
+
 /* --- the matrix, and gamma K g --- */
 
 SPECIALISED struct vec of_node(const struct kernel_part *part, const double *x, int i) {
@@ -177,6 +182,28 @@ SPECIALISED void walk(struct kernel_part *part, const struct part_equation *e,
     }
 }
 
+/* What bodies do to the nodes that they hold. */
+static void add_pushes(struct kernel_part *part, const struct part_equation *e,
+                       const struct coefficients *by) {
+    struct kernel_panels *to = part->panels;
+    const lane zero = lane_all(0);
+    for (int i = 0; i < free_nodes(part) && part->push; i++) {
+        const struct penetration *penetrations = penetrations_of(part, i);
+        if (!penetrations)
+            continue;
+        const mask inside = penetrations->inside != 0;
+        const struct block T = penetration_matrix(penetrations, by->alpha, by->beta);
+        lane(*own)[PANEL_ROWS] = to->panel[i].m;
+        EACH (c, 0, 3)
+            EACH (r, c, 3)
+                own[c][r] =
+                    lane_select(inside, own[c][r] + part->mass[i + 2] * T.m[r][c], own[c][r]);
+        if (by->pulls)
+            to->force[i + 2] = penetrating_node_times(part, penetrations, i + 2, zero, -by->gamma,
+                                                      of_node(part, e->g, i + 2), to->force[i + 2]);
+    }
+}
+
 static void add_springs(struct kernel_part *part, const struct part_equation *e,
                         const struct coefficients *by) {
     const int transverse = e->part == FORCES_SPD;
@@ -206,8 +233,12 @@ static void right_side(struct kernel_part *part, const struct part_equation *e,
             on = add(on, samples_times(part, frame, i + 2, one, zero, zero, r, b));
             if (by->pulls) { /* and in lanes without, to the bit as if there were none */
                 const mask pulled = by->gamma != 0;
-                const struct vec more =
+                const struct penetration *penetrations = penetrations_of(part, i);
+                struct vec more =
                     samples_times(part, frame, i + 2, zero, zero, -by->gamma, g, pull);
+                if (penetrations)
+                    more = penetrating_times(part, frame, penetrations, i + 2, zero, -by->gamma, g,
+                                             pull, more);
                 on = vec_select(pulled, add(on, more), on);
                 for (int s = 3; s < 3 + samples; s++)
                     store(b, s, lane_select(pulled, load(b, s) + load(pull, s), load(b, s)));
@@ -222,13 +253,14 @@ static void right_side(struct kernel_part *part, const struct part_equation *e,
 static mask factor(struct kernel_part *part, const struct elimination *samples, lane air) {
     struct panel *panels = part->panels->panel;
     mask positive = lane_all(0) == 0;
-    struct debt debt = no_debt();
+    struct pending_update pending = no_pending_update();
     for (int i = 0; i < free_nodes(part); i++) {
         struct panel ld = panels[i], l;
         add_own(part, &part->frames[i + 2], samples, i, air, &ld);
-        pay(&ld, &debt);
+        add_penetrating(part, &part->frames[i + 2], samples, penetrations_of(part, i), i + 2, &ld);
+        apply_pending(&ld, &pending);
         positive &= factor_panel(&ld, &l);
-        owe(&l, &ld, &debt);
+        defer_update(&l, &ld, &pending);
         EACH (c, 0, 3)
             EACH (r, c, PANEL_ROWS)
                 panels[i].m[c][r] = l.m[c][r];
@@ -249,14 +281,17 @@ int LANED(kernel_solve_full)(struct kernel_part *part, const struct part_equatio
     lane *nodes = part->panels->x;
     const double *b = part->panels->right;
 
+    if (part->push)
+        LANED(kernel_push_penetrations)(part, e->q);
     add_springs(part, e, &by);
+    add_pushes(part, e, &by);
     if (!mask_all(factor(part, &samples, by.alpha * part->drag)))
         return system_fail(part->system, SOLVER_STALLED,
                            "the matrix of the implicit step is not positive definite");
     right_side(part, e, &by);
     for (int i = 0; i < f && part->samples > 0; i++) {
-        const struct vec of_samples =
-            gather_samples(part, &samples, &part->frames[i + 2], b + i * stride);
+        const struct vec of_samples = gather_samples(part, &samples, &part->frames[i + 2],
+                                                     penetrations_of(part, i), b + i * stride);
         nodes[3 * i] += of_samples.x;
         nodes[3 * i + 1] += of_samples.y;
         nodes[3 * i + 2] += of_samples.z;
@@ -268,8 +303,8 @@ int LANED(kernel_solve_full)(struct kernel_part *part, const struct part_equatio
         const struct vec node = {nodes[3 * i], nodes[3 * i + 1], nodes[3 * i + 2]};
         vec_store(x + i * stride, 0, node);
         if (part->samples > 0)
-            scatter_samples(part, &samples, &part->frames[i + 2], i + 2, b + i * stride, node,
-                            x + i * stride);
+            scatter_samples(part, &samples, &part->frames[i + 2], penetrations_of(part, i), i + 2,
+                            b + i * stride, node, x + i * stride);
     }
     return 0;
 }

@@ -1,13 +1,23 @@
-/* The wisp model at work on 1 or 4 wisps at once: what the rest of the program sees of this
- * folder. A kernel for 1 lane and its twin for 4 are one source. */
+/* The wisp model at work on 1, 4 or 8 wisps at once: what the rest of the program sees of this
+ * folder. The kernels for 1, 4 and 8 lanes are one source. */
 #ifndef WISPLAB_KERNEL_H
 #define WISPLAB_KERNEL_H
 
 #include "system/system.h"
 #include "wisp/wisp.h"
 
+struct contact_point;
+struct contact_push;
 struct obstacle;
 struct strand;
+
+/* A lane's wisp among those that touch; NULL: it does not. */
+struct contact_wisp {
+    struct strand *strand;
+    struct contact_point *point;     /* its first */
+    const struct contact_push *push; /* likewise */
+    int first_node;                  /* the number of its first free node among all that touch */
+};
 
 /* X(type, name, arguments): what a kernel does with a part besides being a system. */
 #define KERNEL_OPERATIONS(X)                                                                       \
@@ -64,6 +74,16 @@ struct strand;
     /* Lays lanes open: fills in all that strand_load does, but for lanes of NULL. Nodes 0 and 1   \
      * are where they were last prescribed. Behind nodes that coincide axes are NaN, not 0. */     \
     X(void, open, (void *part, const double *q, const double *v, struct strand *const *strands))   \
+    /* Fills in, for the lanes that have a strand, p, the axes, r, and v of nodes 0 and 1; and all \
+     * points. */                                                                                  \
+    X(void, contact_points,                                                                        \
+      (void *part, const double *q, const double *v, const struct contact_wisp *wisps))            \
+    /* Changes velocities by what contacts ask of the points of all lanes that have a push, as     \
+     * interaction_apply does those of strands; `turn` is theirs. The axes are those of the last   \
+     * `contact_points`. Returns the lanes that changed. */                                        \
+    X(unsigned, push,                                                                              \
+      (void *part, double *q, double *v, const struct contact_wisp *wisps,                         \
+       const double(*turn)[2]))                                                                    \
     /* Largest | L / rest length - 1 | over the segments of a lane, nodes 0 and 1 being where they \
      * were last. */                                                                               \
     X(double, strain, (void *part, int which, const double *q))                                    \
@@ -83,6 +103,7 @@ struct kernel {
 #undef X
 };
 
-extern const struct kernel kernel_1, kernel_4;
+/* The wide ones are there with WISPLAB_WIDE_KERNELS, for processors with AVX2, and with AVX-512. */
+extern const struct kernel kernel_1, kernel_4, kernel_8, kernel_wide_4, kernel_wide_8;
 
 #endif

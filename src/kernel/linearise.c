@@ -1,15 +1,18 @@
 /* Stiffness and damping of the skeleton, block by block: derivatives of the forces by positions and
  * velocities with the frames held still. */
 #include "matrix.h"
+#include "parting.h"
 #include "springs.h"
 
 #include <stdlib.h>
 
 struct kernel_matrix *LANED(kernel_matrix_create)(const struct kernel_part *part) {
     const size_t f = (size_t)free_nodes(part), block = sizeof(struct block) / sizeof(lane);
-    const size_t frames = (f + 2) * sizeof(struct frame) / sizeof(lane);
+    const size_t frames = (f + 2) * sizeof(struct frame) / sizeof(lane), parting = f + 3;
     const size_t head = (sizeof(struct kernel_matrix) + sizeof(lane) - 1) / sizeof(lane);
-    const size_t lanes = head + f * block * 8 + frames + (f + 2) * (3 * PANEL_ROWS + 3);
+    const size_t penetrations = part->push ? LANED(kernel_penetrations_size)(part) : 0;
+    const size_t jacobians = f * block * 8 + frames + parting + penetrations;
+    const size_t lanes = head + jacobians + (f + 2) * (3 * PANEL_ROWS + 3);
     struct kernel_matrix *matrix = aligned_alloc(64, (lanes * sizeof(lane) + 63) / 64 * 64);
     if (!matrix)
         return NULL;
@@ -19,9 +22,14 @@ struct kernel_matrix *LANED(kernel_matrix_create)(const struct kernel_part *part
     matrix->damping = matrix->stiffness + f;
     matrix->stiffness_above = (struct block(*)[2])(matrix->damping + f);
     matrix->frames = (struct frame *)(matrix->stiffness_above + f);
-    matrix->panel = (struct panel *)(matrix->frames + f + 2);
+    matrix->steep = (lane *)(matrix->frames + f + 2);
+    matrix->parting = (struct vec *)(matrix->steep + f);
+    at = (lane *)(matrix->parting + 1);
+    if (part->push)
+        matrix->penetrations = LANED(kernel_penetrations_in)(part, at);
+    matrix->panel = (struct panel *)(at + penetrations);
     matrix->x = (lane *)(matrix->panel + f + 2);
-    matrix->jacobian_numbers = f * block * 8 + frames;
+    matrix->jacobian_numbers = jacobians;
     return matrix;
 }
 
@@ -59,56 +67,7 @@ static void put_back(struct kernel_part *part) {
         numbers[i] = lane_select(wait, m->kept[i], numbers[i]);
 }
 
-/* --- blocks --- */
-
-SPECIALISED struct block outer(lane s, struct vec a, struct vec b) {
-    const lane x[3] = {s * a.x, s * a.y, s * a.z}, y[3] = {b.x, b.y, b.z};
-    struct block c;
-    EACH (i, 0, 3)
-        EACH (j, 0, 3)
-            c.m[i][j] = x[i] * y[j];
-    return c;
-}
-
-SPECIALISED void add_scaled_block(struct block *sum, lane s, const struct block *b) {
-    EACH (i, 0, 3)
-        EACH (j, 0, 3)
-            sum->m[i][j] += s * b->m[i][j];
-}
-
-SPECIALISED void add_block(struct block *sum, const struct block *b) {
-    EACH (i, 0, 3)
-        EACH (j, 0, 3)
-            sum->m[i][j] += b->m[i][j];
-}
-
-SPECIALISED void add_diagonal(struct block *sum, lane s) {
-    EACH (i, 0, 3)
-        sum->m[i][i] += s;
-}
-
-/* s (1 - nn') */
-SPECIALISED struct block across(lane s, struct vec n) {
-    struct block b = outer(-s, n, n);
-    add_diagonal(&b, s);
-    return b;
-}
-
-static inline struct block multiply(const struct block *a, const struct block *b) {
-    struct block c;
-    EACH (i, 0, 3)
-        EACH (j, 0, 3)
-            c.m[i][j] = a->m[i][0] * b->m[0][j] + a->m[i][1] * b->m[1][j] + a->m[i][2] * b->m[2][j];
-    return c;
-}
-
-static inline struct block transpose(const struct block *a) {
-    struct block b;
-    EACH (i, 0, 3)
-        EACH (j, 0, 3)
-            b.m[i][j] = a->m[j][i];
-    return b;
-}
+/* --- blocks in their places --- */
 
 /* Adds s B to row `row`, column `column` (nodes); what concerns nodes 0 and 1 falls away. */
 static inline void gather(struct block (*lower)[3], struct block (*above)[2], int row, int column,
@@ -116,9 +75,9 @@ static inline void gather(struct block (*lower)[3], struct block (*above)[2], in
     if (row < 2 || column < 2)
         return;
     if (column <= row)
-        add_scaled_block(&lower[row - 2][row - column], s, b);
+        block_add_scaled(&lower[row - 2][row - column], s, b);
     else if (above)
-        add_scaled_block(&above[column - 2][column - row - 1], s, b);
+        block_add_scaled(&above[column - 2][column - row - 1], s, b);
 }
 
 /* --- springs between two nodes --- */
@@ -126,10 +85,10 @@ static inline void gather(struct block (*lower)[3], struct block (*above)[2], in
 /* The pair's own two blocks are written, for springs come first; the diagonal's are added to. */
 SPECIALISED void gather_spring(struct block (*lower)[3], struct block (*above)[2], int a, int b,
                                const struct block *block) {
-    add_block(&lower[b - 2][0], block);
+    block_add(&lower[b - 2][0], block);
     if (a < 2)
         return;
-    add_block(&lower[a - 2][0], block);
+    block_add(&lower[a - 2][0], block);
     EACH (i, 0, 3)
         EACH (j, 0, 3) {
             lower[b - 2][b - a].m[i][j] = -block->m[i][j];
@@ -147,16 +106,16 @@ SPECIALISED void linearise_spring(struct kernel_matrix *m, int a, int b, const s
     if (!exact)
         geometric = lane_select(geometric > 0, geometric, lane_all(0));
     lane sideways = k * geometric;
-    struct block block = outer(k, r->n, r->n);
+    struct block block = block_outer(k, r->n, r->n);
     if (exact) {
         const lane rate = dot(r->velocity, r->n), over_length = c * r->inverse;
         const struct vec slip = add_scaled(r->velocity, -rate, r->n);
-        const struct block turning = outer(over_length, r->n, slip);
+        const struct block turning = block_outer(over_length, r->n, slip);
         sideways += over_length * rate;
-        add_block(&block, &turning);
+        block_add(&block, &turning);
     }
-    const struct block stiff = across(sideways, r->n), damp = outer(c, r->n, r->n);
-    add_block(&block, &stiff);
+    const struct block stiff = block_across(sideways, r->n), damp = block_outer(c, r->n, r->n);
+    block_add(&block, &stiff);
     gather_spring(m->stiffness, exact ? m->stiffness_above : NULL, a, b, &block);
     gather_spring(m->damping, NULL, a, b, &damp);
 }
@@ -172,9 +131,9 @@ struct edge_blocks {
  * the second derivative of angle^2 / 2 becomes. This is the `spd` form of the elastic hinge
  * (Gauss-Newton on the tangents' difference, whose length is 2 sin(angle / 2)). */
 static struct edge_blocks tangent_difference(const struct reach *a, const struct reach *b) {
-    const struct block pa = across(a->inverse, a->n), pb = across(b->inverse, b->n);
-    struct edge_blocks e = {
-        {{multiply(&pa, &pa), multiply(&pa, &pb)}, {multiply(&pb, &pa), multiply(&pb, &pb)}}};
+    const struct block pa = block_across(a->inverse, a->n), pb = block_across(b->inverse, b->n);
+    struct edge_blocks e = {{{block_product(&pa, &pa), block_product(&pa, &pb)},
+                             {block_product(&pb, &pa), block_product(&pb, &pb)}}};
     for (int k = 0; k < 2; k++)
         EACH (i, 0, 3)
             EACH (j, 0, 3)
@@ -195,13 +154,13 @@ static struct edge_blocks angle_hessian(const struct reach *a, const struct reac
     struct edge_blocks h;
     for (int k = 0; k < 2; k++) {
         const lane over_length = edge[k]->inverse;
-        const struct block plane = outer(-over_length, edge[k]->n, gradient[k]);
-        const struct block turned = transpose(&plane);
-        h.m[k][k] = outer(cotangent * over_length * over_length, n, n);
-        add_block(&h.m[k][k], &plane);
-        add_block(&h.m[k][k], &turned);
+        const struct block plane = block_outer(-over_length, edge[k]->n, gradient[k]);
+        const struct block turned = block_transpose(&plane);
+        h.m[k][k] = block_outer(cotangent * over_length * over_length, n, n);
+        block_add(&h.m[k][k], &plane);
+        block_add(&h.m[k][k], &turned);
     }
-    h.m[0][1] = h.m[1][0] = outer(-a->inverse * b->inverse / turn->sine, n, n);
+    h.m[0][1] = h.m[1][0] = block_outer(-a->inverse * b->inverse / turn->sine, n, n);
     return h;
 }
 
@@ -226,8 +185,8 @@ static struct edge_blocks hinge_stiffness(const struct reach *a, const struct re
             add(block_times(&h.m[j][0], a->velocity), block_times(&h.m[j][1], b->velocity));
         const struct vec right = add_scaled(scale(k, g[j]), c, turning);
         for (int i = 0; i < 2; i++) {
-            s.m[i][j] = outer(lane_all(1), g[i], right);
-            add_scaled_block(&s.m[i][j], k * turn->angle + c * rate, &h.m[i][j]);
+            s.m[i][j] = block_outer(lane_all(1), g[i], right);
+            block_add_scaled(&s.m[i][j], k * turn->angle + c * rate, &h.m[i][j]);
         }
     }
     return s;
@@ -258,14 +217,38 @@ static void linearise_hinge(struct kernel_matrix *m, int first, const struct rea
     for (int i = 0; i < 2; i++)
         for (int j = 0; j < 2; j++) {
             struct block scaled = {0}, damped = {0};
-            const struct block turning = outer(c, g[i], g[j]);
-            add_scaled_block(&scaled, k, &straight.m[i][j]);
-            add_scaled_block(&damped, c, &straight.m[i][j]);
+            const struct block turning = block_outer(c, g[i], g[j]);
+            block_add_scaled(&scaled, k, &straight.m[i][j]);
+            block_add_scaled(&damped, c, &straight.m[i][j]);
             stiff.m[i][j] = exact ? block_select(turned, &bent.m[i][j], &scaled) : scaled;
             damp.m[i][j] = block_select(turned, &turning, &damped);
         }
     gather_hinge(m->stiffness, exact ? m->stiffness_above : NULL, first, &stiff);
     gather_hinge(m->damping, NULL, first, &damp);
+}
+
+/* In edge forces and their derivatives by places and velocities, as above. */
+struct hinge LANED(kernel_hinge_rate)(const struct kernel_part *part, const struct reach *a,
+                                      const struct reach *b, const struct edge_rate rates[2]) {
+    const lane k = part->bend_k, c = part->bend_c;
+    const struct turn turn = turn_between(a, b);
+    const mask turned = turn.sine > 1e-12;
+    const struct vec g[2] = {turn.along_a, turn.along_b};
+    const struct edge_blocks straight = tangent_difference(a, b);
+    const struct edge_blocks bent = hinge_stiffness(a, b, &turn, k, c);
+    const lane faster = dot(g[0], rates[0].velocity) + dot(g[1], rates[1].velocity);
+    struct vec on[2];
+    for (int i = 0; i < 2; i++) {
+        struct vec if_bent = scale(-c * faster, g[i]);
+        struct vec if_straight = {lane_all(0), lane_all(0), lane_all(0)};
+        for (int j = 0; j < 2; j++) {
+            const struct vec both = add_scaled(scale(k, rates[j].place), c, rates[j].velocity);
+            if_bent = sub(if_bent, block_times(&bent.m[i][j], rates[j].place));
+            if_straight = sub(if_straight, block_times(&straight.m[i][j], both));
+        }
+        on[i] = vec_select(turned, if_bent, if_straight);
+    }
+    return (struct hinge){on[0], on[1]};
 }
 
 /* --- the walk --- */
@@ -308,6 +291,33 @@ static mask walk(struct kernel_part *part, const double *q, const double *v) {
     return sound;
 }
 
+/* What bodies do to samples stays apart; what they do to nodes is theirs as springs are. */
+static void linearise_pushes(struct kernel_part *part, double t, const double *q, const double *v) {
+    struct kernel_matrix *m = part->matrix;
+    LANED(kernel_push_linearise)(part, m->kind, t, q, v, m->frames, &m->penetrations);
+    for (int i = 0; i < free_nodes(part); i++) {
+        const struct penetration *own = penetrating_node(part, &m->penetrations, i);
+        if (!own)
+            continue;
+        const mask inside = own->inside != 0;
+        struct block damping = m->damping[i][0], stiffness = m->stiffness[i][0];
+        block_add_scaled(&damping, part->mass[i + 2], &own->damping);
+        block_add_scaled(&stiffness, part->mass[i + 2], &own->stiffness);
+        m->damping[i][0] = block_select(inside, &damping, &m->damping[i][0]);
+        m->stiffness[i][0] = block_select(inside, &stiffness, &m->stiffness[i][0]);
+    }
+}
+
+/* d tanh(d / width) = (1 - tanh^2) / width. */
+static void linearise_parting(struct kernel_part *part, double t, const double *q) {
+    struct kernel_matrix *m = part->matrix;
+    *m->parting = parting_strength(part, t);
+    for (int i = 0; i < free_nodes(part); i++) {
+        const lane side = parting_side(part, vec_load(q, i * part->node_unknowns));
+        m->steep[i] = (1 - side * side) / part->surroundings->style.parting.width;
+    }
+}
+
 int LANED(kernel_linearise)(void *ctx, enum jacobian kind, double t, const double *q,
                             const double *v) {
     struct kernel_part *part = ctx;
@@ -325,8 +335,12 @@ int LANED(kernel_linearise)(void *ctx, enum jacobian kind, double t, const doubl
     else
         clear_all(m, free_nodes(part));
     mask sound = walk(part, q, v);
+    if (kind == JACOBIAN_EXACT && has_parting(part))
+        linearise_parting(part, t, q);
     if (part->samples > 0)
         sound &= LANED(kernel_frames)(part, q, m->frames);
+    if (part->push)
+        linearise_pushes(part, t, q, v);
     put_back(part);
     if (!mask_all(sound))
         return LANED(kernel_refuse_state)(part, q, v);

@@ -15,12 +15,18 @@
  *                 C    c aa' + c_p P    minus that       minus that       that + gamma
  *                 S    k aa' + k_p P    minus that       minus that       that
  *
+ * Bodies that push by penalty add to the blocks of nodes and samples that they hold: penetrating.h.
+ * A style field that parts hair pulls on all masses of a node by where the node is: with D = B n'
+ * times `steep`, S of kind `exact` has -m D besides in node-node, -mu a'D in sample-node (-mu D in
+ * `penalty`), and -M mu D in node-node of `generalised`; `spd` leaves it out.
+ *
  * For `generalised` the equations are those of the coordinates (p, r) as Lagrange has them, which
  * are symmetric: the node's row is the row of the model plus the sum of a times the samples'. */
 #ifndef WISPLAB_KERNEL_MATRIX_H
 #define WISPLAB_KERNEL_MATRIX_H
 
-#include "part.h"
+#include "blocks.h"
+#include "push.h"
 
 enum { PANEL_ROWS = 9 };
 
@@ -41,6 +47,9 @@ struct kernel_matrix {
     /* by node, of the state linearised at: with stiffness and damping they are all that products
      * and factors are made of, so these hold whatever the part is asked in between */
     struct frame *frames;
+    struct penetrations penetrations; /* of bodies that push; without them nothing is there */
+    lane *steep;         /* by free node: how fast a parting's tanh grows with the distance, 1/m */
+    struct vec *parting; /* B of that parting, m/s^2 */
 
     /* The matrix of the nodes after the samples are eliminated, factorised as L D L': 1 / D on the
      * diagonal, L below; two panels of zeros behind the last */
@@ -59,20 +68,8 @@ struct elimination {
     lane from_node_along, from_node_across; /* sample = b_sample / (mu A) + (.) v_node */
     lane inverse_along, inverse_across;     /* 1 / A */
     lane diagonal, diagonal_ww;             /* the node's matrix gains mu (diagonal 1 + ww w w') */
+    lane alpha, beta;
 };
-
-/* A block, and its transpose, times a vector. */
-static inline struct vec block_times(const struct block *b, struct vec x) {
-    return (struct vec){b->m[0][0] * x.x + b->m[0][1] * x.y + b->m[0][2] * x.z,
-                        b->m[1][0] * x.x + b->m[1][1] * x.y + b->m[1][2] * x.z,
-                        b->m[2][0] * x.x + b->m[2][1] * x.y + b->m[2][2] * x.z};
-}
-
-static inline struct vec transposed_times(const struct block *b, struct vec x) {
-    return (struct vec){b->m[0][0] * x.x + b->m[1][0] * x.y + b->m[2][0] * x.z,
-                        b->m[0][1] * x.x + b->m[1][1] * x.y + b->m[2][1] * x.z,
-                        b->m[0][2] * x.x + b->m[1][2] * x.y + b->m[2][2] * x.z};
-}
 
 /* Number of free nodes. */
 static inline int free_nodes(const struct kernel_part *part) {

@@ -1,5 +1,6 @@
 /* Wisps of a part for contacts: boxes around them, and wisps laid open. */
 #include "frames.h"
+#include "padded.h"
 #include "part.h"
 #include "span.h"
 #include "wisp/strand.h"
@@ -99,7 +100,7 @@ SPECIALISED void free_samples(const struct kernel_part *part, int i, const doubl
     }
 }
 
-/* Of a node that follows the head: at rest on their half-lines. */
+/* The samples of a node that follows the head are at rest on their half-lines. */
 static void fixed_samples(const struct kernel_part *part, int i, struct ring *ring) {
     for (int j = 0; j < part->samples; j++) {
         const struct vec line = half_line(part, &part->frames[i], j, part->samples);
@@ -110,28 +111,32 @@ static void fixed_samples(const struct kernel_part *part, int i, struct ring *ri
     }
 }
 
-static void put_ring(const struct kernel_part *part, int i, const struct ring *ring, int k,
-                     struct strand *strand) {
-    const struct frame *frame = &part->frames[i];
-    vec_get(strand->p[i], ring->p, k);
-    vec_get(strand->v[i], ring->v, k);
-    vec_get(strand->axis_u[i], frame->u, k);
-    vec_get(strand->axis_v[i], frame->v, k);
-    vec_get(strand->axis_w[i], frame->w, k);
-    for (int j = 0; j < part->samples; j++) {
-        const int at = i * part->samples + j;
-        vec_get(strand->e[at], ring->sample[j].e, k);
-        vec_get(strand->ev[at], ring->sample[j].ev, k);
-        strand->r[at] = lane_get(ring->sample[j].r, k);
-        strand->rate[at] = lane_get(ring->sample[j].rate, k);
-    }
-}
-
 static void put_rings(const struct kernel_part *part, int i, const struct ring *ring,
                       struct strand *const *strands) {
-    for (int k = 0; k < LANES; k++)
-        if (strands[k])
-            put_ring(part, i, ring, k, strands[k]);
+    const struct frame *frame = &part->frames[i];
+    const struct padded p = pad(ring->p), v = pad(ring->v), axis_u = pad(frame->u),
+                        axis_v = pad(frame->v), axis_w = pad(frame->w);
+    for (int k = 0; k < LANES; k++) {
+        if (!strands[k])
+            continue;
+        put(strands[k]->p[i], &p, k);
+        put(strands[k]->v[i], &v, k);
+        put(strands[k]->axis_u[i], &axis_u, k);
+        put(strands[k]->axis_v[i], &axis_v, k);
+        put(strands[k]->axis_w[i], &axis_w, k);
+    }
+    for (int j = 0; j < part->samples; j++) {
+        const int at = i * part->samples + j;
+        const struct padded e = pad(ring->sample[j].e), ev = pad(ring->sample[j].ev);
+        for (int k = 0; k < LANES; k++) {
+            if (!strands[k])
+                continue;
+            put(strands[k]->e[at], &e, k);
+            put(strands[k]->ev[at], &ev, k);
+            strands[k]->r[at] = lane_get(ring->sample[j].r, k);
+            strands[k]->rate[at] = lane_get(ring->sample[j].rate, k);
+        }
+    }
 }
 
 void LANED(kernel_open)(void *ctx, const double *q, const double *v,

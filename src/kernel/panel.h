@@ -5,6 +5,7 @@
 
 #include "frames.h"
 #include "matrix.h"
+#include "penetrating.h"
 
 /* --- samples --- */
 
@@ -15,7 +16,8 @@ static inline struct elimination eliminate(const struct kernel_part *part, lane 
     const lane h = alpha * part->spring_c + beta * part->spring_k;
     const lane air = alpha * part->drag, g = 1 + air;
     const lane inverse = 1 / (g + h);
-    struct elimination e = {.inverse_along = inverse, .inverse_across = zero};
+    struct elimination e = {
+        .inverse_along = inverse, .inverse_across = zero, .alpha = alpha, .beta = beta};
     lane gain; /* along each half-line, times aa' */
     switch (part->treatment) {
     case WISP_PROJECTION:
@@ -47,18 +49,14 @@ static inline struct elimination eliminate(const struct kernel_part *part, lane 
     return e;
 }
 
-/* s_along times the part of x along a, s_across times the rest. */
-static inline struct vec split(lane s_along, lane s_across, struct vec a, struct vec x) {
-    return add_scaled(scale(s_across, x), (s_along - s_across) * dot(a, x), a);
-}
-
 static inline void add_node(lane *y, int node, struct vec a) {
     y[3 * node] += a.x;
     y[3 * node + 1] += a.y;
     y[3 * node + 2] += a.z;
 }
 
-/* The rows of a node's samples, and what they add to the node's: y = (m M + d C + k S) x. */
+/* The rows of a node's samples, and what they add to the node's: y = (m M + d C + k S) x, but for
+ * what bodies do. */
 static inline struct vec samples_times(const struct kernel_part *part, const struct frame *frame,
                                        int i, lane m, lane d, lane k, const double *x, double *y) {
     const lane mu = part->sample_mass[i], h = d * part->spring_c + k * part->spring_k;
@@ -107,45 +105,46 @@ SPECIALISED void add_own(const struct kernel_part *part, const struct frame *fra
 
 /* What factorised columns take off those of the two nodes after them. It stays in registers from
  * node to node: columns in memory would wait for their own last change. */
-struct debt {
+struct pending_update {
     lane next[3][6];  /* column c, row r >= c of the next node's panel */
     lane after[3][3]; /* the same of the one after it */
 };
 
-SPECIALISED struct debt no_debt(void) {
-    struct debt debt;
+SPECIALISED struct pending_update no_pending_update(void) {
+    struct pending_update pending;
     EACH (c, 0, 3) {
         EACH (r, 0, 6)
-            debt.next[c][r] = lane_all(0);
+            pending.next[c][r] = lane_all(0);
         EACH (r, 0, 3)
-            debt.after[c][r] = lane_all(0);
+            pending.after[c][r] = lane_all(0);
     }
-    return debt;
+    return pending;
 }
 
-SPECIALISED void pay(struct panel *panel, struct debt *debt) {
+SPECIALISED void apply_pending(struct panel *panel, struct pending_update *pending) {
     EACH (c, 0, 3)
         EACH (r, c, 6)
-            panel->m[c][r] -= debt->next[c][r];
+            panel->m[c][r] -= pending->next[c][r];
     EACH (c, 0, 3) {
         EACH (r, c, 3) {
-            debt->next[c][r] = debt->after[c][r];
-            debt->after[c][r] = lane_all(0);
+            pending->next[c][r] = pending->after[c][r];
+            pending->after[c][r] = lane_all(0);
         }
         EACH (r, 3, 6)
-            debt->next[c][r] = lane_all(0);
+            pending->next[c][r] = lane_all(0);
     }
 }
 
 /* (L D)_rc L_sc, summed over the columns c of a panel, for a later node's rows r >= s from `from`.
  */
-SPECIALISED void owe(const struct panel *l, const struct panel *ld, struct debt *debt) {
+SPECIALISED void defer_update(const struct panel *l, const struct panel *ld,
+                              struct pending_update *pending) {
     EACH (c, 0, 3)
         EACH (d, 0, 3) {
             EACH (r, d, 6)
-                debt->next[d][r] += l->m[c][3 + d] * ld->m[c][3 + r];
+                pending->next[d][r] += l->m[c][3 + d] * ld->m[c][3 + r];
             EACH (r, d, 3)
-                debt->after[d][r] += l->m[c][6 + d] * ld->m[c][6 + r];
+                pending->after[d][r] += l->m[c][6 + d] * ld->m[c][6 + r];
         }
 }
 
@@ -199,22 +198,28 @@ static inline void solve_nodes(const struct panel *panels, int nodes, lane *x) {
     }
 }
 
-/* What the samples' right sides add to their node's. */
+/* What the samples' right sides add to their node's; `penetrations` are the node's, or NULL. */
 static inline struct vec gather_samples(const struct kernel_part *part, const struct elimination *e,
-                                        const struct frame *frame, const double *b) {
+                                        const struct frame *frame,
+                                        const struct penetration *penetrations, const double *b) {
     struct vec sum = {lane_all(0), lane_all(0), lane_all(0)};
     for (int j = 0; j < part->samples; j++) {
-        const struct vec a = half_line(part, frame, j, part->samples);
+        const struct vec a = half_line(part, frame, j, part->samples), before = sum;
         sum = part->treatment == WISP_PENALTY
                   ? add(sum, split(e->to_node_along, e->to_node_across, a, vec_load(b, 3 + 3 * j)))
                   : add_scaled(sum, e->to_node_along * load(b, 3 + j), a);
+        if (is_penetrating(penetrations, j))
+            sum = vec_select(
+                penetrations[1 + j].inside != 0,
+                add(before, penetrating_to_node(part, e, &penetrations[1 + j], j, a, b)), sum);
     }
     return sum;
 }
 
 /* The samples' solutions from their right sides and their node's solution. */
 static inline void scatter_samples(const struct kernel_part *part, const struct elimination *e,
-                                   const struct frame *frame, int i, const double *b,
+                                   const struct frame *frame,
+                                   const struct penetration *penetrations, int i, const double *b,
                                    struct vec node, double *x) {
     const lane inverse_mass = 1 / part->sample_mass[i];
     for (int j = 0; j < part->samples; j++) {
@@ -230,6 +235,8 @@ static inline void scatter_samples(const struct kernel_part *part, const struct 
                   e->inverse_along * inverse_mass * load(b, 3 + j) +
                       e->from_node_along * dot(a, node));
         }
+        if (is_penetrating(penetrations, j))
+            penetrating_solution(part, e, &penetrations[1 + j], j, a, inverse_mass, b, node, x);
     }
 }
 

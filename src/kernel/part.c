@@ -2,6 +2,7 @@
 #include "part.h"
 
 #include "frames.h"
+#include "push.h"
 #include "rigid.h"
 
 #include <stdlib.h>
@@ -46,21 +47,21 @@ static struct vec from_origin(const struct kernel_part *part, struct vec rest) {
     return add(placed(&part->shift, 0, part->rest_root), turned(&part->head, 0, rest));
 }
 
-/* Likewise its velocity (derivative 1) or acceleration (2). */
+/* The velocity (derivative 1) or acceleration (2) of such a point. */
 static struct vec rate_of(const struct kernel_part *part, int derivative, struct vec rest) {
     return placed(&part->head, derivative, add(part->rest_root, rest));
 }
 
-struct vec LANED(kernel_first_acceleration)(const struct kernel_part *part, double t) {
+struct vec LANED(kernel_carried_acceleration)(const struct kernel_part *part, double t, int node) {
     const struct system *system = part->system;
     const struct head_motion *head = &part->surroundings->head;
-    const struct vec first = rest_node(part, 1);
+    const struct vec rest = rest_node(part, node);
     const double inside = system->until > 0 ? (system->from + system->until) / 2 : t;
     if (head_interval(head, inside) == head_interval(head, t))
-        return rate_of(part, 2, first);
+        return rate_of(part, 2, rest);
     struct placement at;
     head_placement_within(head, inside, t, &at);
-    return placed(&at, 2, add(part->rest_root, first));
+    return placed(&at, 2, add(part->rest_root, rest));
 }
 
 static void place_head(struct kernel_part *part, double t) {
@@ -182,15 +183,12 @@ static void fill_lane(struct kernel_part *part, int k, const struct wisp *wisp) 
     }
 }
 
-/* Quarter turns are exact. */
 static void set_directions(struct kernel_part *part) {
-    static const double quarter[] = {1, 0, -1, 0, 1};
     for (int j = 0; j < part->samples; j++) {
-        const int exact = 4 * j % part->samples == 0;
-        const double angle = 2 * M_PI * j / part->samples;
-        const int q = 4 * j / part->samples;
-        part->cosine[j] = exact ? quarter[q] : cos(angle);
-        part->sine[j] = exact ? quarter[(q + 3) % 4] : sin(angle);
+        double way[2];
+        wisp_sample_way(part->samples, j, way);
+        part->cosine[j] = way[0];
+        part->sine[j] = way[1];
     }
 }
 
@@ -212,20 +210,25 @@ void *LANED(kernel_create)(const struct wisp *const *wisps, const struct surroun
     for (int k = 0; k < LANES; k++)
         fill_lane(part, k, wisps[k]);
     place_head(part, 0);
-    if (first->stretch == STRETCH_RIGID) {
+    const int rigid = first->stretch == STRETCH_RIGID, pushed = around->pushing_count > 0;
+    if (rigid)
         part->rigid =
             LANED(kernel_rigid_create)(part->nodes, (part->nodes - 2) * part->node_unknowns);
-        if (!part->rigid) {
-            free(part);
-            return NULL;
-        }
+    if (pushed)
+        part->push = LANED(kernel_push_create)(part);
+    if ((rigid && !part->rigid) || (pushed && !part->push)) {
+        LANED(kernel_free)(part);
+        return NULL;
     }
     return part;
 }
 
 void LANED(kernel_fill)(void *ctx, int which, const struct wisp *wisp, double t) {
+    struct kernel_part *part = ctx;
     fill_lane(ctx, which, wisp);
     place_head(ctx, t);
+    if (part->push)
+        part->push->time = NAN; /* the lane has another origin */
 }
 
 void LANED(kernel_free)(void *ctx) {
@@ -236,6 +239,7 @@ void LANED(kernel_free)(void *ctx) {
         free(part->rows);
         free(part->panels);
         free(part->rigid);
+        free(part->push);
     }
     free(part);
 }

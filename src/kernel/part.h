@@ -70,27 +70,24 @@ struct kernel_part {
     void *rows;                   /* of solves with a part of the forces; made by the first */
     struct kernel_panels *panels; /* of such solves with all forces, likewise */
     struct kernel_rigid *rigid;   /* of rigid segments; NULL: they are springs */
+    struct kernel_push *push;     /* of bodies that push by penalty; NULL: there are none */
 };
 
-/* The operations of a struct system, by the rest of the folder; `ctx` is a struct kernel_part. */
-int LANED(kernel_acceleration)(void *ctx, double t, const double *q, const double *v, double *a);
-int LANED(kernel_energies)(void *ctx, double t, const double *q, const double *v,
-                           struct energies *energies);
-int LANED(kernel_powers)(void *ctx, double t, const double *q, const double *v,
-                         struct powers *powers);
-int LANED(kernel_linearise)(void *ctx, enum jacobian kind, double t, const double *q,
-                            const double *v);
+/* The operations of a struct system, by the rest of the folder, as struct system_ops declares them;
+ * `ctx` is a struct kernel_part. */
+#define X(call) __typeof__(*((struct system_ops *)0)->call) LANED(kernel_##call);
+SYSTEM_CALLS(X)
+X(energies)
+X(powers)
+#undef X
+
 /* Says why a state has no acceleration and no Jacobians. Returns an enum outcome. */
 int LANED(kernel_refuse_state)(const struct kernel_part *part, const double *q, const double *v);
-void LANED(kernel_product)(void *ctx, double m, double d, double k, const double *x, double *y);
-int LANED(kernel_factor)(void *ctx, double alpha, double beta);
-void LANED(kernel_solve)(void *ctx, const double *b, double *x);
-int LANED(kernel_solve_part)(void *ctx, const struct part_equation *equation, double *x);
+/* The solve with all forces, part of solve_part. */
 int LANED(kernel_solve_full)(struct kernel_part *part, const struct part_equation *equation,
                              double *x);
-void LANED(kernel_assemble)(void *ctx, double alpha, double beta, double *values);
 
-/* Those of struct kernel, likewise. */
+/* The operations of a struct kernel. */
 #define X(type, name, arguments) type LANED(kernel_##name) arguments;
 KERNEL_OPERATIONS(X)
 #undef X
@@ -99,9 +96,9 @@ KERNEL_OPERATIONS(X)
  */
 struct vec LANED(kernel_turning)(const struct kernel_part *part, struct vec rest);
 
-/* The acceleration of node 1 at time t, where the head was last: it jumps at the head's knots, and
- * at the end of an interval that is advanced over it is that of the time before. */
-struct vec LANED(kernel_first_acceleration)(const struct kernel_part *part, double t);
+/* The acceleration of node 0 or 1 at time t, where the head was last: it jumps at the head's knots,
+ * and at the end of an interval that is advanced over it is that of the time before. */
+struct vec LANED(kernel_carried_acceleration)(const struct kernel_part *part, double t, int node);
 
 /* Where a node or sample is in space whose place from the origin is among the unknowns. */
 static inline struct vec in_space(const struct kernel_part *part, struct vec place) {

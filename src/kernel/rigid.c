@@ -67,7 +67,7 @@ SPECIALISED void tighten(struct kernel_part *part, int coupled, int turning, str
 }
 
 void LANED(kernel_tighten)(struct kernel_part *part, double t, double *a) {
-    const struct vec first = LANED(kernel_first_acceleration)(part, t);
+    const struct vec first = LANED(kernel_carried_acceleration)(part, t, 1);
     if (is_coupled(part))
         tighten(part, 1, 1, first, a);
     else

@@ -20,7 +20,4 @@ struct kernel_rigid *LANED(kernel_rigid_create)(int nodes, int unknowns);
  * the state have been walked along. */
 void LANED(kernel_tighten)(struct kernel_part *part, double t, double *a);
 
-/* The operation of a struct system: all lanes. */
-int LANED(kernel_project)(void *ctx, double t, double *q, double *v);
-
 #endif

@@ -1,6 +1,7 @@
 /* Products with the matrices of a part, and the direct solver of M + alpha C + beta S: samples
  * eliminated node by node, then L D L' of the block-pentadiagonal matrix of the nodes. */
 #include "panel.h"
+#include "parting.h"
 
 /* --- products --- */
 
@@ -23,6 +24,25 @@ static void skeleton_times(const struct kernel_part *part, lane d, lane k, const
     }
 }
 
+/* Adds k S x of a parting, of free node i to `sum` and of its samples to y. */
+static void parting_times(const struct kernel_part *part, int i, lane k, const double *x, lane *sum,
+                          double *y) {
+    const struct kernel_matrix *m = part->matrix;
+    const struct vec pull =
+        scale(-k * m->steep[i] * dot(parting_normal(part), vec_load(x, 0)), *m->parting);
+    const lane mu = part->sample_mass[i + 2];
+    const int coupled = part->treatment == WISP_GENERALISED ? part->samples : 0;
+    add_node(sum, i, scale(part->mass[i + 2] + coupled * mu, pull));
+    for (int j = 0; j < part->samples; j++) {
+        if (part->treatment == WISP_PENALTY) {
+            vec_store(y, 3 + 3 * j, add_scaled(vec_load(y, 3 + 3 * j), mu, pull));
+            continue;
+        }
+        const struct vec a = half_line(part, &m->frames[i + 2], j, part->samples);
+        store(y, 3 + j, load(y, 3 + j) + mu * dot(a, pull));
+    }
+}
+
 void LANED(kernel_product)(void *ctx, double m, double d, double k, const double *x, double *y) {
     struct kernel_part *part = ctx;
     const int f = free_nodes(part);
@@ -42,10 +62,19 @@ void LANED(kernel_product)(void *ctx, double m, double d, double k, const double
         skeleton_times(part, damping, stiffness, nodes, sum);
     for (int i = 0; i < f; i++) {
         const int at = i * part->node_unknowns * LANES;
-        if (part->samples > 0)
-            add_node(sum, i,
-                     samples_times(part, &part->matrix->frames[i + 2], i + 2, mass, damping,
-                                   stiffness, x + at, y + at));
+        if (part->samples > 0) {
+            const struct frame *frame = &part->matrix->frames[i + 2];
+            const struct penetration *penetrations =
+                penetrating_node(part, &part->matrix->penetrations, i);
+            struct vec on =
+                samples_times(part, frame, i + 2, mass, damping, stiffness, x + at, y + at);
+            if (penetrations)
+                on = penetrating_times(part, frame, penetrations, i + 2, damping, stiffness, x + at,
+                                       y + at, on);
+            add_node(sum, i, on);
+        }
+        if (part->matrix->kind == JACOBIAN_EXACT && has_parting(part))
+            parting_times(part, i, stiffness, x + at, sum, y + at);
         for (int c = 0; c < 3; c++)
             store(y + at, c, sum[3 * i + c]);
     }
@@ -75,6 +104,8 @@ SPECIALISED void assemble_panel(const struct kernel_part *part, const struct eli
     const int left = free_nodes(part) - i;
     combine_blocks(panel, 0, alpha, beta, &m->damping[i][0], &m->stiffness[i][0]);
     add_own(part, &m->frames[i + 2], e, i, alpha * part->drag, panel);
+    add_penetrating(part, &m->frames[i + 2], e, penetrating_node(part, &m->penetrations, i), i + 2,
+                    panel);
     if (left > 1)
         combine_blocks(panel, 3, alpha, beta, &m->damping[i + 1][1], &m->stiffness[i + 1][1]);
     else
@@ -91,15 +122,15 @@ int LANED(kernel_factor)(void *ctx, double alpha, double beta) {
     const lane a = lane_all(alpha), b = lane_all(beta);
     const struct elimination e = eliminate(part, a, b);
     mask positive = lane_all(0) == 0;
-    struct debt debt = no_debt();
+    struct pending_update pending = no_pending_update();
     m->alpha = alpha;
     m->beta = beta;
     for (int i = 0; i < free_nodes(part); i++) {
         struct panel ld, l;
         assemble_panel(part, &e, i, a, b, &ld);
-        pay(&ld, &debt);
+        apply_pending(&ld, &pending);
         positive &= factor_panel(&ld, &l);
-        owe(&l, &ld, &debt);
+        defer_update(&l, &ld, &pending);
         EACH (c, 0, 3)
             EACH (r, c, PANEL_ROWS)
                 m->panel[i].m[c][r] = l.m[c][r];
@@ -119,7 +150,9 @@ void LANED(kernel_solve)(void *ctx, const double *b, double *x) {
     for (int i = 0; i < f; i++) {
         struct vec rhs = vec_load(b + i * stride, 0);
         if (part->samples > 0)
-            rhs = add(rhs, gather_samples(part, &e, &part->matrix->frames[i + 2], b + i * stride));
+            rhs = add(rhs,
+                      gather_samples(part, &e, &m->frames[i + 2],
+                                     penetrating_node(part, &m->penetrations, i), b + i * stride));
         m->x[3 * i] = rhs.x, m->x[3 * i + 1] = rhs.y, m->x[3 * i + 2] = rhs.z;
     }
     for (int j = 0; j < 6; j++) /* the window reaches two nodes beyond the tip */
@@ -129,7 +162,8 @@ void LANED(kernel_solve)(void *ctx, const double *b, double *x) {
         const struct vec node = {m->x[3 * i], m->x[3 * i + 1], m->x[3 * i + 2]};
         vec_store(x + i * stride, 0, node);
         if (part->samples > 0)
-            scatter_samples(part, &e, &m->frames[i + 2], i + 2, b + i * stride, node,
-                            x + i * stride);
+            scatter_samples(part, &e, &m->frames[i + 2],
+                            penetrating_node(part, &m->penetrations, i), i + 2, b + i * stride,
+                            node, x + i * stride);
     }
 }

@@ -1,6 +1,8 @@
-/* The same matrix for general sparse solvers: every unknown kept, samples too. */
+/* The part's matrix for general sparse solvers: every unknown kept, samples too. */
 #include "frames.h"
 #include "matrix.h"
+#include "parting.h"
+#include "penetrating.h"
 
 #include <stdlib.h>
 
@@ -102,25 +104,73 @@ static lane sample_entry(const struct kernel_part *part, lane alpha, lane beta, 
     return g + h;
 }
 
+/* What bodies add to that, see penetrating.h. */
+static lane penetrating_entry(const struct kernel_part *part, lane alpha, lane beta,
+                              struct place row, struct place column, int j) {
+    const struct kernel_matrix *m = part->matrix;
+    const struct penetration *penetrations = penetrating_node(part, &m->penetrations, row.node);
+    if (!is_penetrating(penetrations, j))
+        return lane_all(0);
+    const struct block T = penetration_matrix(&penetrations[1 + j], alpha, beta);
+    const struct vec a = half_line(part, &m->frames[row.node + 2], j, part->samples);
+    const int row_node = row.unknown < 3, column_node = column.unknown < 3;
+    if (part->treatment == WISP_PENALTY)
+        return row_node || column_node ? lane_all(0) : T.m[row.unknown % 3][column.unknown % 3];
+    if (row_node && part->treatment == WISP_PROJECTION)
+        return lane_all(0);
+    if (row_node)
+        return column_node ? T.m[row.unknown][column.unknown]
+                           : component(block_times(&T, a), row.unknown);
+    const struct vec along = transposed_times(&T, a);
+    return column_node ? component(along, column.unknown) : dot(along, a);
+}
+
+static lane of_sample(const struct kernel_part *part, lane alpha, lane beta, struct place row,
+                      struct place column, int j) {
+    const lane own = sample_entry(part, alpha, beta, row, column, j);
+    return part->push ? own + penetrating_entry(part, alpha, beta, row, column, j) : own;
+}
+
 static lane entry(const struct kernel_part *part, lane alpha, lane beta, struct place row,
                   struct place column) {
     const int r = sample_of(part, row.unknown), c = sample_of(part, column.unknown);
     const lane mu = part->sample_mass[row.node + 2];
     if (r >= 0 || c >= 0)
-        return mu * sample_entry(part, alpha, beta, row, column, r >= 0 ? r : c);
+        return mu * of_sample(part, alpha, beta, row, column, r >= 0 ? r : c);
     lane sum = node_entry(part, alpha, beta, row, column);
     if (row.node != column.node)
         return sum;
     if (row.unknown == column.unknown)
         sum += part->mass[row.node + 2] * (1 + alpha * part->drag);
     for (int j = 0; j < part->samples; j++)
-        sum += mu * sample_entry(part, alpha, beta, row, column, j);
+        sum += mu * of_sample(part, alpha, beta, row, column, j);
     return sum;
+}
+
+/* What a parting adds there. */
+static lane parting_entry(const struct kernel_part *part, lane beta, struct place row,
+                          struct place column) {
+    const struct kernel_matrix *m = part->matrix;
+    const int i = row.node, j = sample_of(part, row.unknown);
+    if (row.node != column.node || column.unknown >= 3)
+        return lane_all(0);
+    const lane along = m->steep[i] * component(parting_normal(part), column.unknown);
+    lane pull = component(*m->parting, row.unknown % 3), mass = part->sample_mass[i + 2];
+    if (j < 0)
+        mass = part->mass[i + 2] + (part->treatment == WISP_GENERALISED ? part->samples : 0) * mass;
+    else if (part->treatment != WISP_PENALTY)
+        pull = dot(half_line(part, &m->frames[i + 2], j, part->samples), *m->parting);
+    return -beta * mass * along * pull;
 }
 
 void LANED(kernel_assemble)(void *ctx, double alpha, double beta, double *values) {
     const struct kernel_part *part = ctx;
+    const int parted = part->matrix->kind == JACOBIAN_EXACT && has_parting(part);
     int at = 0;
-    FOR_EACH_ENTRY (part, row, column)
-        store(values, at++, entry(part, lane_all(alpha), lane_all(beta), row, column));
+    FOR_EACH_ENTRY (part, row, column) {
+        lane sum = entry(part, lane_all(alpha), lane_all(beta), row, column);
+        if (parted)
+            sum += parting_entry(part, lane_all(beta), row, column);
+        store(values, at++, sum);
+    }
 }

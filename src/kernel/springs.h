@@ -89,4 +89,13 @@ SPECIALISED struct hinge hinge(const struct reach *a, const struct reach *b, lan
                           vec_select(turned, bent.on_b, straight.on_b)};
 }
 
+/* How an edge changes, and how its velocity does. */
+struct edge_rate {
+    struct vec place, velocity;
+};
+
+/* How a hinge's forces change with its two edges. */
+struct hinge LANED(kernel_hinge_rate)(const struct kernel_part *part, const struct reach *a,
+                                      const struct reach *b, const struct edge_rate rates[2]);
+
 #endif

@@ -27,7 +27,7 @@ SPECIALISED struct vec moved(const struct kernel_part *part, int i, int coupled,
     return add_scaled(scale(across, force), (along - across) * dot(w, force), w);
 }
 
-/* Of a free node; of the others, which the head moves, 0. */
+/* The vector of a free node; 0 of the others, which the head moves. */
 SPECIALISED struct vec free_node(const struct kernel_part *part, const double *x, int i) {
     if (i < 2)
         return (struct vec){lane_all(0), lane_all(0), lane_all(0)};

@@ -272,6 +272,12 @@ static void circle_restore(struct model *model, const double *row) {
     memcpy(v, row + 5, 2 * sizeof *v);
 }
 
+static struct unknown circle_unknown(const struct model *model, int i, int k) {
+    const int angle = ((const struct circle *)model)->treatment == GENERALISED;
+    (void)i;
+    return (struct unknown){0, 0, angle ? "angle" : columns[2 + k], angle ? "rad" : "m"};
+}
+
 static int circle_terms(const struct scene *scene, const char **names, int most) {
     (void)scene, (void)most;
     names[0] = "centripetal";
@@ -288,5 +294,6 @@ const struct problem circle_problem = {
     .sample = circle_sample,
     .restore = circle_restore,
     .sample_accelerations = circle_sample_accelerations,
+    .unknown = circle_unknown,
     .terms = circle_terms,
 };

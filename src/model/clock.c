@@ -7,8 +7,16 @@ static double same_time(double t) {
     return t + 1e-12 * fmax(1, fabs(t));
 }
 
+bool clock_same(double one, double other) {
+    return other <= same_time(one) && one <= same_time(other);
+}
+
+struct clock clock_until(double begin, double end) {
+    return (struct clock){.begin = begin, .end = end};
+}
+
 struct clock clock_start(double begin, double duration) {
-    return (struct clock){.begin = begin, .end = begin + duration};
+    return clock_until(begin, begin + duration);
 }
 
 static double source_time(const struct clock_source *source) {

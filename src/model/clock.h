@@ -37,15 +37,18 @@ struct stop {
     unsigned events; /* enum stop_event: all that falls on this time */
 };
 
-/* A clock at t = begin, which goes on for `duration`, s. The end is a stop, and always a frame.
- * What falls on the begin, or before, has happened. */
+/* A clock at t = begin, which goes on for `duration`, s, or up to `end`, s. The end is a stop, and
+ * always a frame. What falls on the begin, or before, has happened. */
 struct clock clock_start(double begin, double duration);
+struct clock clock_until(double begin, double end);
 
 /* Adds stops at k / rate, or, where rate is 0, at k * interval (both 0: nothing is added). */
 void clock_add(struct clock *clock, enum stop_event event, double rate, double interval);
 
-/* Moves on to the next stop; false when the last was the end. Times within 1e-12 max(1, t) of each
- * other are one. */
+/* Whether two times count as one: they are within 1e-12 max(1, t) of each other. */
+bool clock_same(double one, double other);
+
+/* Moves on to the next stop; false when the last was the end. */
 bool clock_next(struct clock *clock, struct stop *stop);
 
 /* Number of equal steps of at most `step`, up to a relative slack of 1e-9, over an interval. */

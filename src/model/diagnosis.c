@@ -1,5 +1,6 @@
 #include "diagnosis.h"
 
+#include "base/columns.h"
 #include "base/digits.h"
 #include "model.h"
 
@@ -133,16 +134,12 @@ int diagnose(const struct model *model, const double *rows, struct diagnosis *di
            "points found in sections of other wisps since the frame before")
 
 void diagnosis_write_head(FILE *stream) {
-    const char *tab = "";
-    fprintf(stream, "# energies at the frame; works and jumps since the start, positive where "
-                    "they add energy\n");
-#define COLUMN(name, unit, value, meaning) fprintf(stream, "# %s, %s: %s\n", name, unit, meaning);
-    ALL_COLUMNS
+#define COLUMN(name, unit, value, meaning) {name, unit, meaning},
+    static const struct column columns[] = {ALL_COLUMNS{0}};
 #undef COLUMN
-#define COLUMN(name, unit, value, meaning) fprintf(stream, "%s%s", tab, name), tab = "\t";
-    ALL_COLUMNS
-#undef COLUMN
-    fputc('\n', stream);
+    fprintf(stream, "# energies at the frame; works and jumps since the start, positive where they "
+                    "add energy\n");
+    columns_write(stream, columns);
 }
 
 void diagnosis_write_row(FILE *stream, const struct diagnosis *d) {

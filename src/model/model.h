@@ -41,6 +41,13 @@ struct model {
     int kink_count;
 };
 
+/* What an unknown is: a coordinate of a node, or of a sample at it. */
+struct unknown {
+    int wisp, node;
+    const char *name; /* of the column of a frame that it fills, where there is one */
+    const char *unit; /* its velocity's is that over s */
+};
+
 /* How a constraint is kept; an index into a problem's list. */
 struct treatment {
     const char *name, *summary;
@@ -59,10 +66,13 @@ struct problem {
     struct model *(*create)(const struct scene *scene, int treatment, int lanes);
     void (*free)(struct model *model);
 
+    /* With how many lanes a scene is fastest on this machine; NULL: that is not known. */
+    int (*lanes)(const struct scene *scene);
+
     /* Writes the current state as row_count rows of column_count numbers. */
     void (*sample)(const struct model *model, double *rows);
 
-    /* The reverse; NULL where states cannot be loaded. */
+    /* Takes a state from rows as `frame` writes them; NULL where states cannot be loaded. */
     void (*restore)(struct model *model, const double *rows);
 
     /* Puts the state onto a constraint that it may have been set off from a little; what is too far
@@ -72,6 +82,9 @@ struct problem {
     /* Writes accelerations, given by part in the layout of v, as row_count rows of
      * rate_column_count numbers. */
     void (*sample_accelerations)(const struct model *model, double *const *a, double *rows);
+
+    /* What unknown k of part i is; what it names stays as long as the model. */
+    struct unknown (*unknown)(const struct model *model, int i, int k);
 
     /* The force terms that a scene has, by name, at most `most` of them; returns their number.
      * NULL: no names. */

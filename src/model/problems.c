@@ -4,7 +4,8 @@
 
 #include <string.h>
 
-const struct problem *const problems[] = {&wisp_problem, &circle_problem, NULL};
+const struct problem *const problems[] = {&wisp_problem, &circle_problem, &rosenblum_problem,
+                                          &anjyo_problem, NULL};
 
 const struct problem *problem_find(const char *name) {
     for (int i = 0; problems[i]; i++)

@@ -4,7 +4,7 @@
 
 #include "model.h"
 
-extern const struct problem circle_problem, wisp_problem;
+extern const struct problem circle_problem, wisp_problem, rosenblum_problem, anjyo_problem;
 
 /* NULL-terminated; and the one of that name or NULL. */
 extern const struct problem *const problems[];

@@ -47,15 +47,18 @@ struct scene {
     double seed;       /* a whole number */
     struct run_defaults run;
 
-    /* of problem "wisps" */
+    /* of problem "wisps", and some of them of "rosenblum" and "anjyo" */
     struct surroundings around;
     struct wisp *wisps; /* in the order of the file, grids spread out; owned */
     int wisp_count;
-    struct body *bodies; /* in the order of the file, BODIES_MAX at most; owned */
-    int body_count;
-    double collision_rate;                   /* Hz */
+    struct body *bodies;   /* BODIES_MAX at most: those of ticks, then those that push by penalty,
+                              which `around` has too; both in the order of the file; owned */
+    int body_count;        /* of both */
+    double collision_rate; /* Hz */
     struct interaction_settings interaction; /* of wisps; both responses off: none */
     struct subdivision subdivision;          /* of wisps, at interaction.rate; limit 0: none */
+
+    double anjyo_constant; /* of problem "anjyo": c, 1/(kg m^2) */
 
     struct start start;
 
@@ -63,5 +66,10 @@ struct scene {
 
     json_t *source; /* all settings as they were given, numbers as reals: what is hashed */
 };
+
+/* How many bodies act at ticks: the first ones. */
+static inline int scene_tick_bodies(const struct scene *scene) {
+    return scene->body_count - scene->around.pushing_count;
+}
 
 #endif

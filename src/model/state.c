@@ -1,7 +1,9 @@
 #include "state.h"
 
+#include "base/columns.h"
 #include "base/files.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -12,18 +14,15 @@ static int match_columns(const struct model *model, const struct table *table, c
                          int *columns, char *reason) {
     for (int i = 0; i < model->column_count; i++) {
         columns[i] = table_column(table, model->columns[i]);
-        if (columns[i] < 0) {
-            snprintf(reason, REASON_SIZE, "%.120s: no column '%s', which this treatment needs",
-                     file, model->columns[i]);
-            return -1;
-        }
+        if (columns[i] < 0)
+            return fail_with(reason, "%.120s: no column '%s', which this treatment needs", file,
+                             model->columns[i]);
     }
     if (table_column(table, "t") == 0 && table->column_count == model->column_count + 1)
         return 0;
-    snprintf(reason, REASON_SIZE,
-             "%.120s: has %d columns besides parent; this scene and treatment have t and %d", file,
-             table->column_count, model->column_count);
-    return -1;
+    return fail_with(
+        reason, "%.120s: has %d columns besides parent; this scene and treatment have t and %d",
+        file, table->column_count, model->column_count);
 }
 
 /* Row i of the last frame, to be that of the wisp and node which `expected` begins with. */
@@ -61,11 +60,11 @@ static int check_parents(const struct trajectory *trajectory, const char *file, 
     for (int i = 0; i < trajectory->wisp_count; i++) {
         if (trajectory->parent[i] == i)
             continue;
-        snprintf(reason, REASON_SIZE,
-                 "%.120s: wisp %d has split off from wisp %d: after a subdivision a state is none "
-                 "of the scene's",
-                 file, i, trajectory->parent[i]);
-        return -1;
+        return fail_with(
+            reason,
+            "%.120s: wisp %d has split off from wisp %d: after a subdivision a state is none "
+            "of the scene's",
+            file, i, trajectory->parent[i]);
     }
     return 0;
 }
@@ -77,16 +76,12 @@ int state_of(const struct model *model, const struct trajectory *trajectory, con
     const int first = table->row_count - model->row_count, count = model->column_count;
     if (match_columns(model, table, file, columns, reason))
         return -1;
-    if (first < 0) {
-        snprintf(reason, REASON_SIZE, "%.120s: has %d rows; a frame of this scene has %d", file,
-                 table->row_count, model->row_count);
-        return -1;
-    }
+    if (first < 0)
+        return fail_with(reason, "%.120s: has %d rows; a frame of this scene has %d", file,
+                         table->row_count, model->row_count);
     double *expected = malloc((size_t)(model->row_count * count) * sizeof *expected);
-    if (!expected) {
-        snprintf(reason, REASON_SIZE, "out of memory");
-        return -1;
-    }
+    if (!expected)
+        return fail_with(reason, "out of memory");
     model->problem->sample(model, expected); /* for the numbers of wisps and nodes */
     while (i < model->row_count &&
            take_row(model, table, columns, i, expected + i * count, rows + i * count))
@@ -97,6 +92,74 @@ int state_of(const struct model *model, const struct trajectory *trajectory, con
     free(expected);
     return i < model->row_count ? -1 : check_parents(trajectory, file, reason);
 }
+
+/* --- what the columns are --- */
+
+/* Those of a sample are without its number. */
+static const struct column known[] = {
+    {"t", "s", "time"},
+    {"wisp", "1", "number of the wisp"},
+    {"node", "1", "number of the node; 0 and 1 belong to the head"},
+    {"x", "m", "position"},
+    {"y", "m", "position"},
+    {"z", "m", "position"},
+    {"vx", "m/s", "velocity"},
+    {"vy", "m/s", "velocity"},
+    {"vz", "m/s", "velocity"},
+    {"ax", "m/s^2", "acceleration"},
+    {"ay", "m/s^2", "acceleration"},
+    {"az", "m/s^2", "acceleration"},
+    {"r", "m", "distance of the sample from its node"},
+    {"rd", "m/s", "rate of that distance"},
+    {"rdd", "m/s^2", "second derivative of that distance"},
+    {"ex", "m", "position of the sample"},
+    {"ey", "m", "position of the sample"},
+    {"ez", "m", "position of the sample"},
+    {"evx", "m/s", "velocity of the sample"},
+    {"evy", "m/s", "velocity of the sample"},
+    {"evz", "m/s", "velocity of the sample"},
+    {"eax", "m/s^2", "acceleration of the sample"},
+    {"eay", "m/s^2", "acceleration of the sample"},
+    {"eaz", "m/s^2", "acceleration of the sample"},
+    {"parent", "1", "the wisp that this one split off from; its own number where there is none"},
+};
+enum { KNOWN = sizeof known / sizeof *known };
+
+static struct column describe(const char *name) {
+    char bare[16];
+    size_t length = 0;
+    for (const char *at = name; *at && length + 1 < sizeof bare; at++)
+        if (!isdigit((unsigned char)*at))
+            bare[length++] = *at;
+    bare[length] = '\0';
+    for (int i = 0; i < KNOWN; i++)
+        if (strcmp(known[i].name, bare) == 0)
+            return (struct column){name, known[i].unit, known[i].meaning};
+    return (struct column){name, "", ""};
+}
+
+static void write_columns(FILE *stream, const char *first, const char *const *names,
+                          const char *last) {
+    struct column columns[TABLE_COLUMNS_MAX + 1] = {{0}};
+    int count = 0;
+    if (first)
+        columns[count++] = describe(first);
+    for (int i = 0; names[i]; i++)
+        columns[count++] = describe(names[i]);
+    if (last)
+        columns[count++] = describe(last);
+    columns_write(stream, columns);
+}
+
+void state_write_columns(FILE *stream, const struct model *model) {
+    write_columns(stream, "t", model->columns, "parent");
+}
+
+void state_write_rate_columns(FILE *stream, const struct model *model) {
+    write_columns(stream, NULL, model->rate_columns, NULL);
+}
+
+/* --- a file with the last frame of another --- */
 
 /* Copies a text file from where it stands, up to `end` or, where that is negative, to its end. */
 static void copy(FILE *from, long end, FILE *to) {
@@ -132,10 +195,8 @@ int state_save(const char *states, const char *file, char *reason) {
     struct atomic_file saved;
     long rows, frame;
     FILE *table = fopen(states, "r");
-    if (!table) {
-        snprintf(reason, REASON_SIZE, "%.150s: %s", states, strerror(errno));
-        return -1;
-    }
+    if (!table)
+        return fail_with(reason, "%.150s: %s", states, strerror(errno));
     int code = find_last_frame(table, &rows, &frame);
     if (code)
         snprintf(reason, REASON_SIZE, "%.150s: cannot be read", states);

@@ -11,8 +11,7 @@
 
 static int out_of_memory(char *reason) {
     errno = ENOMEM;
-    snprintf(reason, REASON_SIZE, "out of memory");
-    return -1;
+    return fail_with(reason, "out of memory");
 }
 
 const double *trajectory_row(const struct trajectory *t, int row) {
@@ -109,9 +108,8 @@ static int take_parents(struct trajectory *t, const double *column, const char *
             for (int row = first; row < first + trajectory_nodes(t, frame, wisp); row++) {
                 if (note_parent(t, wisp, row, column[row]))
                     continue;
-                snprintf(reason, REASON_SIZE, "%.150s: row %d: the parent of wisp %d is not %g",
-                         file, row + 1, wisp, column[row]);
-                return -1;
+                return fail_with(reason, "%.150s: row %d: the parent of wisp %d is not %g", file,
+                                 row + 1, wisp, column[row]);
             }
         }
     return 0;

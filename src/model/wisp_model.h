@@ -8,11 +8,9 @@
 #include "model.h"
 #include "scene.h"
 
-enum { LANES_MAX = 4 };
-
 /* Which wisps of the model a part holds, by lane; padding lanes repeat the first. */
 struct batch {
-    int wisp[LANES_MAX];
+    int wisp[LANES_MOST];
     int count;
     int trouble;                   /* the outcome of its projection at the last tick, or 0 */
     struct sparse_matrix *pattern; /* owned; of parts of one wisp */
@@ -38,12 +36,19 @@ struct wisp_model {
     double (*boxes)[6];              /* by wisp: around it at a tick */
     unsigned char *near;             /* by wisp: whether it may touch at a tick */
     struct strand **touching;        /* those of in_order that may */
+    int *place;                      /* by wisp that may: where it is in `touching` */
     char **columns, **rate_columns;
     char name[64];
     double kinks[1 + 2 * KNOTS_MAX];
 };
 
 /* wisp_parts.c */
+
+/* The problem's `lanes`. */
+int wisps_lanes(const struct scene *scene);
+
+/* The kernel for parts of 1, 4 or 8 lanes that fits this processor. All give the same bits. */
+const struct kernel *kernel_of(int lanes);
 
 /* Whether wisps of the scene may split. */
 int wisps_split(const struct scene *scene);

@@ -22,7 +22,7 @@ static int interacts(const struct scene *scene) {
 static int create_strands(struct wisp_model *m) {
     const struct scene *scene = m->scene;
     int most = 0;
-    if (scene->body_count == 0 && !interacts(scene) && !wisps_split(scene))
+    if (scene_tick_bodies(scene) == 0 && !interacts(scene) && !wisps_split(scene))
         return 0;
     m->strands = calloc((size_t)m->wisp_room + 1, sizeof(struct strand *));
     for (int i = 0; m->strands && i < m->wisp_count; i++) {
@@ -82,9 +82,11 @@ static int create_touch(struct wisp_model *m) {
     m->neighbours = neighbours_create(m->wisp_room);
     m->in_order = calloc(room, sizeof(struct strand *));
     m->touching = calloc(room, sizeof(struct strand *));
+    m->place = calloc(room, sizeof *m->place);
     m->boxes = calloc(room, sizeof *m->boxes);
     m->near = calloc(room, sizeof *m->near);
-    if (!m->interaction || !m->neighbours || !m->in_order || !m->touching || !m->boxes || !m->near)
+    if (!m->interaction || !m->neighbours || !m->in_order || !m->touching || !m->place ||
+        !m->boxes || !m->near)
         return -1;
     memcpy(m->in_order, m->strands, wisps * sizeof(struct strand *));
     qsort(m->in_order, wisps, sizeof(struct strand *), compare_strands);
@@ -123,7 +125,7 @@ static void do_parts(struct tick *tick, struct workers *workers,
 static void open_strands(const struct tick *tick, int i, unsigned lanes) {
     const struct wisp_model *m = tick->m;
     const struct part *part = &m->model.parts[i];
-    struct strand *strands[LANES_MAX] = {NULL};
+    struct strand *strands[LANES_MOST] = {NULL};
     for (int k = 0; k < m->batches[i].count; k++) {
         if (!(lanes >> k & 1))
             continue;
@@ -142,7 +144,7 @@ static void close_strand(const struct tick *tick, int i, int lane, double *rows)
 static void look_at_part(const struct tick *tick, int i, double *rows) {
     const struct wisp_model *m = tick->m;
     const struct part *part = &m->model.parts[i];
-    double boxes[LANES_MAX][6];
+    double boxes[LANES_MOST][6];
     (void)rows;
     m->kernel->prescribe(part->system.ctx, m->model.t);
     if (!m->near)
@@ -165,19 +167,66 @@ static unsigned near_lanes(const struct wisp_model *m, int i) {
 }
 
 static void open_part(const struct tick *tick, int i, double *rows) {
-    const unsigned lanes = near_lanes(tick->m, i);
     (void)rows;
-    if (lanes)
-        open_strands(tick, i, lanes);
+    open_strands(tick, i, near_lanes(tick->m, i));
 }
 
+static void close_strands(const struct tick *tick, int i, double *rows) {
+    const struct wisp_model *m = tick->m;
+    const unsigned lanes = near_lanes(m, i);
+    for (int k = 0; k < m->batches[i].count; k++)
+        if (lanes >> k & 1 && m->strands[m->batches[i].wisp[k]]->changed)
+            close_strand(tick, i, k, rows);
+}
+
+/* Where no strand need be open: the kernel writes the points that touch, and takes back what is
+ * asked of them. Padding lanes get what the wisp gets that they repeat. */
+static int lanes_that_touch(const struct wisp_model *m, int i,
+                            struct contact_wisp wisps[LANES_MOST]) {
+    int any = 0;
+    for (int k = 0; k < m->kernel->lanes; k++) {
+        const int wisp = m->batches[i].wisp[k], place = m->place[wisp];
+        wisps[k] = (struct contact_wisp){.strand = NULL};
+        if (!m->near[wisp])
+            continue;
+        any = 1;
+        wisps[k].push = interaction_pushes(m->interaction, place);
+        if (k < m->batches[i].count) {
+            wisps[k].strand = m->strands[wisp];
+            wisps[k].point = interaction_points(m->interaction, place);
+            wisps[k].first_node = interaction_first_node(m->interaction, place);
+        }
+    }
+    return any;
+}
+
+static void touch_part(const struct tick *tick, int i, double *rows) {
+    const struct part *part = &tick->m->model.parts[i];
+    struct contact_wisp wisps[LANES_MOST];
+    (void)rows;
+    if (lanes_that_touch(tick->m, i, wisps))
+        tick->m->kernel->contact_points(part->system.ctx, part->q, part->v, wisps);
+}
+
+static void push_lanes(const struct tick *tick, int i) {
+    const struct wisp_model *m = tick->m;
+    const struct part *part = &m->model.parts[i];
+    struct contact_wisp wisps[LANES_MOST];
+    if (!lanes_that_touch(m, i, wisps))
+        return;
+    const unsigned changed = m->kernel->push(part->system.ctx, part->q, part->v, wisps,
+                                             (const double(*)[2])m->strands[0]->turn);
+    tick->changed[i] |= (int)(changed & ((1u << m->batches[i].count) - 1));
+}
+
+/* Strands are open while wisps touch where some may split. */
 static void close_part(const struct tick *tick, int i, double *rows) {
     struct part *part = &tick->m->model.parts[i];
-    const unsigned lanes = near_lanes(tick->m, i);
     account_before(part, tick->m->model.t);
-    for (int k = 0; k < tick->m->batches[i].count; k++)
-        if (lanes >> k & 1 && tick->m->strands[tick->m->batches[i].wisp[k]]->changed)
-            close_strand(tick, i, k, rows);
+    if (wisps_split(tick->m->scene))
+        close_strands(tick, i, rows);
+    else
+        push_lanes(tick, i);
     account_after(part, tick->m->model.t, JUMP_WISP_CONTACT);
 }
 
@@ -190,14 +239,40 @@ static int find_near(struct wisp_model *m) {
     return 0;
 }
 
+/* In `touching`, in order; returns how many. */
+static int list_touching(struct wisp_model *m) {
+    int count = 0;
+    for (int i = 0; i < m->wisp_count; i++) {
+        const int wisp = (int)(m->in_order[i]->wisp - m->wisps);
+        if (m->near[wisp]) {
+            m->place[wisp] = count;
+            m->touching[count++] = m->in_order[i];
+        }
+    }
+    return count;
+}
+
+/* All contacts, and what they ask for: as changes of strands that are open, or of points alone.
+ * Returns how many, or -1 where memory cannot be had. */
+static int find_contacts(struct tick *tick, struct workers *workers) {
+    struct wisp_model *m = tick->m;
+    struct interaction *it = m->interaction;
+    const int count = list_touching(m);
+    interaction_share(it, workers);
+    if (wisps_split(m->scene))
+        return interaction_tick(it, m->touching, count);
+    if (interaction_begin(it, m->touching, count))
+        return -1;
+    do_parts(tick, workers, touch_part);
+    const int contacts = interaction_search(it);
+    if (contacts >= 0)
+        interaction_add_up(it);
+    return contacts;
+}
+
 static enum outcome interact(struct tick *tick, struct workers *workers) {
     const struct wisp_model *m = tick->m;
-    int count = 0;
-    for (int i = 0; i < m->wisp_count; i++)
-        if (m->near[m->in_order[i]->wisp - m->wisps])
-            m->touching[count++] = m->in_order[i];
-    interaction_share(m->interaction, workers);
-    const int contacts = interaction_tick(m->interaction, m->touching, count);
+    const int contacts = find_contacts(tick, workers);
     if (contacts < 0)
         return OUT_OF_MEMORY;
     /* they are of two wisps, and so of no part: the first one counts them */
@@ -209,15 +284,21 @@ static enum outcome interact(struct tick *tick, struct workers *workers) {
 }
 
 /* Wisps that subdivision has made touch their twins only once they are separated from them. */
+static void open_and_separate(struct tick *tick, struct workers *workers) {
+    const struct wisp_model *m = tick->m;
+    do_parts(tick, workers, open_part);
+    for (int i = m->scene->wisp_count; i < m->wisp_count; i++) /* of a pair one is always here */
+        subdivision_separate(&m->scene->subdivision, m->strands[i]);
+}
+
 static enum outcome meet(struct tick *tick, struct workers *workers) {
     struct wisp_model *m = tick->m;
     enum outcome outcome = FINISHED;
     do_parts(tick, workers, look_at_part);
     if (m->interaction && find_near(m))
         return OUT_OF_MEMORY;
-    do_parts(tick, workers, open_part);
-    for (int i = m->scene->wisp_count; i < m->wisp_count; i++) /* of a pair one is always here */
-        subdivision_separate(&m->scene->subdivision, m->strands[i]);
+    if (wisps_split(m->scene))
+        open_and_separate(tick, workers);
     if (m->interaction)
         outcome = interact(tick, workers);
     if (wisps_split(m->scene) && outcome == FINISHED)
@@ -245,10 +326,10 @@ static int create_bodies(struct wisp_model *m) {
     if (!m->bodies)
         return -1;
     m->bodies->body = scene->bodies;
-    m->bodies->count = scene->body_count;
+    m->bodies->count = scene_tick_bodies(scene);
     m->bodies->interval = 1 / scene->collision_rate;
     m->bodies->rest = scene->around.head.knots <= 1;
-    for (int i = 0; i < scene->body_count; i++)
+    for (int i = 0; i < scene_tick_bodies(scene); i++)
         for (int k = 0; k < 3; k++)
             m->bodies->rest &= scene->bodies[i].velocity[k] == 0;
     return 0;
@@ -384,9 +465,9 @@ enum outcome wisps_tick(struct model *model, struct workers *workers, unsigned e
 /* --- memory --- */
 
 int wisp_ticks_create(struct wisp_model *m) {
-    if (m->scene->wisps[0].samples > 0 || m->scene->body_count > 0)
+    if (m->scene->wisps[0].samples > 0 || scene_tick_bodies(m->scene) > 0)
         m->model.collision_rate = m->scene->collision_rate;
-    m->model.ticks_alone = m->scene->body_count == 0;
+    m->model.ticks_alone = scene_tick_bodies(m->scene) == 0;
     if (interacts(m->scene) || wisps_split(m->scene))
         m->model.interaction_rate = m->scene->interaction.rate;
     return create_bodies(m) || create_strands(m) || (interacts(m->scene) && create_touch(m)) ? -1
@@ -399,6 +480,7 @@ void wisp_ticks_free(struct wisp_model *m) {
     neighbours_free(m->neighbours);
     free(m->in_order);
     free(m->touching);
+    free(m->place);
     free(m->boxes);
     free(m->near);
     for (int i = 0; m->strands && m->strands[i]; i++)

@@ -118,6 +118,17 @@ static void wisps_sample_accelerations(const struct model *model, double *const 
     }
 }
 
+static struct unknown wisps_unknown(const struct model *model, int i, int k) {
+    const struct wisp_model *m = (const struct wisp_model *)model;
+    const int wisp = m->batches[i].wisp[k % m->kernel->lanes];
+    const int each = wisp_node_unknowns(&m->wisps[wisp], m->treatment), at = k / m->kernel->lanes;
+    const int u = at % each, sample = u - 3, first = 8; /* behind x y z vx vy vz */
+    const int column = sample < 0                     ? 2 + u
+                       : m->treatment == WISP_PENALTY ? first + 6 * (sample / 3) + sample % 3
+                                                      : first + 2 * sample;
+    return (struct unknown){wisp, 2 + at / each, model->columns[column], "m"};
+}
+
 static int wisps_terms(const struct scene *scene, const char **names, int most) {
     static const char *const bending[] = {NULL, "bending (skip springs)", "bending (hinges)"};
     static const char *const wind[] = {NULL, "steady wind", "gust", "irregular wind"};
@@ -134,6 +145,7 @@ static int wisps_terms(const struct scene *scene, const char **names, int most) 
         wisp->bending_stiffness > 0 ? bending[wisp->bending] : NULL,
         wisp->samples > 0 ? "envelope" : NULL,
         scene->around.style.knots > 0 ? "style" : NULL,
+        scene->around.pushing_count > 0 ? "bodies by penalty" : NULL,
     };
     int count = 0;
     for (size_t i = 0; i < sizeof all / sizeof *all; i++)
@@ -254,7 +266,7 @@ static struct model *wisps_create(const struct scene *scene, int treatment, int 
     if (!m)
         return NULL;
     m->scene = scene;
-    m->kernel = lanes >= 4 ? &kernel_4 : &kernel_1;
+    m->kernel = kernel_of(lanes);
     m->treatment = (enum wisp_treatment)treatment;
     snprintf(m->name, sizeof m->name, "the wisps (%s)", treatments[treatment].name);
     m->model.problem = &wisp_problem;
@@ -277,11 +289,13 @@ const struct problem wisp_problem = {
     .default_treatment = wisps_default_treatment,
     .default_linear = wisps_default_linear,
     .create = wisps_create,
+    .lanes = wisps_lanes,
     .free = wisps_free,
     .sample = wisps_sample,
     .restore = wisps_restore,
     .project = wisps_project,
     .sample_accelerations = wisps_sample_accelerations,
+    .unknown = wisps_unknown,
     .terms = wisps_terms,
     .tick = wisps_tick,
     .tick_part = wisps_tick_part,

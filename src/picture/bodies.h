@@ -8,9 +8,9 @@
 /* Ellipsoids where they are at one time. */
 struct figure {
     int count;
-    struct ellipsoid {
-        double centre[3], radii[3]; /* m */
-        double axes[3][3];          /* column k: the direction of radius k */
+    struct figure_body {
+        double radii[3]; /* m */
+        struct body_motion motion;
     } body[BODIES_MAX];
 };
 

@@ -7,12 +7,6 @@
 
 static const double margin = 0.92; /* of the picture that a camera which finds its place fills */
 
-static void normalise(double a[3]) {
-    const double length = vector_length(a);
-    for (int k = 0; k < 3; k++)
-        a[k] /= length;
-}
-
 /* An axis of the world that is far from along `a`. */
 static void something_across(const double a[3], double across[3]) {
     const int axis = fabs(a[2]) < 0.9 ? 2 : 0;
@@ -29,7 +23,7 @@ static void turn(struct camera *camera, const double upwards[3]) {
         something_across(camera->forward, other);
         vector_cross(camera->forward, other, side);
     }
-    normalise(side);
+    vector_normalise(side);
     memcpy(camera->right, side, sizeof side);
     vector_cross(side, camera->forward, camera->up);
 }
@@ -43,7 +37,7 @@ static void look_ahead(const double upwards[3], double forward[3]) {
     vector_cross(upwards, ahead, side);
     for (int k = 0; k < 3; k++)
         forward[k] = -(ahead[k] + 0.35 * side[k] + 0.2 * upwards[k]);
-    normalise(forward);
+    vector_normalise(forward);
 }
 
 struct camera camera_make(const struct render_settings *render, const double upwards[3],
@@ -55,7 +49,7 @@ struct camera camera_make(const struct render_settings *render, const double upw
             camera.eye[k] = render->eye[k];
             camera.forward[k] = render->target[k] - render->eye[k];
         }
-        normalise(camera.forward);
+        vector_normalise(camera.forward);
     } else {
         look_ahead(upwards, camera.forward);
     }
@@ -96,6 +90,12 @@ void camera_fit(struct camera *camera, const struct render_settings *render, con
         vector_add(camera->eye, place[k] - (k == 2 ? 10 * RENDER_NEAREST : 0), axes[k]);
 }
 
+void camera_enlarge(struct camera *camera, double by) {
+    camera->scale *= by;
+    camera->width = floor(by * camera->width);
+    camera->height = floor(by * camera->height);
+}
+
 int camera_project(const struct camera *camera, const double point[3], double place[3]) {
     double from[3];
     for (int k = 0; k < 3; k++)
@@ -122,5 +122,5 @@ void camera_light(const struct camera *camera, const struct render_settings *ren
     }
     for (int k = 0; k < 3; k++)
         light[k] = -camera->forward[k] + 0.9 * camera->up[k] - 0.5 * camera->right[k];
-    normalise(light);
+    vector_normalise(light);
 }

@@ -25,6 +25,9 @@ void camera_sides(const struct camera *camera, double sides[4][3]);
  * middle. */
 void camera_fit(struct camera *camera, const struct render_settings *render, const double most[4]);
 
+/* Keeps the view in a picture whose sides are so many times as long. */
+void camera_enlarge(struct camera *camera, double by);
+
 /* x to the right and y upwards from the picture's lower left corner, pixels; and the depth along
  * the camera's axis, m. Returns 0 for a point that is not in front of the camera. */
 int camera_project(const struct camera *camera, const double point[3], double place[3]);

@@ -74,7 +74,7 @@ int film_write(const struct film *film, const char *folder, const char *name, in
     path_format(gif, "%s/film.gif", drawing);
     path_format(movie, "%s/film.mp4", drawing);
     int code = prepare(film, drawing, reason);
-    if (!code && plot_draw("film", drawing, drawing, "gif", reason))
+    if (!code && plot_draw("film", drawing, drawing, NULL, "gif", reason))
         code = 2;
     if (!code && (path_format(to, "%s/%s.gif", folder, name) || file_put(gif, to)))
         code = cannot_write(to, reason);

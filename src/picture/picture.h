@@ -12,6 +12,13 @@ enum view {
     VIEW_SKELETON = 2, /* nodes, crosses of samples, frames */
     VIEW_ENVELOPE = 4, /* outline of the sections */
     VIEW_STYLE = 8,    /* arrows along the style field */
+    VIEW_PLANE = 16,   /* nothing but the envelope's plane at one node */
+};
+
+/* Which plane, and how far from the node it is drawn, m. */
+struct plane_view {
+    int wisp, node;
+    double extent;
 };
 
 /* All frames of a run as seen from one place. */
@@ -20,7 +27,8 @@ struct drawing {
     const struct frames *reference; /* colour is the distance from it at the same frame; or NULL */
     struct camera camera;
     unsigned views;
-    struct hairs **hairs; /* by wisp of the scene; owned */
+    struct plane_view plane; /* of VIEW_PLANE */
+    struct hairs **hairs;    /* by wisp of the scene; owned */
 };
 
 /* Makes the hairs. Both runs' frames must outlive it. Returns 0, or -1 where memory cannot be had.
@@ -33,7 +41,6 @@ struct segment {
     float depth;        /* from the camera, m */
     float error;        /* of drawings with a reference, m */
     unsigned colour;    /* 0xrrggbb */
-    unsigned number;    /* its place in the layer before that was sorted */
 };
 
 /* Layers are drawn in this order: arrows, lines of several widths, and points. */
@@ -43,6 +50,7 @@ enum layer_kind {
     LAYER_ENVELOPE,
     LAYER_SKELETON,
     LAYER_NODES,
+    LAYER_SAMPLES, /* bold */
     LAYER_COUNT
 };
 
@@ -60,7 +68,11 @@ struct picture {
 int picture_draw(struct picture *picture, const struct drawing *drawing, int frame);
 void picture_free(struct picture *picture);
 
-/* Sorts a layer: the furthest first; of equal depth as they were. */
-void layer_sort(struct layer *layer);
+/* Adds to a layer. Returns 0, or -1 where memory cannot be had. */
+int picture_add(struct picture *picture, enum layer_kind kind, const struct segment *segment);
+
+/* Sorts a layer: the furthest first; of equal depth as they were. Returns 0, or -1 where memory
+ * cannot be had. */
+int layer_sort(struct layer *layer);
 
 #endif

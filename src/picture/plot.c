@@ -2,6 +2,7 @@
 
 #include "integrators/configurations.h"
 #include "run/program.h"
+#include "tips.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -66,7 +67,7 @@ static void write_styles(FILE *stream, const struct configuration *all) {
     fputs("'", stream);
 }
 
-/* A folder that gnuplot takes for one: names that begin with < or | are commands to it. */
+/* A path that gnuplot takes for one: names that begin with < or | are commands to it. */
 static void assign_folder(FILE *stream, const char *name, const char *folder) {
     char path[PATH_SIZE];
     if (folder[0] == '/' || path_format(path, "./%s", folder))
@@ -77,7 +78,7 @@ static void assign_folder(FILE *stream, const char *name, const char *folder) {
 
 /* To be freed; NULL where memory cannot be had. */
 static char *variables_of(const char *plots, const char *folder, const char *to,
-                          const char *format) {
+                          const struct plot_paper *paper, const char *format) {
     struct configuration *all = configurations_choose(CONFIGURATION_ANY, 0);
     char *text = NULL;
     size_t size;
@@ -87,6 +88,8 @@ static char *variables_of(const char *plots, const char *folder, const char *to,
         assign_folder(stream, "data", folder);
         assign_folder(stream, "out", to);
         assign(stream, "format", format);
+        assign(stream, "paper", paper ? paper->task : "");
+        assign_folder(stream, "layout", paper ? paper->layout : "");
         write_styles(stream, all);
         fclose(stream);
     }
@@ -110,26 +113,23 @@ static void say_error(FILE *errors, const char *name, char *reason) {
              last[0] == '"' && text ? text + 2 : last);
 }
 
-/* The same letters and bytes wherever it is drawn. Once, for drawings may be made side by side. */
+/* Letters and bytes are the same wherever a figure is drawn. Set once, for drawings may be made
+ * side by side. */
 static void set_locale(void) {
     setenv("LC_ALL", "C.UTF-8", 1);
 }
 
-int plot_draw(const char *name, const char *folder, const char *to, const char *format,
-              char *reason) {
+int plot_draw(const char *name, const char *folder, const char *to, const struct plot_paper *paper,
+              const char *format, char *reason) {
     static pthread_once_t once = PTHREAD_ONCE_INIT;
     char plots[PATH_SIZE], script[PATH_SIZE];
     path_format(plots, "%s/plots", data_folder());
     path_format(script, "%s/%s.gp", plots, name);
-    if (!file_exists(script)) {
-        snprintf(reason, REASON_SIZE, "%.150s: no such script", script);
-        return -1;
-    }
-    char *variables = variables_of(plots, folder, to, format);
-    if (!variables) {
-        snprintf(reason, REASON_SIZE, "out of memory");
-        return -1;
-    }
+    if (!file_exists(script))
+        return fail_with(reason, "%.150s: no such script", script);
+    char *variables = variables_of(plots, folder, to, paper, format);
+    if (!variables)
+        return fail_with(reason, "out of memory");
     const char *const argv[] = {"gnuplot", "-d", "-e", variables, script, NULL};
 
     FILE *errors = tmpfile();
@@ -189,6 +189,15 @@ static int has_drawn(const char *folder, const char *format) {
     return any;
 }
 
+static int make_tips(const char *folder, char *reason) {
+    glob_t found;
+    int code = files_like(folder, "*.svg", &found);
+    for (size_t i = 0; i < found.gl_pathc && !code; i++)
+        code = tips_make(found.gl_pathv[i], reason);
+    globfree(&found);
+    return code;
+}
+
 /* Every figure of plots/NAME.gp, all or none. */
 static int plot_script(const char *name, const char *folder, char *reason) {
     static const char *const formats[] = {"svg", "png"};
@@ -196,12 +205,14 @@ static int plot_script(const char *name, const char *folder, char *reason) {
     if (temporary_folder(folder, drawing, reason))
         return -1;
     for (int i = 0; i < 2; i++) {
-        int code = plot_draw(name, folder, drawing, formats[i], reason);
+        int code = plot_draw(name, folder, drawing, NULL, formats[i], reason);
         if (!code && !has_drawn(drawing, formats[i])) {
             snprintf(reason, REASON_SIZE, "the figures of %s: gnuplot has drawn no %s", name,
                      formats[i]);
             code = -1;
         }
+        if (!code && i == 1) /* all is there */
+            code = make_tips(drawing, reason);
         if (code) {
             char other[REASON_SIZE];
             plot_empty_folder(drawing, NULL, other);

@@ -2,17 +2,17 @@
 
 #include "base/files.h"
 #include "base/vector.h"
-#include "base/visible.h"
-#include "plot.h"
+#include "canvas.h"
+#include "layout.h"
+#include "plane.h"
 
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/param.h>
-#include <unistd.h>
 
 /* Pixels. */
-enum { TITLE = STRIP_TITLE, CAPTION = 20, LETTER = 7, BAR = 70, GAP = 6 };
+enum { LETTER = 7, LETTERS = 13 };
+enum { GREY = 0x666666 };
 enum { PANELS_MAX = 400 };
 
 struct run {
@@ -26,7 +26,7 @@ struct strip {
     int run_count;
     struct frames reference;
     char title[200];
-    int width, height, columns;
+    int width, height, columns, beside, untitled, large, large_row;
     int longest; /* letters in a label */
     double most; /* of all distances from the reference, m; 0: there is none */
 };
@@ -49,6 +49,24 @@ static int check_views(const struct frames *frames, unsigned views, const char *
     return 0;
 }
 
+/* A free node of a wisp of the scene. */
+static int check_plane(const struct frames *frames, const struct plane_view *plane,
+                       const char *states, char *reason) {
+    const struct scene *scene = frames->scene;
+    char what[100];
+    if (scene->wisps[0].samples == 0)
+        return refuse(states, "wisps without an envelope have no sections", reason);
+    if (plane->wisp >= scene->wisp_count)
+        snprintf(what, sizeof what, "--section: there is no wisp %d; there are wisps 0 to %d",
+                 plane->wisp, scene->wisp_count - 1);
+    else if (plane->node < 2 || plane->node >= scene->wisps[plane->wisp].nodes)
+        snprintf(what, sizeof what, "--section: wisp %d has no free node %d, but nodes 2 to %d",
+                 plane->wisp, plane->node, scene->wisps[plane->wisp].nodes - 1);
+    else
+        return 0;
+    return refuse(states, what, reason);
+}
+
 static int open_run(struct strip *strip, int i, const struct strip_request *request, char *reason) {
     const struct strip_row *row = &request->rows[i];
     struct run *run = &strip->runs[i];
@@ -67,6 +85,8 @@ static int open_run(struct strip *strip, int i, const struct strip_request *requ
                                       : "");
     strip->longest = MAX(strip->longest, (int)strlen(run->label));
     code = check_views(&run->frames, request->views, row->states, reason);
+    if (!code && request->views & VIEW_PLANE)
+        code = check_plane(&run->frames, &request->plane, row->states, reason);
     if (!code && drawing_create(&run->drawing, &run->frames, request->views)) {
         snprintf(reason, REASON_SIZE, "out of memory");
         code = 2;
@@ -94,6 +114,21 @@ static void place_camera(struct strip *strip) {
         strip->runs[i].drawing.camera = camera;
 }
 
+/* All planes are drawn in one measure. Returns 0, or 2 where memory cannot be had. */
+static int place_planes(struct strip *strip, struct plane_view plane, char *reason) {
+    for (int i = 0; i < strip->run_count; i++) {
+        const double extent = plane_extent(&strip->runs[i].frames, plane.wisp, plane.node);
+        if (extent < 0) {
+            snprintf(reason, REASON_SIZE, "out of memory");
+            return 2;
+        }
+        plane.extent = fmax(plane.extent, extent);
+    }
+    for (int i = 0; i < strip->run_count; i++)
+        strip->runs[i].drawing.plane = plane;
+    return 0;
+}
+
 /* --- the reference --- */
 
 /* Whether two runs have the same wisps at the same times, as far as both go. */
@@ -114,15 +149,13 @@ static const double *node_at(const struct frames *frames, int row) {
     return trajectory_row(frames->states, row) + STATE_X;
 }
 
-static double largest_distance(const struct frames *a, const struct frames *b) {
-    const int common = a->count < b->count ? a->count : b->count;
-    double most = 0;
-    for (int row = 0; row < a->first_row[common]; row++) {
-        const double *p = node_at(a, row), *q = node_at(b, row);
+/* To the largest distance from the reference at a frame. */
+static void raise_most(struct strip *strip, const struct frames *frames, int frame) {
+    for (int row = frames->first_row[frame - 1]; row < frames->first_row[frame]; row++) {
+        const double *p = node_at(frames, row), *q = node_at(&strip->reference, row);
         const double d[3] = {p[0] - q[0], p[1] - q[1], p[2] - q[2]};
-        most = fmax(most, vector_length(d));
+        strip->most = fmax(strip->most, vector_length(d));
     }
-    return most;
 }
 
 static int open_reference(struct strip *strip, const struct strip_request *request, char *reason) {
@@ -135,7 +168,10 @@ static int open_reference(struct strip *strip, const struct strip_request *reque
                           "has other wisps or frames than the reference: nothing to be compared",
                           reason);
         run->drawing.reference = &strip->reference;
-        strip->most = fmax(strip->most, largest_distance(&run->frames, &strip->reference));
+        const int common = MIN(run->frames.count, strip->reference.count);
+        for (int frame = 1; frame <= common; frame++)
+            if (request->error_frame == 0 || request->error_frame == frame)
+                raise_most(strip, &run->frames, frame);
     }
     if (!code && !(strip->most > 0))
         return refuse(request->reference, "no run is different from it: no error to be shown",
@@ -153,17 +189,27 @@ static void make_title(struct strip *strip, const struct strip_request *request)
         snprintf(strip->title, sizeof strip->title, "%s", first->scene->name);
     else
         snprintf(strip->title, sizeof strip->title, "%s, %s", first->scene->name, first->run);
+    if (request->views & VIEW_PLANE && !request->title)
+        snprintf(strip->title + strlen(strip->title), sizeof strip->title - strlen(strip->title),
+                 ", wisp %d, node %d", request->plane.wisp, request->plane.node);
 }
 
 static int open_strip(struct strip *strip, const struct strip_request *request, char *reason) {
     int code = 0;
-    strip->width = request->width > 0 ? request->width : 320;
-    strip->height = request->height > 0 ? request->height : 240;
+    const double scale = request->scale > 0 ? request->scale : 1;
+    strip->width = (int)(scale * (request->width > 0 ? request->width : 320));
+    strip->height = (int)(scale * (request->height > 0 ? request->height : 240));
     strip->columns = request->columns;
+    strip->beside = request->beside;
+    strip->untitled = request->untitled;
+    strip->large = request->large;
+    strip->large_row = request->large_row;
     for (int i = 0; i < request->row_count && !code; i++)
         code = open_run(strip, i, request, reason);
     if (!code && request->reference)
         code = open_reference(strip, request, reason);
+    if (!code && request->views & VIEW_PLANE)
+        code = place_planes(strip, request->plane, reason);
     if (!code) {
         place_camera(strip);
         make_title(strip, request);
@@ -214,158 +260,230 @@ const char *strip_name(const struct strip *strip) {
 
 /* --- a page --- */
 
-struct layout {
-    int columns, lines;          /* panels side by side; of each run, below each other */
-    int left, top, across, down; /* the first panel, and the way from one to the next, pixels */
-    int width, height;
-};
-
-static struct layout lay_out(const struct strip *strip, int count) {
-    struct layout page;
-    const int alone = strip->run_count == 1 && count == 1; /* its title says which frame it is */
-    page.columns = strip->columns > 0 && strip->columns < count ? strip->columns : count;
-    page.lines = (count + page.columns - 1) / page.columns;
-    page.left = strip->longest > 0 ? 2 * GAP + LETTER * strip->longest : 0;
-    page.top = TITLE + (alone ? 0 : CAPTION);
-    page.across = strip->width + (alone ? 0 : GAP);
-    page.down = strip->height + (alone ? 0 : GAP) + (page.lines > 1 ? CAPTION : 0);
-    page.width = page.left + page.columns * page.across;
-    page.height = page.top + strip->run_count * page.lines * page.down +
-                  (strip->most > 0 ? BAR : 0) - (page.lines > 1 ? CAPTION : 0);
+static struct layout layout_of(const struct strip *strip, int count) {
+    struct layout page = {.runs = strip->run_count,
+                          .frames = count,
+                          .width = strip->width,
+                          .height = strip->height,
+                          .columns = strip->columns,
+                          .label = strip->longest > 0 && !strip->beside
+                                       ? 2 * LAYOUT_GAP + LETTER * strip->longest
+                                       : 0,
+                          .beside = strip->beside,
+                          .untitled = strip->untitled,
+                          .has_bar = strip->most > 0,
+                          .has_large = strip->large > 0};
+    lay_out(&page);
     return page;
 }
 
 void strip_size(const struct strip *strip, int count, int *width, int *height) {
-    const struct layout page = lay_out(strip, count);
-    *width = page.width;
-    *height = page.height;
+    const struct layout page = layout_of(strip, count);
+    *width = page.page_width;
+    *height = page.page_height;
 }
 
-/* A label at a place in pixels from the top left, in gnuplot's words. */
-static void write_label(FILE *file, int number, const struct layout *page, double x, double y,
-                        const char *how, const char *text) {
-    char shown[512], *c = shown;
-    visible_text(text, shown, sizeof shown); /* a newline would begin a command */
-    fprintf(file, "set label %d '", number);
-    for (; *c; c++)
-        fprintf(file, *c == '\'' ? "''" : "%c", *c);
-    fprintf(file, "' at screen %.17g, screen %.17g %s noenhanced\n", x / page->width,
-            1 - y / page->height, how);
+/* Panels count to those of the rows, and the large one is behind them. */
+static int panel_count(const struct layout *page) {
+    return page->groups * page->each + (page->has_large ? 1 : 0);
 }
 
-/* Corner of panel `column` of a run, from the page's top left. */
-static void panel_corner(const struct layout *page, int run, int column, int corner[2]) {
-    corner[0] = page->left + column % page->columns * page->across;
-    corner[1] = page->top + (run * page->lines + column / page->columns) * page->down;
+/* The panel has the number of its frame in place of its index. */
+static struct panel panel_at(const struct strip *strip, const struct layout *page,
+                             const int *frames, int i) {
+    const int is_large = i == page->groups * page->each;
+    struct panel panel = is_large ? layout_large(page) : layout_panel(page, i);
+    panel.frame = is_large ? strip->large : frames[panel.frame];
+    if (is_large)
+        panel.run = strip->large_row;
+    return panel;
 }
 
-static void write_labels(const struct strip *strip, const struct layout *page, const int *frames,
-                         int count, FILE *file) {
-    char text[256], font[64];
-    int number = 1, corner[2];
-    const struct frames *first = &strip->runs[0].frames;
-    if (strip->run_count == 1 && count == 1)
+/* A caption says whose picture it is, where the row does not, and of which frame, where not all are
+ * of one. */
+static void draw_caption(const struct strip *strip, const struct panel *panel, int count,
+                         struct canvas *canvas) {
+    const struct canvas_text how = {.x = panel->x + panel->scale * strip->width / 2,
+                                    .y = panel->y - LAYOUT_CAPTION / 2.,
+                                    .size = LETTERS,
+                                    .centred = 1,
+                                    .colour = GREY};
+    const char *label = strip->runs[panel->run].label;
+    const double t = frames_time(&strip->runs[0].frames, panel->frame);
+    char text[256];
+    if (strip->beside && *label && count == 1)
+        snprintf(text, sizeof text, "%s", label);
+    else if (strip->beside && *label)
+        snprintf(text, sizeof text, "%s, %.3f s", label, t);
+    else
+        snprintf(text, sizeof text, "%s%sframe %d, %.3f s", panel->scale > 1 ? label : "",
+                 panel->scale > 1 && *label ? ", " : "", panel->frame, t);
+    canvas_text(canvas, &how, text);
+}
+
+static void draw_title(const struct strip *strip, const struct layout *page, const int *frames,
+                       struct canvas *canvas) {
+    char text[256];
+    if (layout_is_alone(page))
         snprintf(text, sizeof text, "%s, frame %d, t = %.3f s", strip->title, frames[0],
-                 frames_time(first, frames[0]));
+                 frames_time(&strip->runs[0].frames, frames[0]));
     else
         snprintf(text, sizeof text, "%s", strip->title);
-    snprintf(font, sizeof font, "left font FONT.':Bold,%.3g'",
-             fmin(13, 1.3 * page->width / (double)strlen(text))); /* a letter of 13 has 10 pixels */
-    write_label(file, number++, page, 10, TITLE / 2., font, text);
-    for (int run = 0; run < strip->run_count; run++) {
-        panel_corner(page, run, 0, corner);
-        if (strip->longest > 0)
-            write_label(file, number++, page, 10, corner[1] + strip->height / 2., "left",
-                        strip->runs[run].label);
-        if (run > 0 && page->lines == 1)
-            continue; /* the first row's captions are the columns' */
-        for (int i = 0; i < count && (strip->run_count > 1 || count > 1); i++) {
-            panel_corner(page, run, i, corner);
-            snprintf(text, sizeof text, "frame %d, %.3f s", frames[i],
-                     frames_time(first, frames[i]));
-            write_label(file, number++, page, corner[0] + strip->width / 2.,
-                        corner[1] - CAPTION / 2., "center textcolor rgb GREY", text);
-        }
+    const double size =
+        fmin(17, 1.7 * page->page_width / (double)strlen(text)); /* 10 pixels of 17 */
+    canvas_text(canvas, &(struct canvas_text){10, LAYOUT_TITLE / 2., size, 1, 0, 0}, text);
+}
+
+static void draw_labels(const struct strip *strip, const struct layout *page, const int *frames,
+                        int count, struct canvas *canvas) {
+    if (!strip->untitled)
+        draw_title(strip, page, frames, canvas);
+    for (int i = 0; i < panel_count(page) && !layout_is_alone(page); i++) {
+        const struct panel panel = panel_at(strip, page, frames, i);
+        const struct canvas_text row = {
+            .x = page->left - page->label + 10, .y = panel.y + strip->height / 2., .size = LETTERS};
+        if (i % page->each == 0 && page->label > 0 && panel.scale == 1)
+            canvas_text(canvas, &row, strip->runs[panel.run].label);
+        if (i < page->each || page->lines > 1 || panel.scale > 1) /* else the first row's will do */
+            draw_caption(strip, &panel, count, canvas);
     }
 }
 
-/* Binary: an image, and structs of segments. */
-static int write_bytes(const char *folder, const char *name, const void *bytes, size_t size,
-                       size_t count, char *reason) {
-    char path[PATH_SIZE];
-    path_format(path, "%s/%s", folder, name);
-    FILE *file = fopen(path, "wb");
-    int bad = !file || fwrite(bytes, size, count, file) != count;
-    if (file && fclose(file))
-        bad = 1;
-    if (!bad)
-        return 0;
-    snprintf(reason, REASON_SIZE, "%.150s: cannot write: %s", path, strerror(errno));
-    return 2;
+/* Distances over four decades, from pale to dark; `most` is of all that are shown, m. */
+static unsigned error_colour(double part) {
+    static const unsigned colours[] = {0xF2C14E, 0xF08A4B, 0xCC4778, 0x7E03A8, 0x0D0887};
+    enum { STEPS = sizeof colours / sizeof *colours - 1 };
+    const double at = STEPS * fmin(1, fmax(0, part));
+    const int step = MIN((int)at, STEPS - 1);
+    unsigned colour = 0;
+    for (int shift = 16; shift >= 0; shift -= 8) {
+        const double from = colours[step] >> shift & 255, to = colours[step + 1] >> shift & 255;
+        colour = colour << 8 | (unsigned)(from + (at - step) * (to - from) + 0.5);
+    }
+    return colour;
 }
 
-/* Writes a panel's data, and into the page what there is of them. */
-static int write_panel(const struct strip *strip, const struct layout *page, int run, int column,
-                       int frame, const char *folder, FILE *file, char *reason) {
+enum { DECADES = 4 };
+
+static double highest_decade(const struct strip *strip) {
+    return ceil(log10(strip->most));
+}
+
+static void colour_by_error(const struct strip *strip, struct layer *layer) {
+    const double lowest = highest_decade(strip) - DECADES;
+    for (size_t i = 0; i < layer->count; i++)
+        layer->segments[i].colour = error_colour(
+            (log10(fmax((double)layer->segments[i].error, 1e-300)) - lowest) / DECADES);
+}
+
+/* 10 to the power of so much. */
+static void power_of_ten(int power, char *text, size_t size) {
+    static const char *const raised[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+    char digits[16];
+    snprintf(digits, sizeof digits, "%d", abs(power));
+    snprintf(text, size, "10%s", power < 0 ? "⁻" : "");
+    for (const char *c = digits; *c; c++)
+        strncat(text, raised[*c - '0'], size - strlen(text) - 1);
+}
+
+static void draw_bar(const struct strip *strip, const struct layout *page, struct canvas *canvas) {
+    enum { LONG = 320, HIGH = 10, TIC = 6 };
+    const int left = (page->page_width - LONG) / 2, top = page->page_height - 60;
+    canvas_window(canvas, left, top, LONG, HIGH);
+    for (int x = 0; x < LONG; x++)
+        canvas_polygon(canvas, (const double[4][2]){{x, 0}, {x + 1, 0}, {x + 1, HIGH}, {x, HIGH}},
+                       4, error_colour((x + 0.5) / LONG));
+    canvas_window_end(canvas);
+    for (int i = 0; i <= DECADES; i++) {
+        char text[32];
+        const double x = left + i * LONG / (double)DECADES;
+        power_of_ten((int)highest_decade(strip) - DECADES + i, text, sizeof text);
+        canvas_text(canvas, &(struct canvas_text){x, top + HIGH + 12, LETTERS, 0, 1, 0}, text);
+    }
+    canvas_text(canvas,
+                &(struct canvas_text){page->page_width / 2., top + HIGH + 30, LETTERS, 0, 1, 0},
+                "distance from the reference, m");
+}
+
+/* An arrow's head. */
+static void draw_head(struct canvas *canvas, const struct segment *arrow) {
+    static const double reach = 12, half = 4, notch = 9.5; /* pixels */
+    const double length = hypot((double)arrow->dx, (double)arrow->dy);
+    const double along[2] = {(double)arrow->dx / length, (double)arrow->dy / length};
+    const double tip[2] = {(double)(arrow->x + arrow->dx), (double)(arrow->y + arrow->dy)};
+    const double back[4] = {0, reach, notch, reach}, beside[4] = {0, half, 0, -half};
+    double corners[4][2];
+    for (int i = 0; i < 4; i++) {
+        corners[i][0] = tip[0] - back[i] * along[0] - beside[i] * along[1];
+        corners[i][1] = tip[1] - back[i] * along[1] + beside[i] * along[0];
+    }
+    canvas_polygon(canvas, (const double(*)[2])corners, 4, arrow->colour);
+}
+
+static void draw_layer(struct canvas *canvas, const struct layer *layer, double width) {
+    canvas_pen(canvas, width);
+    for (size_t i = 0; i < layer->count; i++) {
+        const struct segment *s = &layer->segments[i];
+        canvas_line(canvas, (double)s->x, (double)s->y, (double)s->dx, (double)s->dy, s->colour);
+    }
+}
+
+/* Widths are pixels; a hair is as thick as a pixel of a picture of some 700 lines. */
+static void draw_picture(const struct strip *strip, struct picture *picture,
+                         struct canvas *canvas) {
+    const double hair = fmin(3, fmax(0.6, picture->height / 700.));
+    const double widths[LAYER_COUNT] = {
+        [LAYER_STYLE] = 1.6,  [LAYER_HAIR] = hair, [LAYER_ENVELOPE] = 1,
+        [LAYER_SKELETON] = 3, [LAYER_NODES] = 4.5, [LAYER_SAMPLES] = 8.5};
+    const struct layer *arrows = &picture->layer[LAYER_STYLE];
+    draw_layer(canvas, arrows, widths[LAYER_STYLE]);
+    for (size_t i = 0; i < arrows->count; i++)
+        if (arrows->segments[i].dx != 0 || arrows->segments[i].dy != 0)
+            draw_head(canvas, &arrows->segments[i]);
+    if (picture->bodies)
+        canvas_image(canvas, picture->bodies);
+    for (int kind = LAYER_HAIR; kind < LAYER_COUNT; kind++) {
+        if (strip->most > 0 && kind != LAYER_SAMPLES)
+            colour_by_error(strip, &picture->layer[kind]);
+        draw_layer(canvas, &picture->layer[kind], widths[kind]);
+    }
+}
+
+/* Returns 0, or -1 where memory cannot be had. */
+static int draw_panel(const struct strip *strip, const struct panel *panel, struct canvas *canvas) {
+    struct drawing drawing = strip->runs[panel->run].drawing;
     struct picture picture;
-    char name[64];
-    int corner[2], code = 0;
-    panel_corner(page, run, column, corner);
-    if (picture_draw(&picture, &strip->runs[run].drawing, frame)) {
-        picture_free(&picture);
-        snprintf(reason, REASON_SIZE, "out of memory");
-        return 2;
-    }
-    fprintf(file, "panels = panels + 1; left[panels] = %d; top[panels] = %d; bodies[panels] = %d\n",
-            corner[0], corner[1], picture.bodies != NULL);
-    snprintf(name, sizeof name, "bodies-%d-%d", run, column);
-    fprintf(file, "image[panels] = '%s'\n", name);
-    if (picture.bodies)
-        code = write_bytes(folder, name, picture.bodies, 4,
-                           (size_t)picture.width * (size_t)picture.height, reason);
-    for (int k = 0; k < LAYER_COUNT && !code; k++) {
-        const struct layer *layer = &picture.layer[k];
-        snprintf(name, sizeof name, "layer-%d-%d-%d", run, column, k);
-        fprintf(file, "layer%d[panels] = '%s'\n", k, layer->count > 0 ? name : "");
-        if (layer->count > 0)
-            code = write_bytes(folder, name, layer->segments, sizeof *layer->segments, layer->count,
-                               reason);
-    }
+    camera_enlarge(&drawing.camera, panel->scale);
+    const int code = picture_draw(&picture, &drawing, panel->frame);
+    canvas_window(canvas, panel->x, panel->y, picture.width, picture.height);
+    if (!code)
+        draw_picture(strip, &picture, canvas);
+    canvas_window_end(canvas);
     picture_free(&picture);
     return code;
 }
 
-static int write_page(const struct strip *strip, const int *frames, int count, const char *folder,
-                      char *reason) {
-    char path[PATH_SIZE];
-    const struct layout page = lay_out(strip, count);
-    const int panels = strip->run_count * count;
+/* Returns 0, or -1 where memory cannot be had. */
+static int draw_page(const struct strip *strip, const struct layout *page, const int *frames,
+                     int count, struct canvas *canvas) {
     int code = 0;
-    path_format(path, "%s/page.gp", folder);
-    FILE *file = fopen(path, "w");
-    if (!file) {
-        snprintf(reason, REASON_SIZE, "%.150s: cannot write: %s", path, strerror(errno));
-        return 2;
+    draw_labels(strip, page, frames, count, canvas);
+    for (int i = 0; i < panel_count(page) && !code; i++) {
+        const struct panel panel = panel_at(strip, page, frames, i);
+        code = draw_panel(strip, &panel, canvas);
     }
-    fprintf(file, "WIDTH = %d; HEIGHT = %d; panel_width = %d; panel_height = %d; most = %.17g\n",
-            page.width, page.height, strip->width, strip->height, strip->most);
-    fprintf(file, "panels = 0; array left[%d]; array top[%d]; array bodies[%d]; array image[%d]\n",
-            panels, panels, panels, panels);
-    for (int k = 0; k < LAYER_COUNT; k++)
-        fprintf(file, "array layer%d[%d]\n", k, panels);
-    for (int i = 0; i < panels && !code; i++)
-        code = write_panel(strip, &page, i / count, i % count, frames[i % count], folder, file,
-                           reason);
-    write_labels(strip, &page, frames, count, file);
-    if (fclose(file) && !code) {
-        snprintf(reason, REASON_SIZE, "%.150s: cannot write: %s", path, strerror(errno));
-        code = 2;
-    }
+    if (strip->most > 0)
+        draw_bar(strip, page, canvas);
     return code;
 }
 
 static int check_frames(const struct strip *strip, const int *frames, int count, char *reason) {
     const int last = strip_frames(strip);
+    if (strip->large > last) {
+        snprintf(reason, REASON_SIZE, "there is no frame %d; there are frames 1 to %d",
+                 strip->large, last);
+        return 1;
+    }
     for (int i = 0; i < count; i++)
         if (frames[i] < 1 || frames[i] > last) {
             snprintf(reason, REASON_SIZE, "there is no frame %d; there are frames 1 to %d",
@@ -381,22 +499,21 @@ static int check_frames(const struct strip *strip, const int *frames, int count,
 
 int strip_write(const struct strip *strip, const int *frames, int count, const char *folder,
                 const char *name, const char *format, char *reason) {
-    char drawing[PATH_SIZE], drawn[PATH_SIZE], file[PATH_SIZE], none[REASON_SIZE];
+    char file[PATH_SIZE];
     int code = check_frames(strip, frames, count, reason);
     if (code)
         return code;
-    if (temporary_folder(folder, drawing, reason))
-        return 2;
-    path_format(drawn, "%s/picture.%s", drawing, format);
+    const struct layout page = layout_of(strip, count);
+    struct canvas *canvas =
+        canvas_create(page.page_width, page.page_height, strcmp(format, "svg") == 0);
     path_format(file, "%s/%s.%s", folder, name, format);
-    code = write_page(strip, frames, count, drawing, reason);
-    if (!code && plot_draw("pictures", drawing, drawing, format, reason))
+    if (!canvas || draw_page(strip, &page, frames, count, canvas)) {
+        snprintf(reason, REASON_SIZE, "out of memory");
         code = 2;
-    if (!code && file_put(drawn, file)) {
-        snprintf(reason, REASON_SIZE, "%.150s: cannot write: %s", file, strerror(errno));
+    } else if (canvas_write(canvas, file, reason)) {
         code = 2;
     }
-    plot_empty_folder(drawing, NULL, none);
+    canvas_free(canvas);
     return code;
 }
 

@@ -1,11 +1,9 @@
 /* Pages of pictures: rows are runs, columns are frames, all seen by the first run's camera. One run
- * at one frame is a page too. Drawn by gnuplot with plots/pictures.gp. */
+ * at one frame is a page too. */
 #ifndef WISPLAB_STRIP_H
 #define WISPLAB_STRIP_H
 
 #include "picture.h"
-
-enum { STRIP_TITLE = 34 }; /* pixels above a page's panels */
 
 struct strip_row {
     const char *label;  /* left of the row; empty: none; NULL: the stepper, of several runs */
@@ -19,11 +17,17 @@ struct strip_request {
     int row_count;
     const char *const *sets; /* changes to the runs' scenes, as in scene_load: render={...} */
     int set_count;
-    unsigned views;        /* bits of enum view */
-    const char *title;     /* NULL: the scene's name, and of one run its stepper */
-    int width, height;     /* of a panel, pixels; 320 x 240 */
-    int columns;           /* panels of a run in one row; 0: all */
-    const char *reference; /* states from which the distance is shown as colour, or NULL */
+    unsigned views;          /* bits of enum view */
+    struct plane_view plane; /* of VIEW_PLANE; its extent is found */
+    const char *title;       /* NULL: the scene's name, and of one run its stepper */
+    int width, height;       /* of a panel, pixels; 320 x 240 */
+    double scale;            /* by which both are multiplied; 0: 1 */
+    int columns;             /* panels of a run in one row; 0: all */
+    int beside;              /* runs stand beside each other, each with its label above */
+    int untitled;            /* no title above all */
+    int large, large_row;    /* another frame, of one run, shown large left of all; 0: none */
+    const char *reference;   /* states from which the distance is shown as colour, or NULL */
+    int error_frame; /* whose largest distance the scale of colours ends with; 0: all have it */
     struct trajectories *trajectories; /* that have read the states, or will; NULL: nobody has */
 };
 

@@ -3,150 +3,276 @@
 #include "base/digits.h"
 #include "base/files.h"
 #include "base/vector.h"
+#include "nodes.h"
+#include "picture.h"
+#include "polydata.h"
+#include "wisp/section.h"
 
 #include <stdlib.h>
+#include <string.h>
 
-/* --- what is at a node --- */
+/* A frame with what all frames have in common. */
+struct shown {
+    const struct frames *frames;
+    struct strand **strands; /* by wisp, where they are at the frame */
+    struct drawing drawing;  /* its hairs */
+    int frame;
+    double (*controls)[3], (*points)[3]; /* of the longest hair */
+};
 
-/* Of the segment from node i to the next; those of the head do not stretch. */
-static double segment_strain(const struct strand *strand, int i) {
-    double d[3] = {strand->p[i + 1][0], strand->p[i + 1][1], strand->p[i + 1][2]};
-    vector_add(d, -1, strand->p[i]);
-    return vector_length(d) / wisp_spacing(strand->wisp) - 1;
+/* Whose cell it is. */
+static void add_owner(struct polydata *data, const struct shown *view, int wisp) {
+    polydata_add_whole(data, &data->at_cells[0], wisp);
+    polydata_add_whole(data, &data->at_cells[1], view->frames->parent[wisp]);
 }
 
-static double node_strain(const struct strand *strand, int i) {
-    const int last = strand->wisp->nodes - 1;
-    const double before = i > 0 ? segment_strain(strand, i - 1) : 0,
-                 after = i < last ? segment_strain(strand, i) : 0;
-    return i == 0 ? after : i == last ? before : 0.5 * (before + after);
+static void begin_wisps(struct polydata *data, const struct shown *view, enum polydata_kind kind) {
+    polydata_begin(data, kind, frames_time(view->frames, view->frame));
+    polydata_at_cells(data, "wisp");
+    polydata_at_cells(data, "parent");
 }
 
-static double node_radius(const struct strand *strand, int i) {
-    const int samples = strand->wisp->samples;
-    double sum = 0;
-    for (int j = 0; j < samples; j++)
-        sum += strand->r[i * samples + j];
-    return samples > 0 ? sum / samples : 0;
+/* --- skeletons --- */
+
+static void make_skeletons(struct polydata *data, const struct shown *view) {
+    begin_wisps(data, view, POLYDATA_LINES);
+    struct polydata_array *velocity = polydata_at_points(data, "velocity", 3),
+                          *strain = polydata_at_points(data, "strain", 1),
+                          *radius = polydata_at_points(data, "radius", 1);
+    for (int wisp = 0; wisp < frames_wisps(view->frames, view->frame); wisp++) {
+        const struct strand *strand = view->strands[wisp];
+        for (int i = 0; i < strand->wisp->nodes; i++) {
+            polydata_corner(data, polydata_points(data));
+            polydata_add(data, &data->points, strand->p[i]);
+            polydata_add(data, velocity, strand->v[i]);
+            polydata_add(data, strain, (const double[]){node_strain(strand, i)});
+            polydata_add(data, radius, (const double[]){node_radius(strand, i)});
+        }
+        polydata_end_cell(data);
+        add_owner(data, view, wisp);
+    }
 }
 
-/* --- one file --- */
+/* --- envelopes --- */
 
-enum quantity { POINTS, VELOCITY, STRAIN, RADIUS };
-
-static void write_node(FILE *file, const struct strand *strand, int i, enum quantity quantity) {
-    const double *vector = quantity == POINTS ? strand->p[i] : strand->v[i];
-    if (quantity == POINTS || quantity == VELOCITY)
-        fprintf(file, "%s %s %s\n", DIGITS(vector[0]), DIGITS(vector[1]), DIGITS(vector[2]));
-    else
-        fprintf(file, "%s\n",
-                DIGITS(quantity == STRAIN ? node_strain(strand, i) : node_radius(strand, i)));
+/* From ring to ring; the first is of node 1, as in pictures. */
+static void make_envelope(struct polydata *data, const struct shown *view, int wisp) {
+    const struct strand *strand = view->strands[wisp];
+    const int around = 6 * strand->wisp->samples, first = polydata_points(data);
+    for (int i = 1; i < strand->wisp->nodes; i++)
+        for (int k = 0; k < around; k++) {
+            const double turn = (double)k / around, rho = section_rim(strand, i, turn);
+            double point[3];
+            memcpy(point, strand->p[i], sizeof point);
+            vector_add(point, rho * cos(2 * M_PI * turn), strand->axis_u[i]);
+            vector_add(point, rho * sin(2 * M_PI * turn), strand->axis_v[i]);
+            polydata_add(data, &data->points, point);
+        }
+    for (int i = 0; i + 2 < strand->wisp->nodes; i++)
+        for (int k = 0; k < around; k++) {
+            const int next = (k + 1) % around, ring = first + i * around;
+            polydata_corner(data, ring + k);
+            polydata_corner(data, ring + next);
+            polydata_corner(data, ring + around + next);
+            polydata_corner(data, ring + around + k);
+            polydata_end_cell(data);
+            add_owner(data, view, wisp);
+        }
 }
 
-static void write_nodes(FILE *file, struct strand *const *strands, int count,
-                        enum quantity quantity, const char *name, int components) {
-    fprintf(file,
-            "<DataArray type=\"Float64\" Name=\"%s\" NumberOfComponents=\"%d\" "
-            "format=\"ascii\">\n",
-            name, components);
-    for (int wisp = 0; wisp < count; wisp++)
-        for (int i = 0; i < strands[wisp]->wisp->nodes; i++)
-            write_node(file, strands[wisp], i, quantity);
-    fputs("</DataArray>\n", file);
+static void make_envelopes(struct polydata *data, const struct shown *view) {
+    begin_wisps(data, view, POLYDATA_POLYGONS);
+    for (int wisp = 0; wisp < frames_wisps(view->frames, view->frame); wisp++)
+        make_envelope(data, view, wisp);
 }
 
-/* The points of line after line are numbered through. */
-static void write_lines(FILE *file, struct strand *const *strands, const int *parent, int count,
-                        int points) {
-    static const char *const begin = "<DataArray type=\"Int32\" Name=\"%s\" format=\"ascii\">\n";
-    fputs("<Lines>\n", file);
-    fprintf(file, begin, "connectivity");
-    for (int i = 0; i < points; i++)
-        fprintf(file, "%d\n", i);
-    fputs("</DataArray>\n", file);
-    fprintf(file, begin, "offsets");
-    for (int wisp = 0, end = 0; wisp < count; wisp++)
-        fprintf(file, "%d\n", end += strands[wisp]->wisp->nodes);
-    fputs("</DataArray>\n</Lines>\n<CellData Scalars=\"wisp\">\n", file);
-    fprintf(file, begin, "wisp");
-    for (int wisp = 0; wisp < count; wisp++)
-        fprintf(file, "%d\n", wisp);
-    fputs("</DataArray>\n", file);
-    fprintf(file, begin, "parent");
-    for (int wisp = 0; wisp < count; wisp++)
-        fprintf(file, "%d\n", parent[wisp]);
-    fputs("</DataArray>\n</CellData>\n", file);
+/* --- hairs --- */
+
+static void make_hair(struct polydata *data, struct shown *view, int wisp,
+                      const struct hairs *hairs, int hair) {
+    const double(*place)[2] =
+        (const double(*)[2])(hairs->place + (size_t)hair * (size_t)hairs->nodes);
+    double end;
+    hair_controls(view->strands[wisp], place, view->controls);
+    const int count =
+        hair_curve((const double(*)[3])view->controls, hairs->nodes,
+                   view->frames->scene->render.pieces, hairs->length[hair], view->points, &end);
+    for (int i = 0; i < count; i++) {
+        polydata_corner(data, polydata_points(data));
+        polydata_add(data, &data->points, view->points[i]);
+    }
+    polydata_end_cell(data);
+    add_owner(data, view, wisp);
+    polydata_add_whole(data, &data->at_cells[2], hair);
 }
 
-static void write_document(FILE *file, struct strand *const *strands, const int *parent, int count,
-                           double t) {
-    int points = 0;
-    for (int wisp = 0; wisp < count; wisp++)
-        points += strands[wisp]->wisp->nodes;
-    fprintf(file,
-            "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" "
-            "byte_order=\"LittleEndian\">\n<PolyData>\n<FieldData>\n<DataArray type=\"Float64\" "
-            "Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">%s</DataArray>\n"
-            "</FieldData>\n<Piece NumberOfPoints=\"%d\" NumberOfVerts=\"0\" NumberOfLines=\"%d\" "
-            "NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n<Points>\n",
-            DIGITS(t), points, count);
-    write_nodes(file, strands, count, POINTS, "position", 3);
-    fputs("</Points>\n<PointData Vectors=\"velocity\" Scalars=\"strain\">\n", file);
-    write_nodes(file, strands, count, VELOCITY, "velocity", 3);
-    write_nodes(file, strands, count, STRAIN, "strain", 1);
-    write_nodes(file, strands, count, RADIUS, "radius", 1);
-    fputs("</PointData>\n", file);
-    write_lines(file, strands, parent, count, points);
-    fputs("</Piece>\n</PolyData>\n</VTKFile>\n", file);
+static void make_hairs(struct polydata *data, struct shown *view) {
+    begin_wisps(data, view, POLYDATA_LINES);
+    polydata_at_cells(data, "hair");
+    for (int wisp = 0; wisp < frames_wisps(view->frames, view->frame); wisp++) {
+        const struct hairs *hairs = view->drawing.hairs[frames_ancestor(view->frames, wisp)];
+        const struct hair_share share = frames_share(view->frames, view->frame, wisp);
+        for (int hair = 0; hair < hairs->count; hair++)
+            if (hair_share_has(share, hair))
+                make_hair(data, view, wisp, hairs, hair);
+    }
 }
 
-static int write_frame(const struct frames *frames, int frame, struct strand *const *strands,
-                       const char *folder, const char *name, char *reason) {
+/* --- bodies --- */
+
+enum { ROUND = 48, UP = 24 }; /* faces of a body around its third axis, and along it */
+
+static void add_body_point(struct polydata *data, const struct body *body,
+                           const struct body_motion *motion, int ring, int k) {
+    const double down = M_PI * ring / UP, turn = 2 * M_PI * k / ROUND;
+    const double on_sphere[3] = {sin(down) * cos(turn), sin(down) * sin(turn), cos(down)};
+    double point[3];
+    memcpy(point, motion->centre, sizeof point);
+    for (int axis = 0; axis < 3; axis++)
+        for (int i = 0; i < 3; i++)
+            point[i] += body->radii[axis] * on_sphere[axis] * motion->axes[i][axis];
+    polydata_add(data, &data->points, point);
+}
+
+/* Faces with their outside on the side from which their corners go round to the left. */
+static void make_body(struct polydata *data, const struct body *body,
+                      const struct body_motion *motion, int number) {
+    const int first = polydata_points(data);
+    for (int ring = 0; ring <= UP; ring++)
+        for (int k = 0; k < ROUND; k++)
+            add_body_point(data, body, motion, ring, k);
+    for (int ring = 0; ring < UP; ring++)
+        for (int k = 0; k < ROUND; k++) {
+            const int next = (k + 1) % ROUND, upper = first + ring * ROUND, lower = upper + ROUND;
+            if (ring > 0)
+                polydata_corner(data, upper + next);
+            polydata_corner(data, upper + k);
+            polydata_corner(data, lower + k);
+            if (ring < UP - 1)
+                polydata_corner(data, lower + next);
+            polydata_end_cell(data);
+            polydata_add_whole(data, &data->at_cells[0], number);
+        }
+}
+
+static void make_bodies(struct polydata *data, const struct shown *view) {
+    const struct scene *scene = view->frames->scene;
+    const double t = frames_time(view->frames, view->frame);
+    struct placement head;
+    head_placement(&scene->around.head, t, &head);
+    polydata_begin(data, POLYDATA_POLYGONS, t);
+    polydata_at_cells(data, "body");
+    for (int i = 0; i < scene->body_count; i++) {
+        const struct body_motion motion = body_motion(&scene->bodies[i], &head, t);
+        make_body(data, &scene->bodies[i], &motion, i);
+    }
+}
+
+/* --- files --- */
+
+enum thing { SKELETONS, ENVELOPES, HAIRS, BODIES, THINGS };
+static const char *const endings[THINGS] = {"", "-envelopes", "-hairs", "-bodies"};
+
+static int has(const struct frames *frames, enum thing thing) {
+    return thing == SKELETONS ||
+           (thing == BODIES ? frames->scene->body_count > 0 : frames->wisps[0].samples > 0);
+}
+
+static void make(struct polydata *data, struct shown *view, enum thing thing) {
+    switch (thing) {
+    case SKELETONS:
+        make_skeletons(data, view);
+        break;
+    case ENVELOPES:
+        make_envelopes(data, view);
+        break;
+    case HAIRS:
+        make_hairs(data, view);
+        break;
+    default:
+        make_bodies(data, view);
+    }
+}
+
+static int write_frame(struct shown *view, const char *folder, const char *name, char *reason) {
     char path[PATH_SIZE];
-    struct atomic_file file;
-    const int count = frames_wisps(frames, frame);
-    if (path_format(path, "%s/%s-%04d.vtp", folder, name, frame) ||
-        atomic_open(&file, path, reason))
-        return 2;
-    for (int wisp = 0; wisp < count; wisp++)
-        frames_load(frames, frame, wisp, strands[wisp]);
-    write_document(file.stream, strands, frames->parent, count, frames_time(frames, frame));
-    return atomic_commit(&file, reason) ? 2 : 0;
+    int code = 0;
+    for (int wisp = 0; wisp < frames_wisps(view->frames, view->frame); wisp++)
+        frames_load(view->frames, view->frame, wisp, view->strands[wisp]);
+    for (enum thing thing = 0; thing < THINGS && !code; thing++) {
+        struct polydata data;
+        if (!has(view->frames, thing))
+            continue;
+        path_format(path, "%s/%s%s-%04d.vtp", folder, name, endings[thing], view->frame);
+        make(&data, view, thing);
+        code = polydata_write(&data, path, reason);
+        polydata_free(&data);
+    }
+    return code;
 }
-
-/* --- all of them --- */
 
 static int write_collection(const struct frames *frames, const char *folder, const char *name,
-                            char *reason) {
+                            const char *ending, char *reason) {
     char path[PATH_SIZE];
     struct atomic_file file;
-    if (path_format(path, "%s/%s.pvd", folder, name) || atomic_open(&file, path, reason))
+    if (path_format(path, "%s/%s%s.pvd", folder, name, ending) || atomic_open(&file, path, reason))
         return 2;
     fputs("<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" "
           "byte_order=\"LittleEndian\">\n<Collection>\n",
           file.stream);
     for (int frame = 1; frame <= frames->count; frame++)
         fprintf(file.stream,
-                "<DataSet timestep=\"%s\" group=\"\" part=\"0\" file=\"%s-%04d.vtp\"/>\n",
-                DIGITS(frames_time(frames, frame)), name, frame);
+                "<DataSet timestep=\"%s\" group=\"\" part=\"0\" file=\"%s%s-%04d.vtp\"/>\n",
+                DIGITS(frames_time(frames, frame)), name, ending, frame);
     fputs("</Collection>\n</VTKFile>\n", file.stream);
     return atomic_commit(&file, reason) ? 2 : 0;
 }
 
-int vtk_write(const struct frames *frames, const char *folder, const char *name, char *reason) {
-    struct strand **strands = calloc((size_t)frames->wisp_count, sizeof *strands);
-    int code = strands ? 0 : 2;
-    snprintf(reason, REASON_SIZE, "out of memory");
-    for (int i = 0; i < frames->wisp_count && !code; i++) {
-        strands[i] = strand_create(&frames->wisps[i], frames->treatment);
-        code = strands[i] ? 0 : 2;
+/* --- all of them --- */
+
+/* Returns 0, or -1 where memory cannot be had. */
+static int open_view(struct shown *view) {
+    const struct frames *frames = view->frames;
+    size_t nodes = 2;
+    view->strands = calloc((size_t)frames->wisp_count, sizeof(struct strand *));
+    for (int i = 0; i < frames->wisp_count; i++) {
+        if (!view->strands ||
+            !(view->strands[i] = strand_create(&frames->wisps[i], frames->treatment)))
+            return -1;
+        if ((size_t)frames->wisps[i].nodes > nodes)
+            nodes = (size_t)frames->wisps[i].nodes;
     }
-    for (int frame = 1; frame <= frames->count && !code; frame++)
-        code = write_frame(frames, frame, strands, folder, name, reason);
-    if (!code)
-        code = write_collection(frames, folder, name, reason);
-    for (int i = 0; strands && i < frames->wisp_count; i++)
-        strand_free(strands[i]);
-    free(strands);
+    view->controls = malloc(nodes * sizeof *view->controls);
+    view->points =
+        malloc(((nodes - 1) * (size_t)frames->scene->render.pieces + 1) * sizeof *view->points);
+    return !view->controls || !view->points ||
+                   drawing_create(&view->drawing, frames, has(frames, HAIRS) ? VIEW_HAIR : 0)
+               ? -1
+               : 0;
+}
+
+static void close_view(struct shown *view) {
+    if (view->drawing.frames)
+        drawing_free(&view->drawing);
+    for (int i = 0; view->strands && i < view->frames->wisp_count; i++)
+        strand_free(view->strands[i]);
+    free(view->strands);
+    free(view->controls);
+    free(view->points);
+}
+
+int vtk_write(const struct frames *frames, const char *folder, const char *name, char *reason) {
+    struct shown view = {.frames = frames};
+    int code = 0;
+    if (open_view(&view)) {
+        snprintf(reason, REASON_SIZE, "out of memory");
+        code = 2;
+    }
+    for (view.frame = 1; view.frame <= frames->count && !code; view.frame++)
+        code = write_frame(&view, folder, name, reason);
+    for (enum thing thing = 0; thing < THINGS && !code; thing++)
+        if (has(frames, thing))
+            code = write_collection(frames, folder, name, endings[thing], reason);
+    close_view(&view);
     return code;
 }

@@ -1,43 +1,18 @@
 #include "html.h"
 
 #include "base/files.h"
+#include "base/markup.h"
 #include "base/visible.h"
+#include "experiments/common/statements.h"
+#include "svg.h"
+#include "webp.h"
 
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* One character: what is none of a page's is shown by its number. */
-static void write_visible(FILE *stream, const char **text) {
-    const int length = utf8_length(*text), bytes = length > 0 ? length : 1;
-    char one[8], shown[16];
-    snprintf(one, sizeof one, "%.*s", bytes, *text);
-    if (**text == '\n' || **text == '\t')
-        fputc(**text, stream);
-    else
-        fputs((visible_text(one, shown, sizeof shown), shown), stream);
-    *text += bytes - 1;
-}
-
 void html_text(FILE *stream, const char *text) {
-    for (; *text; text++) {
-        switch (*text) {
-        case '&':
-            fputs("&amp;", stream);
-            break;
-        case '<':
-            fputs("&lt;", stream);
-            break;
-        case '>':
-            fputs("&gt;", stream);
-            break;
-        case '"':
-            fputs("&quot;", stream);
-            break;
-        default:
-            write_visible(stream, &text);
-        }
-    }
+    markup_text(stream, text);
 }
 
 void html_print(FILE *stream, const char *format, ...) {
@@ -51,13 +26,13 @@ void html_print(FILE *stream, const char *format, ...) {
 
 /* --- tables --- */
 
-static void write_cell(FILE *stream, const char *cell) {
+static void write_cell(FILE *stream, const char *cell, double factor) {
     char *end;
     const double number = strtod(cell, &end);
     if (text_cell_is_empty(cell)) {
         fputs("<td class=\"none\">–</td>", stream); /* the row says why */
     } else if (end != cell && !*end) {
-        fprintf(stream, "<td class=\"number\">%.4g</td>", number);
+        fprintf(stream, "<td class=\"number\">%.4g</td>", number * factor);
     } else {
         fputs("<td>", stream);
         html_text(stream, cell);
@@ -65,30 +40,48 @@ static void write_cell(FILE *stream, const char *cell) {
     }
 }
 
-/* The index of the k-th column to be shown; -1 where it is not there, -2 after the last. */
-static int shown_column(const struct text_table *table, const char *const *columns, int k) {
-    if (columns)
-        return columns[k] ? text_table_column(table, columns[k]) : -2;
-    return k < table->column_count ? k : -2;
+static void write_heading(FILE *stream, const char *name) {
+    fputs("<th>", stream);
+    for (const char *c = name; *c; c++) { /* may break at its underscores */
+        char one[8];
+        const int length = utf8_length(c) > 0 ? utf8_length(c) : 1;
+        snprintf(one, sizeof one, "%.*s", length, c);
+        *c == '_' ? (void)fputs("_<wbr/>", stream) : html_text(stream, one);
+        c += length - 1;
+    }
+    fputs("</th>", stream);
 }
 
-void html_table(FILE *stream, const struct text_table *table, const char *const *columns) {
-    const int rows = table->row_count <= HTML_ROWS_MAX ? table->row_count : HTML_ROWS_HEAD;
-    fputs("<div class=\"wide\"><table><thead><tr>", stream);
-    for (int k = 0, i; (i = shown_column(table, columns, k)) > -2; k++) {
-        if (i < 0)
-            continue;
-        fputs("<th>", stream);
-        for (const char *c = table->name[i]; *c; c++) /* may break at its underscores */
-            *c == '_' ? (void)fputs("_<wbr/>", stream) : html_text(stream, (char[]){*c, '\0'});
-        fputs("</th>", stream);
+/* The k-th column to be shown, with its index in the table, -1 where it is not there. Returns
+ * whether there is a k-th. */
+static int shown_column(const struct text_table *table, const struct html_column *columns, int k,
+                        struct html_column *column, int *index) {
+    if (columns) {
+        *column = columns[k];
+        *index = columns[k].name ? text_table_column(table, columns[k].name) : -1;
+        return columns[k].name != NULL;
     }
+    *index = k;
+    if (k < table->column_count)
+        *column = (struct html_column){table->name[k], table->name[k], 1};
+    return k < table->column_count;
+}
+
+void html_table(FILE *stream, const struct text_table *table, const struct html_column *columns) {
+    const int rows = table->row_count <= HTML_ROWS_MAX ? table->row_count : HTML_ROWS_HEAD;
+    struct html_column column;
+    int i;
+    fputs("<div class=\"wide\"><table><thead><tr>", stream);
+    for (int k = 0; shown_column(table, columns, k, &column, &i); k++)
+        if (i >= 0)
+            write_heading(stream, column.heading);
     fputs("</tr></thead><tbody>\n", stream);
     for (int row = 0; row < rows; row++) {
         fputs("<tr>", stream);
-        for (int k = 0, i; (i = shown_column(table, columns, k)) > -2; k++)
+        for (int k = 0; shown_column(table, columns, k, &column, &i); k++)
             if (i >= 0)
-                write_cell(stream, table->cell[row * table->column_count + i]);
+                write_cell(stream, table->cell[row * table->column_count + i],
+                           column.factor > 0 ? column.factor : 1);
         fputs("</tr>\n", stream);
     }
     fputs("</tbody></table></div>\n", stream);
@@ -99,104 +92,177 @@ void html_table(FILE *stream, const struct text_table *table, const char *const 
 
 /* --- statements --- */
 
+int html_is_claim(const struct text_table *rows, int row) {
+    return strcmp(text_table_cell(rows, row, "by"), "thesis") == 0;
+}
+
+static int has_verdict(const struct text_table *rows, int row, const char *word) {
+    return strcmp(text_table_cell(rows, row, "verdict"), word) == 0;
+}
+
+static void write_verdict(FILE *stream, const struct text_table *rows, int row) {
+    fprintf(stream, "<span class=\"verdict%s\">%s</span>",
+            has_verdict(rows, row, "does not hold") ? " fails" : "",
+            text_table_cell(rows, row, "verdict"));
+}
+
+/* The claim of a row, without what was found and without the colon. */
+static void write_claim(FILE *stream, const struct text_table *rows, int row) {
+    const char *sentence = text_table_cell(rows, row, "statement");
+    const char *finding = statement_finding(sentence);
+    html_print(stream, "%.*s", finding ? (int)(finding - sentence) - 2 : 4000, sentence);
+}
+
+void html_sentence(FILE *stream, const struct text_table *rows, int row) {
+    const char *sentence = text_table_cell(rows, row, "statement");
+    const char *finding = statement_finding(sentence);
+    if (html_is_claim(rows, row) && finding) {
+        fputs("The thesis: ", stream);
+        write_claim(stream, rows, row);
+        fputs(". ", stream);
+        write_verdict(stream, rows, row);
+        fputs(" ", stream);
+        html_text(stream, finding);
+        return;
+    }
+    if (!has_verdict(rows, row, "holds") && !has_verdict(rows, row, "does not hold")) {
+        write_verdict(stream, rows, row);
+        fputs(" ", stream);
+    }
+    html_text(stream, sentence);
+}
+
 void html_statement(FILE *stream, const struct text_table *rows, int row) {
-    const char *verdict = text_table_cell(rows, row, "verdict");
-    const int fails = strcmp(verdict, "does not hold") == 0,
-              thesis = strcmp(text_table_cell(rows, row, "by"), "thesis") == 0;
-    fprintf(stream, "<li><span class=\"verdict%s\">%s%s</span> ", fails ? " fails" : "",
-            thesis ? "thesis: " : "", verdict);
-    html_text(stream, text_table_cell(rows, row, "statement"));
+    fputs("<li>", stream);
+    html_sentence(stream, rows, row);
     fputs("</li>\n", stream);
+}
+
+static void write_without_stop(FILE *stream, const char *sentence) {
+    const size_t length = strlen(sentence);
+    html_print(stream, "%.*s",
+               (int)(length > 0 && sentence[length - 1] == '.' ? length - 1 : length), sentence);
+}
+
+void html_title(FILE *stream, const struct text_table *rows, int row) {
+    const char *sentence = text_table_cell(rows, row, "statement");
+    const char *finding = statement_finding(sentence);
+    if (!html_is_claim(rows, row) || !finding) {
+        write_without_stop(stream, sentence);
+        return;
+    }
+    write_claim(stream, rows, row);
+    if (has_verdict(rows, row, "holds"))
+        return;
+    fputs("? ", stream);
+    write_verdict(stream, rows, row);
+    fputs(" ", stream);
+    write_without_stop(stream, finding);
+}
+
+void html_claims_begin(FILE *stream) {
+    fputs("<div class=\"wide\"><table class=\"claims\"><thead><tr><th>the thesis says</th>"
+          "<th>found here</th><th>verdict</th></tr></thead><tbody>\n",
+          stream);
+}
+
+void html_claim(FILE *stream, const struct text_table *rows, int row, const char *part) {
+    const char *finding = statement_finding(text_table_cell(rows, row, "statement"));
+    fputs("<tr><td>", stream);
+    write_claim(stream, rows, row);
+    if (part)
+        fprintf(stream, " <a href=\"#%s\">%s</a>", part, part);
+    fputs("</td><td>", stream);
+    html_text(stream, finding ? finding : "");
+    fputs("</td><td>", stream);
+    write_verdict(stream, rows, row);
+    fputs("</td></tr>\n", stream);
+}
+
+void html_claims_end(FILE *stream) {
+    fputs("</tbody></table></div>\n", stream);
 }
 
 /* --- pictures --- */
 
-/* After any of these comes an id. */
-static const char *const before_id[] = {" id=\"",   " id='",   "url(#",   "url('#",
-                                        "href=\"#", "href='#", "url(\"#", NULL};
-
-static const char *id_mark(const char *at) {
-    for (int i = 0; before_id[i]; i++)
-        if (strncmp(at, before_id[i], strlen(before_id[i])) == 0)
-            return before_id[i];
-    return NULL;
-}
-
-/* The end of an element that begins at `at`, where it is one that a page does without: the
- * drawing program's own name for the picture, which would show as a tip. */
-static const char *skip_element(const char *at) {
-    static const char *const names[] = {"title", "desc"};
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-        char open[16], close[16];
-        snprintf(open, sizeof open, "<%s>", names[i]);
-        snprintf(close, sizeof close, "</%s>", names[i]);
-        const char *end = strncmp(at, open, strlen(open)) == 0 ? strstr(at, close) : NULL;
-        if (end)
-            return end + strlen(close);
-    }
-    return NULL;
-}
-
-static void write_svg(FILE *stream, const char *at, const char *prefix) {
-    while (*at) {
-        const char *after = *at == '<' ? skip_element(at) : NULL;
-        const char *mark = after ? NULL : id_mark(at);
-        if (after) {
-            at = after;
-        } else if (mark) {
-            fprintf(stream, "%s%s", mark, prefix);
-            at += strlen(mark);
-        } else {
-            fputc(*at++, stream);
-        }
-    }
-}
-
 int html_svg(FILE *stream, const char *path, const char *prefix, const char *label, char *reason) {
-    FILE *file = fopen(path, "r");
-    char *text = NULL;
-    size_t size = 0;
-    const ssize_t length = file ? getdelim(&text, &size, '\0', file) : -1;
-    if (file)
-        fclose(file);
-    const char *start = length > 0 ? strstr(text, "<svg") : NULL;
+    char *text = file_text(path);
+    const char *start = text ? strstr(text, "<svg") : NULL;
     if (!start || !strstr(start, "</svg>")) {
         snprintf(reason, REASON_SIZE, "%.150s: is not a whole picture", path);
         free(text);
         return -1;
     }
-    fputs("<div class=\"wide\"><svg role=\"img\" aria-label=\"", stream);
+    /* Below this width its letters of 12 points are smaller than 10. */
+    const char *width = strstr(start, "width=\"");
+    fprintf(stream,
+            "<div class=\"wide\"><svg style=\"--legible:%.0fpx\" role=\"img\" aria-label=\"",
+            width ? 10. / 12 * strtod(width + strlen("width=\""), NULL) : 0);
     html_text(stream, label);
     fputs("\"", stream);
-    write_svg(stream, start + strlen("<svg"), prefix);
+    svg_write(stream, start + strlen("<svg"), prefix);
     fputs("</div>\n", stream);
     free(text);
     return 0;
 }
 
-/* Three bytes become four letters (RFC 4648, section 4). */
-static void write_base64(FILE *stream, FILE *from) {
-    static const char letters[] =
-        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    unsigned char bytes[3] = {0};
-    for (size_t n; (n = fread(bytes, 1, 3, from)) > 0; memset(bytes, 0, 3)) {
-        const unsigned all = (unsigned)bytes[0] << 16 | (unsigned)bytes[1] << 8 | bytes[2];
-        for (size_t k = 0; k < 4; k++)
-            fputc(k <= n ? letters[all >> (18 - 6 * k) & 63] : '=', stream);
-    }
+/* How well pictures are coded; nobody looks at one frame of a film for long. */
+static const double picture_quality = 80, film_quality = 60;
+
+/* On a phone letters of 13 pixels are not shown smaller than 10. */
+static int write_image(FILE *stream, const struct webp *webp, const char *label, char *reason) {
+    FILE *bytes = fmemopen(webp->bytes, webp->count, "rb");
+    if (!bytes)
+        return fail_with(reason, "out of memory");
+    fprintf(stream, "<img style=\"--legible:%.0fpx\" alt=\"", 10. / 13 * webp->width);
+    html_text(stream, label);
+    fputs("\" src=\"data:image/webp;base64,", stream);
+    markup_base64(stream, bytes);
+    fputs("\"/>", stream);
+    fclose(bytes);
+    return 0;
 }
 
 int html_png(FILE *stream, const char *path, const char *label, char *reason) {
-    FILE *file = fopen(path, "rb");
-    if (!file) {
-        snprintf(reason, REASON_SIZE, "%.150s: cannot be read", path);
+    struct webp webp;
+    if (webp_of_png(&webp, path, picture_quality, reason))
         return -1;
-    }
-    fputs("<div class=\"wide\"><img alt=\"", stream);
-    html_text(stream, label);
-    fputs("\" src=\"data:image/png;base64,", stream);
-    write_base64(stream, file);
-    fputs("\"/></div>\n", stream);
-    fclose(file);
-    return 0;
+    fputs("<div class=\"wide\">", stream);
+    const int code = write_image(stream, &webp, label, reason);
+    fputs("</div>\n", stream);
+    webp_free(&webp);
+    return code;
+}
+
+/* Behind a window of one frame's height the sheet moves up by steps; it rests with the last frame
+ * in the window, which is also what is printed. */
+static void write_film_style(FILE *stream, int frames) {
+    const double play = (frames - 1) / 15., rest = 0.7; /* s */
+    const double last = 100. * (frames - 1) / frames;
+    fprintf(stream,
+            "<style>\n"
+            ".film>div{overflow:hidden}\n"
+            ".film img{display:block;width:100%%;height:auto;transform:translateY(-%.6g%%)}\n"
+            ".film label{color:#666;font-size:.85em}\n"
+            "@media print{.film label{display:none}}\n"
+            "@keyframes film{0%%{transform:none;animation-timing-function:steps(%d,jump-none)}\n"
+            "%.6g%%,100%%{transform:translateY(-%.6g%%)}}\n"
+            "@media screen and (prefers-reduced-motion:no-preference){\n"
+            ".film img{animation:film %.6gs infinite}\n"
+            ".film:has(:checked) img{animation-play-state:paused}}\n"
+            "</style>\n",
+            last, frames, 100 * play / (play + rest), last, play + rest);
+}
+
+int html_film(FILE *stream, const char *path, int frames, const char *label, char *reason) {
+    struct webp webp;
+    if (webp_of_png(&webp, path, film_quality, reason))
+        return -1;
+    write_film_style(stream, frames);
+    fprintf(stream, "<div class=\"film\"><div style=\"aspect-ratio:%d/%d;max-width:%dpx\">",
+            webp.width, webp.height / frames, webp.width);
+    const int code = write_image(stream, &webp, label, reason);
+    fputs("</div>\n<label><input type=\"checkbox\"/> hold</label></div>\n", stream);
+    webp_free(&webp);
+    return code;
 }

@@ -18,6 +18,7 @@ struct report_part {
 struct report {
     const char *root; /* folder of results; the page is root/report.html */
     int quick;
+    const char *command; /* that made it, as it was typed; NULL: nobody knows */
     struct report_part parts[REPORT_PARTS_MAX];
     int part_count;
 };

@@ -37,9 +37,8 @@ static int set_aside(const char *folder, char *to, char *reason) {
     }
     if (rename(folder, to) == 0 || errno == ENOENT)
         return 0;
-    snprintf(reason, REASON_SIZE, "%.200s is damaged, and cannot be set aside: %s", folder,
-             strerror(errno));
-    return -1;
+    return fail_with(reason, "%.200s is damaged, and cannot be set aside: %s", folder,
+                     strerror(errno));
 }
 
 int run_is_sound(const char *folder, char *reason) {
@@ -68,6 +67,8 @@ static void remove_like(const char *folder, const char *const *patterns) {
 
 void run_remove(const char *folder) {
     static const char *const others[] = {"run.json", "*.part", ".lock-*", NULL};
+    if (!*folder)
+        return;
     remove_like(folder, run_tables);
     remove_like(folder, others);
 }

@@ -17,11 +17,24 @@ struct run_limits {
                             at least; with both 0 there is no watchdog */
 };
 
+struct run_case;
+struct watch;
+
+/* What is done in place of record_run and record_death, by their rules, where results go elsewhere.
+ */
+struct run_sink {
+    enum outcome (*run)(const struct run_case *run, const struct watch *watch, char *reason);
+    int (*death)(const struct run_case *run, enum outcome outcome, const char *why, double reached,
+                 char *reason);
+};
+
 /* One run to be done. */
 struct run_case {
     const struct scene *scene;
     struct settings settings;
-    char folder[PATH_SIZE]; /* for states.tsv and run.json */
+    char folder[PATH_SIZE];      /* for states.tsv and run.json; empty: it has none */
+    const struct run_sink *sink; /* NULL: results go into the folder */
+    void *ctx;                   /* the sink's; scene and settings then need not be there */
 };
 
 /* A folder for the run under `root`/runs, named by stepper, treatment and hash. */
@@ -37,7 +50,7 @@ int run_is_complete(const char *folder);
 int run_is_sound(const char *folder, char *reason);
 
 /* Removes a run from its folder, and what is left of unfinished ones. The folder is locked, or
- * nobody else's. */
+ * nobody else's; "" is none. */
 void run_remove(const char *folder);
 
 #endif

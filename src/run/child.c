@@ -153,8 +153,9 @@ static void be_child(const struct run_case *run, const struct run_limits *limits
                                 .reached = &report->reached,
                                 .cpu_seconds = limits->seconds,
                                 .evaluations = limits->evaluations};
-    report->outcome =
-        (int)record_run(run->scene, &run->settings, run->folder, &watch, report->reason);
+    report->outcome = (int)(run->sink ? run->sink->run(run, &watch, report->reason)
+                                      : record_run(run->scene, &run->settings, run->folder, &watch,
+                                                   NULL, report->reason));
     report->ended = 1;
     _exit(0);
 }
@@ -195,10 +196,8 @@ int child_start(struct child *child, const struct run_case *run, const struct ru
         (struct child){.run = run, .allowed = allowed, .deadline = monotonic_seconds() + allowed};
     struct child_report *report =
         mmap(NULL, sizeof *report, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    if (report == MAP_FAILED) {
-        snprintf(reason, REASON_SIZE, "no memory to start a run");
-        return -1;
-    }
+    if (report == MAP_FAILED)
+        return fail_with(reason, "no memory to start a run");
     run_remove(run->folder);
     fflush(NULL);
     const pid_t parent = getpid(), pid = fork();
@@ -222,11 +221,13 @@ static int is_crash(int signal) {
 }
 
 /* Writes down a death in the place of the process that died. */
-static enum child_state bury(const struct child *child, enum outcome death, const char *why,
-                             enum outcome *outcome, char *reason) {
+static enum child_state record_crash(const struct child *child, enum outcome death, const char *why,
+                                     enum outcome *outcome, char *reason) {
     const struct run_case *run = child->run;
-    const int failed = record_death(run->scene, &run->settings, run->folder, death, why,
-                                    child->report->reached, reason);
+    const double reached = child->report->reached;
+    const int failed = run->sink ? run->sink->death(run, death, why, reached, reason)
+                                 : record_death(run->scene, &run->settings, run->folder, death, why,
+                                                reached, reason);
     *outcome = failed ? OUTPUT_FAILED : death;
     return CHILD_ENDED;
 }
@@ -264,16 +265,16 @@ static enum child_state judge(const struct child *child, int status, enum outcom
     }
     snprintf(why, sizeof why, "it did not answer when asked to end, and was ended");
     if (report->gave_up)
-        return bury(child, OUT_OF_TIME, why, outcome, reason);
+        return record_crash(child, OUT_OF_TIME, why, outcome, reason);
     if (child->killed && child->asked)
-        return bury(child, INTERRUPTED, why, outcome, reason);
+        return record_crash(child, INTERRUPTED, why, outcome, reason);
     if (signal && (!is_crash(signal) || report->sent == signal))
         return killed(child, signal, reason);
     if (signal)
         snprintf(why, sizeof why, "its process died of signal %d (%s)", signal, strsignal(signal));
     else
         snprintf(why, sizeof why, "its process left with code %d", WEXITSTATUS(status));
-    return bury(child, report->short_of_it ? OUT_OF_MEMORY : CRASHED, why, outcome, reason);
+    return record_crash(child, report->short_of_it ? OUT_OF_MEMORY : CRASHED, why, outcome, reason);
 }
 
 static void forget(struct child *child) {

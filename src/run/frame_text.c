@@ -8,13 +8,6 @@
 /* Rows of a task, and tasks of a round: a round's text fits the second cache. */
 enum { TASK_ROWS = 16, ROUND_TASKS = 64 };
 
-void frame_text_names(FILE *stream, const struct model *model) {
-    fputc('t', stream);
-    for (int i = 0; i < model->column_count; i++)
-        fprintf(stream, "\t%s", model->columns[i]);
-    fputs("\tparent\n", stream);
-}
-
 /* A round of rows, each task's at its own place of the room. */
 struct round {
     const struct model *model;

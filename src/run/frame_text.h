@@ -12,9 +12,6 @@ struct frame_text {
     size_t size;
 };
 
-/* The names of the columns, a line. */
-void frame_text_names(FILE *stream, const struct model *model);
-
 /* A row for each of the model's: t, its numbers, whom its wisp split off from. Returns 0, or -1
  * where memory cannot be had; whether the file took it is for who asks the stream. */
 int frame_text_write(struct frame_text *text, FILE *stream, const struct model *model, double t,

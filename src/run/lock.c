@@ -13,6 +13,8 @@
 
 static const double touch_seconds = 5, stale_seconds = 30;
 
+static const char cannot[] = "the folder cannot be locked";
+
 static enum lock_state fail(const char *path, const char *what, char *reason) {
     snprintf(reason, REASON_SIZE, "%.150s: %s: %s", path, what, strerror(errno));
     return LOCK_FAILED;
@@ -87,22 +89,6 @@ static int is_stale(const char *path, const char *text, const struct timespec *t
     return seconds_between(touched, &now) > stale_seconds;
 }
 
-/* Takes away a stale lock that says `text`. Only one of those who see that it is stale gets hold of
- * it, by a rename; who comes late may have got hold of its successor, and puts that back. */
-static int break_lock(const char *path, const char *text) {
-    char aside[PATH_SIZE], now[LOCK_TEXT_SIZE];
-    struct timespec touched;
-    unsigned random = 0;
-    if (getrandom(&random, sizeof random, 0) < 0 || path_format(aside, "%s-%08x", path, random))
-        return -1;
-    if (rename(path, aside))
-        return errno == ENOENT ? 0 : -1;
-    if (read_lock(aside, now, &touched) == 0 && strcmp(now, text) != 0)
-        link(aside, path); /* fails where a third one has it by now: the second will see that */
-    unlink(aside);
-    return 0;
-}
-
 /* Returns 1 where the lock is ours, 0 where there is one, or -1 with errno. The text is on its way
  * to the file server when the file is closed. */
 static int make_lock(const struct lock *lock) {
@@ -120,38 +106,89 @@ static int make_lock(const struct lock *lock) {
     return 1;
 }
 
-enum lock_state lock_take(struct lock *lock, const char *folder, char *reason) {
-    static const char cannot[] = "the folder cannot be locked";
+/* What a look at a lock shows. */
+enum look { FREE, HELD, STALE, UNREADABLE, UNKNOWN };
+
+/* Looks, and says in `holder` whose it is. The last two with errno. */
+static enum look look_at(const char *path, char holder[LOCK_TEXT_SIZE]) {
+    char text[LOCK_TEXT_SIZE];
+    struct timespec touched;
+    if (read_lock(path, text, &touched))
+        return errno == ENOENT ? FREE : UNREADABLE;
+    const int stale = is_stale(path, text, &touched, holder);
+    return stale < 0 ? UNKNOWN : stale ? STALE : HELD;
+}
+
+static enum lock_state take(struct lock *lock, char *reason);
+
+/* Takes away a stale lock. That is done under a lock of its own, and after another look: whoever
+ * saw the same holder gone may be faster, and what is there by now be its lock. (To get hold of it
+ * by a rename and to link back what is not stale would leave a moment without a lock, in which a
+ * third one makes its own.) Where another one is at it, that takes moments: this one naps. Returns
+ * LOCK_FAILED with a reason, or LOCK_TAKEN: it may be asked for again. */
+static enum lock_state break_lock(const char *path, char *reason) {
+    const struct timespec moments = {.tv_nsec = 2000000};
+    struct lock breaking;
+    char holder[LOCK_TEXT_SIZE];
+    if (path_format(breaking.path, "%s-break", path))
+        return fail(path, cannot, reason);
+    enum lock_state state = take(&breaking, reason);
+    if (state == LOCK_FAILED)
+        return state;
+    if (state == LOCK_HELD) {
+        nanosleep(&moments, NULL);
+        return LOCK_TAKEN;
+    }
+    if (look_at(path, holder) == STALE && unlink(path) && errno != ENOENT)
+        state = fail(path, cannot, reason);
+    lock_release(&breaking);
+    return state;
+}
+
+/* Tries to take the lock of a path. */
+static enum lock_state take(struct lock *lock, char *reason) {
     const struct owner self = owner_self();
     unsigned random[2] = {0};
-    if (path_format(lock->path, "%s/.lock", folder) || getrandom(random, sizeof random, 0) < 0)
-        return fail(folder, cannot, reason);
+    if (getrandom(random, sizeof random, 0) < 0)
+        return fail(lock->path, cannot, reason);
     snprintf(lock->text, sizeof lock->text, "%s %ld %llu %08x%08x\n", self.host, self.pid,
              self.start, random[0], random[1]);
     for (int tries = 0; tries < 10; tries++) {
-        char text[LOCK_TEXT_SIZE], holder[LOCK_TEXT_SIZE];
-        struct timespec touched;
+        char holder[LOCK_TEXT_SIZE];
         const int made = make_lock(lock);
         if (made < 0)
             return fail(lock->path, cannot, reason);
         lock->touched = monotonic_seconds();
         if (made)
             return LOCK_TAKEN;
-        if (read_lock(lock->path, text, &touched)) {
-            if (errno == ENOENT) /* it was just given back */
-                continue;
-            return fail(lock->path, "is there and cannot be read", reason);
-        }
-        const int stale = is_stale(lock->path, text, &touched, holder);
-        if (stale == 0) {
+        switch (look_at(lock->path, holder)) {
+        case FREE: /* it was just given back */
+            break;
+        case HELD:
             snprintf(reason, REASON_SIZE, "%s", holder);
             return LOCK_HELD;
-        }
-        if (stale < 0 || break_lock(lock->path, text))
+        case STALE:
+            if (break_lock(lock->path, reason) == LOCK_FAILED)
+                return LOCK_FAILED;
+            break;
+        case UNREADABLE:
+            return fail(lock->path, "is there and cannot be read", reason);
+        case UNKNOWN:
             return fail(lock->path, cannot, reason);
+        }
     }
     snprintf(reason, REASON_SIZE, "many processes");
     return LOCK_HELD;
+}
+
+enum lock_state lock_take_file(struct lock *lock, const char *path, char *reason) {
+    return path_format(lock->path, "%s", path) ? fail(path, cannot, reason) : take(lock, reason);
+}
+
+enum lock_state lock_take(struct lock *lock, const char *folder, char *reason) {
+    char path[PATH_SIZE];
+    return path_format(path, "%s/.lock", folder) ? fail(folder, cannot, reason)
+                                                 : lock_take_file(lock, path, reason);
 }
 
 int lock_keep(struct lock *lock) {

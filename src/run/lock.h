@@ -24,8 +24,11 @@ enum lock_state {
     LOCK_FAILED /* there cannot be one: `reason` says why */
 };
 
-/* Tries to take the lock of a folder, which must be there; never waits. */
+/* Tries to take the lock of a folder, which must be there; waits for moments at most. */
 enum lock_state lock_take(struct lock *lock, const char *folder, char *reason);
+
+/* Tries to take the lock of a part of the work in a folder: the lock is a file of that path. */
+enum lock_state lock_take_file(struct lock *lock, const char *path, char *reason);
 
 /* To be called at least every few seconds while a lock is held. Returns 0, or -1 where it has been
  * lost: this process had not called for so long that another one has taken it for gone. */

@@ -17,9 +17,9 @@ struct program_words {
 int program_finish(const char *const argv[], const struct run_limits *limits,
                    const struct program_words *words, int *status, int *out_of_time);
 
-/* The same, and what became of it: standard output is ours, and the first line of standard error
- * becomes the reason. Returns 0; its exit code, or 3 where it died or ran out of time, or 2 where
- * it could not be started, with one line in `reason` (REASON_SIZE). */
+/* Runs a program and tells what became of it: standard output is ours, and the first line of
+ * standard error becomes the reason. Returns 0; its exit code, or 3 where it died or ran out of
+ * time, or 2 where it could not be started, with one line in `reason` (REASON_SIZE). */
 int program_run(const char *const argv[], const struct run_limits *limits, char *reason);
 
 #endif

@@ -8,7 +8,9 @@
 #include "frame_binary.h"
 #include "frame_text.h"
 #include "identity.h"
+#include "integrators/plugin.h"
 #include "model/problems.h"
+#include "model/state.h"
 #include "reference_check.h"
 #include "seal.h"
 #include "warnings.h"
@@ -24,6 +26,8 @@
 void write_provenance(FILE *stream, const char *what, const struct scene *scene) {
     fprintf(stream, "# %s\n# wisplab %s, commit %s, program %s, %s\n", what, WISPLAB_VERSION,
             WISPLAB_COMMIT, program_hash(), WISPLAB_COMPILER);
+    for (const struct plugin *p = plugins(); p->method; p++)
+        fprintf(stream, "# plug-in with stepper %s, hash %s\n", p->method->name, p->hash);
     if (scene) {
         char hash[HASH_SIZE];
         scene_hash(scene, hash);
@@ -55,7 +59,7 @@ static int write_text(struct frame_writer *writer, const struct model *model, do
                       const double *rows) {
     FILE *stream = writer->file.stream;
     if (!writer->named)
-        frame_text_names(stream, model);
+        state_write_columns(stream, model);
     return frame_text_write(&writer->text, stream, model, t, rows) ? ENOMEM : 0;
 }
 
@@ -206,7 +210,7 @@ static json_t *counters_to_json(const struct counters *counters) {
     return json;
 }
 
-/* Of a run that took no step there is none. */
+/* A run that took no step has none. */
 static json_t *step_to_json(const struct step_range *steps, double step) {
     return steps->largest > 0 ? json_real(step) : json_null();
 }
@@ -250,8 +254,8 @@ static json_t *result_to_json(const struct scene *scene, const struct settings *
         failed ? json_real(result->time) : json_null(), "simulated_time", result->time, "frames",
         result->frames, "wisps", result->wisps > 0 ? json_integer(result->wisps) : json_null(),
         "unknowns", settings->unknowns, "terms", terms_to_json(scene), "warnings",
-        scene_warnings(scene), "counters", counters_to_json(&result->counters), "largest_strain",
-        number_to_json(result->largest_strain), "step_least",
+        scene_warnings(scene, settings), "counters", counters_to_json(&result->counters),
+        "largest_strain", number_to_json(result->largest_strain), "step_least",
         step_to_json(&result->steps, result->steps.least), "step_largest",
         step_to_json(&result->steps, result->steps.largest), "cpu_seconds", result->cpu_seconds,
         "seconds", seconds_to_json(settings, result), "times_comparable",
@@ -271,15 +275,13 @@ static int write_json(json_t *json, const char *folder, char *reason) {
         return -1;
     if (!json || json_dumpf(json, file.stream, JSON_INDENT(2) | JSON_REAL_PRECISION(17))) {
         atomic_discard(&file);
-        snprintf(reason, REASON_SIZE, "%.150s: cannot write: %s", path, strerror(errno));
-        return -1;
+        return fail_with(reason, "%.150s: cannot write: %s", path, strerror(errno));
     }
     fputc('\n', file.stream);
     return atomic_commit(&file, reason);
 }
 
-/* A run that took all the memory it may, or nearly, left none to write that down with. */
-static void lift_memory_limit(void) {
+void lift_memory_limit(void) {
     struct rlimit limit;
     memory_is_limited = 0;
     getrlimit(RLIMIT_AS, &limit);
@@ -288,7 +290,8 @@ static void lift_memory_limit(void) {
 }
 
 enum outcome record_run(const struct scene *scene, const struct settings *settings,
-                        const char *folder, const struct watch *watch, char *reason) {
+                        const char *folder, const struct watch *watch, struct run_result *how,
+                        char *reason) {
     struct frame_writer writer;
     struct kept_frames kept = {0};
     struct two_observers two = {{write_frame, &writer}, {keep_frame, &kept}};
@@ -301,13 +304,15 @@ enum outcome record_run(const struct scene *scene, const struct settings *settin
         return OUTPUT_FAILED;
     simulate(scene, settings, checked ? &write_and_keep : &write_only, watch, &result);
     lift_memory_limit();
+    if (how)
+        *how = result;
     if (close_frames(&writer, &result, reason)) {
         kept_frames_free(&kept);
         return OUTPUT_FAILED;
     }
     json_t *json = result_to_json(scene, settings, &result);
     if (checked && result.outcome == FINISHED)
-        json_object_set_new(json, "second_opinion", second_opinion(scene, settings, &kept, watch));
+        json_object_set_new(json, "cross_check", cross_check(scene, settings, &kept, watch));
     if (settings->timings > 0 && result.outcome == FINISHED)
         json_object_set_new(json, "cpu_seconds_repeated", time_run(scene, settings, watch));
     kept_frames_free(&kept);

@@ -7,11 +7,16 @@
 
 /* Runs a case in this process and writes its tables and `folder`/run.json, each complete or not at
  * all. With settings->timings, the run is then repeated for its CPU time, without output or
- * diagnoses; with a second opinion, the other method runs too and the largest difference is
- * recorded. Returns how the run ended; the reason of a REFUSED or OUTPUT_FAILED is in `reason`
- * (REASON_SIZE). */
+ * diagnoses; with a cross-check, the other method runs too and the largest difference is
+ * recorded. Returns how the run ended, and in `how`, which may be NULL, what it took; the reason of
+ * a REFUSED or OUTPUT_FAILED is in `reason` (REASON_SIZE). */
 enum outcome record_run(const struct scene *scene, const struct settings *settings,
-                        const char *folder, const struct watch *watch, char *reason);
+                        const char *folder, const struct watch *watch, struct run_result *how,
+                        char *reason);
+
+/* Undoes limit_memory: a run that took all the memory it may, or nearly, left none to write that
+ * down with. */
+void lift_memory_limit(void);
 
 /* Writes run.json for a run whose process died or was ended after `reached` seconds, and keeps the
  * complete frames that it had written: the folder's only temporary files are its. Returns 0, or -1

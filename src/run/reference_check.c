@@ -34,7 +34,8 @@ struct comparison {
     const struct kept_frames *kept;
     size_t compared;   /* numbers */
     double difference; /* m */
-    double parted;     /* of the first frame with another number of wisps, s; NaN: none so far */
+    double
+        history_diverged; /* of the first frame with another number of wisps, s; NaN: none so far */
 };
 
 /* Both runs have the frames of the same clock: their number is the same. */
@@ -45,8 +46,8 @@ static int compare_frame(void *ctx, const struct model *model, double t, const d
         return MODEL_FAILED;
     const double *first = c->kept->numbers + c->compared + 1;
     if (first[-1] != model->row_count)
-        c->parted = t;
-    if (!isnan(c->parted)) /* which wisp would be which? */
+        c->history_diverged = t;
+    if (!isnan(c->history_diverged)) /* which wisp would be which? */
         return 0;
     for (int i = 0; i < model->row_count; i++) {
         const double *a = first + i * columns + 2, *b = rows + i * columns + 2; /* x y z */
@@ -56,27 +57,27 @@ static int compare_frame(void *ctx, const struct model *model, double t, const d
     return 0;
 }
 
-json_t *second_opinion(const struct scene *scene, const struct settings *settings,
-                       const struct kept_frames *kept, const struct watch *watch) {
+json_t *cross_check(const struct scene *scene, const struct settings *settings,
+                    const struct kept_frames *kept, const struct watch *watch) {
     struct settings second;
     struct run_result result;
-    struct comparison comparison = {.kept = kept, .parted = NAN};
+    struct comparison comparison = {.kept = kept, .history_diverged = NAN};
     char reason[REASON_SIZE];
     const char *method = settings->method->checked_by->method;
 
-    if (settings_second_opinion(scene, settings, &second, reason))
+    if (settings_cross_check(scene, settings, &second, reason))
         return json_pack("{s:s, s:n, s:s}", "stepper", method, "bound", "reason", reason);
     const struct watch stop_only = {.stop = watch ? watch->stop : NULL};
     simulate(scene, &second, &(struct observer){compare_frame, &comparison}, &stop_only, &result);
     if (result.outcome != FINISHED)
         return json_pack("{s:s, s:n, s:s}", "stepper", method, "bound", "reason",
                          outcome_name(result.outcome));
-    if (!isnan(comparison.parted)) {
+    if (!isnan(comparison.history_diverged)) {
         snprintf(
             reason, sizeof reason,
             "wisps split at other ticks: at %.6g s their numbers differ; up to then the largest "
             "difference is %.3g m",
-            comparison.parted, comparison.difference);
+            comparison.history_diverged, comparison.difference);
         return json_pack("{s:s, s:n, s:s}", "stepper", method, "bound", "reason", reason);
     }
     return json_pack("{s:o, s:f}", "settings", settings_to_json(scene, &second), "bound",

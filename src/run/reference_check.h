@@ -18,7 +18,7 @@ void kept_frames_free(struct kept_frames *kept);
 /* Runs the method that checks settings->method over the frames kept. New reference: its settings
  * and the bound, the largest distance of a node at a frame, m; or null and the reason, which can
  * be that from some frame on they have not the same number of wisps. */
-json_t *second_opinion(const struct scene *scene, const struct settings *settings,
-                       const struct kept_frames *kept, const struct watch *watch);
+json_t *cross_check(const struct scene *scene, const struct settings *settings,
+                    const struct kept_frames *kept, const struct watch *watch);
 
 #endif

@@ -23,8 +23,7 @@ static int has_all_frames(const struct run_files *run) {
 }
 
 static int states_fail(const char *path, const char *what, char *reason) {
-    snprintf(reason, REASON_SIZE, "%.150s: %s", path, what);
-    return -1;
+    return fail_with(reason, "%.150s: %s", path, what);
 }
 
 int run_read(struct run_files *run, const char *folder, char *reason) {
@@ -33,10 +32,8 @@ int run_read(struct run_files *run, const char *folder, char *reason) {
     *run = (struct run_files){.states = &no_states};
     path_format(path, "%s/run.json", folder);
     run->json = json_of_file(path, &error);
-    if (!run->json) {
-        snprintf(reason, REASON_SIZE, "%.120s:%d: %.100s", path, error.line, error.text);
-        return -1;
-    }
+    if (!run->json)
+        return fail_with(reason, "%.120s:%d: %.100s", path, error.line, error.text);
     const char *status = json_string_value(json_object_get(run->json, "status"));
     run->outcome = outcome_from_name(status ? status : "");
     if (run->outcome != OUTCOME_COUNT)

@@ -20,7 +20,7 @@ struct run_files {
 /* How a run went: run.json alone. Returns 0, or -1 with one line in `reason` (REASON_SIZE). */
 int run_read(struct run_files *run, const char *folder, char *reason);
 
-/* The same, and its states, which `owner` has read or reads now; NULL: the run's own. */
+/* Reads a run and its states, which `owner` has read or reads now; NULL: the run's own. */
 int run_read_states(struct run_files *run, const char *folder, struct trajectories *owner,
                     char *reason);
 
@@ -29,7 +29,7 @@ int run_read_states(struct run_files *run, const char *folder, struct trajectori
 int run_left_no_states(const json_t *json);
 #define LEFT_NO_STATES "the run was made with --states none, and left none"
 
-/* Of both. */
+/* Frees what either of the two has read. */
 void run_free(struct run_files *run);
 
 /* A number of run.json by its path, "counters.steps"; NaN where there is none. */

@@ -289,10 +289,8 @@ static int take_back(struct pool *pool, struct slot *slot, enum child_state stat
         run_remove(task->run->folder); /* no result here: the next call is to go on with it */
     lock_release(&slot->lock);
     clear_slot(pool, slot);
-    if (state == CHILD_ENDED && outcome == OUTPUT_FAILED) {
-        snprintf(reason, REASON_SIZE, "%s", why);
-        return -1;
-    }
+    if (state == CHILD_ENDED && outcome == OUTPUT_FAILED)
+        return fail_with(reason, "%s", why);
     return 0;
 }
 

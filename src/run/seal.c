@@ -7,7 +7,7 @@
 
 const char *const run_tables[] = {"states.tsv", "states.npy", "diagnostics.tsv", NULL};
 
-/* Of everything but itself. */
+/* The hash of everything but the seal itself. */
 static void hash_of(json_t *json, char hash[HASH_SIZE]) {
     json_t *others = json_copy(json);
     json_object_del(others, "seal");

@@ -1,6 +1,7 @@
 #include "settings.h"
 
 #include "base/files.h"
+#include "integrators/plugin.h"
 #include "model/problems.h"
 
 #include <math.h>
@@ -10,8 +11,7 @@
 const char *const states_format_names[STATES_FORMATS] = {"text", "binary", "none"};
 
 static int refuse_name(char *reason, const char *what, const char *name, const char *list) {
-    snprintf(reason, REASON_SIZE, "no %s '%.60s'; `wisplab list %s` names them", what, name, list);
-    return -1;
+    return fail_with(reason, "no %s '%.60s'; `wisplab list %s` names them", what, name, list);
 }
 
 static int resolve_linear(const struct scene *scene, const struct run_request *request,
@@ -19,9 +19,8 @@ static int resolve_linear(const struct scene *scene, const struct run_request *r
     if (!(settings->method->capabilities & STEPPER_SOLVES)) {
         if (!request->linear)
             return 0;
-        snprintf(reason, REASON_SIZE, "%s takes no linear solver; leave out --linear",
-                 settings->method->name);
-        return -1;
+        return fail_with(reason, "%s takes no linear solver; leave out --linear",
+                         settings->method->name);
     }
     const char *name =
         request->linear ? request->linear : scene->problem->default_linear(settings->method);
@@ -57,24 +56,19 @@ static int check_option(const char *option, const struct settings *settings, cha
         specs = linear->options;
         i = options_find(specs, option, length);
     }
-    if (i < 0) {
-        snprintf(reason, REASON_SIZE,
-                 "%s%s%s has no option '%.*s'; `wisplab list steppers -v` lists them",
-                 settings->method->name, linear ? " with " : "", linear ? linear->name : "",
-                 (int)(length < 60 ? length : 60), option);
-        return -1;
-    }
-    if (!equals) {
-        snprintf(reason, REASON_SIZE, "option %s has no value; write --option %s=VALUE",
-                 specs[i].name, specs[i].name);
-        return -1;
-    }
+    if (i < 0)
+        return fail_with(reason,
+                         "%s%s%s has no option '%.*s'; `wisplab list steppers -v` lists them",
+                         settings->method->name, linear ? " with " : "", linear ? linear->name : "",
+                         (int)(length < 60 ? length : 60), option);
+    if (!equals)
+        return fail_with(reason, "option %s has no value; write --option %s=VALUE", specs[i].name,
+                         specs[i].name);
     return options_parse(&specs[i], equals + 1, &value, reason, REASON_SIZE);
 }
 
 static int refuse_number(char *reason, const char *option, double value, const char *why) {
-    snprintf(reason, REASON_SIZE, "--%s %g: %s", option, value, why);
-    return -1;
+    return fail_with(reason, "--%s %g: %s", option, value, why);
 }
 
 static int resolve_steps(const struct scene *scene, const struct run_request *request,
@@ -164,6 +158,7 @@ int settings_resolve(const struct scene *scene, const struct run_request *reques
                                   .draw = request->draw,
                                   .diagnostics = request->diagnostics,
                                   .states = request->states};
+    settings->lanes = scene->problem->lanes ? scene->problem->lanes(scene) : LANES_MOST;
     settings->strain_limit =
         request->strain_limit > 0 ? request->strain_limit : scene_strain_limit(scene);
     const char *name = request->stepper ? request->stepper : "rk4";
@@ -172,11 +167,12 @@ int settings_resolve(const struct scene *scene, const struct run_request *reques
         return refuse_name(reason, "stepper", name, "steppers") ? REFUSED : 0;
     settings->stepper.options = (struct options){request->options, request->option_count};
     settings->unprojected = leaves_constraint(scene, settings->method);
-    if (settings->method->checked_by) /* it has error control, and a second opinion */
+    if (settings->method->checked_by) /* it has error control, and a cross-check */
         settings->strain_limit = INFINITY;
     if (settings->diagnostics && !scene->problem->extremes) {
-        snprintf(reason, REASON_SIZE, "--diagnostics is of wisps, and scene %s has none",
-                 scene->name);
+        snprintf(reason, REASON_SIZE,
+                 "--diagnostics is of wisps, and scene %s is of problem \"%s\"", scene->name,
+                 scene->problem->name);
         return REFUSED;
     }
     if (resolve_treatment(scene, request, settings, reason) ||
@@ -189,9 +185,9 @@ int settings_resolve(const struct scene *scene, const struct run_request *reques
     return refuse_combination(scene, settings, reason);
 }
 
-int settings_second_opinion(const struct scene *scene, const struct settings *settings,
-                            struct settings *second, char *reason) {
-    const struct second_opinion *opinion = settings->method->checked_by;
+int settings_cross_check(const struct scene *scene, const struct settings *settings,
+                         struct settings *second, char *reason) {
+    const struct cross_check *opinion = settings->method->checked_by;
     struct run_request request = {
         .stepper = opinion->method,
         .treatment = scene->problem->treatments[settings->treatment].name,
@@ -211,11 +207,18 @@ int settings_second_opinion(const struct scene *scene, const struct settings *se
     return code;
 }
 
-/* Wisps at times of their own cannot be looked at together; alone they have the same bits. */
+/* Wisps at times of their own cannot be looked at together; alone they have the same bits. What a
+ * diagnosis sums over wisps it sums part by part: that would not have the same bits with parts of
+ * another width, so it is the one that all machines have. */
 int settings_lanes(const struct settings *settings) {
+    const struct options *options = &settings->stepper.options;
+    const int most = stepper_lanes(settings->method, settings->stepper.linear, options);
     if (stepper_steps_by_lane(settings->method) && (settings->diagnostics || settings->every_step))
         return 1;
-    return stepper_lanes(settings->method, settings->stepper.linear, &settings->stepper.options);
+    if (stepper_shares_steps(settings->method, options))
+        return most;
+    const int fastest = settings->diagnostics ? 4 : settings->lanes;
+    return fastest < most ? fastest : most;
 }
 
 static json_t *options_to_json(const struct option_spec *specs, const struct options *given) {
@@ -232,7 +235,10 @@ static json_t *options_to_json(const struct option_spec *specs, const struct opt
 
 json_t *settings_to_json(const struct scene *scene, const struct settings *settings) {
     json_t *json = json_object();
+    const struct plugin *plugin = plugin_of(settings->method);
     json_object_set_new(json, "stepper", json_string(settings->method->name));
+    if (plugin) /* two builds of one are two methods */
+        json_object_set_new(json, "plugin", json_string(plugin->hash));
     json_object_set_new(json, "treatment",
                         json_string(scene->problem->treatments[settings->treatment].name));
     if (settings->method->capabilities & STEPPER_ADAPTIVE) {

@@ -41,6 +41,7 @@ struct settings {
     int timings;
     int threads;     /* results do not depend on it */
     int profile;     /* nor on this */
+    int lanes;       /* of parts, where method and solver can; nor on this */
     int diagnostics; /* states do not depend on it; times do */
     enum states_format states;
     int unknowns; /* of the whole model: coordinates, not counting velocities */
@@ -52,14 +53,14 @@ struct settings {
 int settings_resolve(const struct scene *scene, const struct run_request *request,
                      struct settings *settings, char *reason);
 
-/* The settings of the second opinion on a run, or 0 where the method has none. */
-int settings_second_opinion(const struct scene *scene, const struct settings *settings,
-                            struct settings *second, char *reason);
+/* The settings of the cross-check on a run, or 0 where the method has none. */
+int settings_cross_check(const struct scene *scene, const struct settings *settings,
+                         struct settings *second, char *reason);
 
 /* Beyond which strain runs of a scene have diverged where nothing else is said. */
 double scene_strain_limit(const struct scene *scene);
 
-/* Most wisps that one part may hold under these settings. */
+/* How many wisps one part may hold under these settings. */
 int settings_lanes(const struct settings *settings);
 
 /* Everything that decides a run's result besides scene and program. New reference. */

@@ -44,9 +44,17 @@ struct watch {
                            `stop` is to end it before. 0: any */
 };
 
-/* Runs; never fails otherwise than by result->outcome. `observer` may be NULL. */
+/* Runs the whole of a scene; never fails otherwise than by result->outcome. `observer` may be NULL.
+ */
 void simulate(const struct scene *scene, const struct settings *settings,
               const struct observer *observer, const struct watch *watch,
               struct run_result *result);
+
+/* Runs a model of the scene that is there, from its time and state on, after the ticks of that
+ * time, up to `to`; where it came to is its state afterwards. The counters of the result are the
+ * model's, since it was made. */
+void simulate_model(struct model *model, const struct scene *scene, const struct settings *settings,
+                    double to, const struct observer *observer, const struct watch *watch,
+                    struct run_result *result);
 
 #endif

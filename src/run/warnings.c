@@ -2,6 +2,7 @@
 
 #include "base/vector.h"
 
+#include <complex.h>
 #include <math.h>
 #include <stdio.h>
 
@@ -15,8 +16,9 @@ static void warn(json_t *warnings, const char *format, ...) {
 
 /* --- bodies act on points, and at ticks only --- */
 
-/* Of a body's centre within an interval of the head's motion, m/s: as a cubic moves it, and turns,
- * its speed is smooth, and 64 looks miss its largest by less than one in a thousand. */
+/* The largest speed of a body's centre within an interval of the head's motion, m/s: as a cubic
+ * moves it, and turns, its speed is smooth, and 64 looks miss its largest by less than one in a
+ * thousand. */
 static double fastest_between(const struct scene *scene, const struct body *body, double from,
                               double to) {
     enum { LOOKS = 64 };
@@ -103,11 +105,54 @@ static void look_at_head(const struct scene *scene, json_t *warnings) {
     }
 }
 
-json_t *scene_warnings(const struct scene *scene) {
+/* --- bodies that push by penalty --- */
+
+/* Whether steps of h of an explicit method keep a point on a body's spring, deep enough for the
+ * whole damping, where linear theory says: a sphere's is its own there, and no ellipsoid is
+ * stiffer. */
+static int follows(const struct stepper_method *method, const struct body *body, double h) {
+    const double omega = 2 * acos(-1) * body->frequency, zeta = body->damping_ratio;
+    const double complex root = csqrt(zeta * zeta - 1);
+    return cabs(stepper_amplification(method, h * omega * (-zeta + root),
+                                      h * omega * (-zeta - root))) <= 1;
+}
+
+static void look_at_spring(const struct stepper_method *method, double step,
+                           const struct body *body, json_t *warnings) {
+    double least = step;
+    if (follows(method, body, step))
+        return;
+    while (least > step / 1000 && !follows(method, body, least))
+        least *= 0.99;
+    if (least > step / 1000)
+        warn(
+            warnings,
+            "body '%s' pushes at %g Hz: %s follows that with steps of up to %.2g s, and these have "
+            "%.2g s",
+            body->name, body->frequency, method->name, least, step);
+    else
+        warn(warnings,
+             "body '%s' pushes at %g Hz with damping ratio %g: no step of %s follows that",
+             body->name, body->frequency, body->damping_ratio, method->name);
+}
+
+static void look_at_springs(const struct scene *scene, const struct settings *settings,
+                            json_t *warnings) {
+    const struct stepper_method *method = settings->method;
+    if (method->capabilities & (STEPPER_IMPLICIT | STEPPER_ADAPTIVE) ||
+        !stepper_is_predictable(method))
+        return;
+    for (int i = 0; i < scene->around.pushing_count; i++)
+        look_at_spring(method, settings->step, &scene->around.pushing[i], warnings);
+}
+
+json_t *scene_warnings(const struct scene *scene, const struct settings *settings) {
     json_t *warnings = json_array();
     look_at_clock(scene, warnings);
     look_at_head(scene, warnings);
-    for (int i = 0; i < scene->body_count && scene->collision_rate > 0; i++)
+    for (int i = 0; i < scene_tick_bodies(scene) && scene->collision_rate > 0; i++)
         look_at_body(scene, &scene->bodies[i], warnings);
+    if (settings)
+        look_at_springs(scene, settings, warnings);
     return warnings;
 }

@@ -1,29 +1,66 @@
 #include "config.h"
 
 #include "base/visible.h"
+#include "config_parts.h"
 #include "config_text.h"
 
-#include <ctype.h>
 #include <errno.h>
-#include <math.h>
+#include <limits.h>
 #include <stdarg.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* --- where a setting is from --- */
+
+/* A copy has a hook, which libconfig keeps and never looks at: what it is a copy of, or of what was
+ * set this mark, for its text is gone. */
+static char was_set;
+
+static const config_setting_t *original(const config_setting_t *setting) {
+    const void *hook = config_setting_get_hook(setting);
+    return hook && hook != &was_set ? hook : setting;
+}
+
+int config_layer(const struct config_reader *reader, const config_setting_t *setting) {
+    int layer = 0;
+    if (config_setting_get_hook(setting) == &was_set)
+        return INT_MAX;
+    for (const struct config_base *base = reader->bases; base; base = base->next)
+        if (original(setting)->config == &base->config)
+            layer = -base->depth;
+    return layer;
+}
+
+const char *config_file_of(const struct config_reader *reader, const config_setting_t *setting) {
+    for (const struct config_base *base = reader->bases; base; base = base->next)
+        if (original(setting)->config == &base->config)
+            return base->file;
+    return reader->file;
+}
+
+/* "file:line: ", as much as is known. Returns its length. */
+static int print_place(const struct config_reader *reader, const config_setting_t *setting,
+                       char *text) {
+    if (setting && config_setting_get_hook(setting) == &was_set)
+        return snprintf(text, REASON_SIZE, "%.120s: --set: ", reader->file);
+    const config_setting_t *from = setting ? original(setting) : NULL;
+    const char *file = from ? config_setting_source_file(from) : NULL;
+    const unsigned line = !from                          ? 0
+                          : config_setting_is_root(from) ? (unsigned)reader->lines
+                                                         : config_setting_source_line(from);
+    if (line > 0)
+        return snprintf(text, REASON_SIZE, "%.120s:%u: ", file ? file : reader->file, line);
+    return snprintf(text, REASON_SIZE, "%.120s: ", file ? file : reader->file);
+}
 
 void config_fail(struct config_reader *reader, const config_setting_t *setting, const char *format,
                  ...) {
     if (reader->failed)
         return;
     reader->failed = true;
-    const char *file = setting ? config_setting_source_file(setting) : NULL;
-    const unsigned line = !setting                          ? 0
-                          : config_setting_is_root(setting) ? (unsigned)reader->lines
-                                                            : config_setting_source_line(setting);
     char why[REASON_SIZE]; /* with texts of the scene, which may have lines */
-    int used = snprintf(why, REASON_SIZE, "%.120s:", file ? file : reader->file);
-    if (line > 0)
-        used += snprintf(why + used, REASON_SIZE - (size_t)used, "%u:", line);
-    why[used++] = ' ';
+    const int used = print_place(reader, setting, why);
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(why + used, REASON_SIZE - (size_t)used, format, arguments);
@@ -31,20 +68,12 @@ void config_fail(struct config_reader *reader, const config_setting_t *setting, 
     visible_text(why, reader->reason, REASON_SIZE);
 }
 
-/* What --set gave is marked by a hook, which libconfig keeps and never looks at. */
-static void mark_set(config_setting_t *setting) {
-    static char mark;
-    config_setting_set_hook(setting, &mark);
-}
+/* --- copies --- */
 
-bool config_is_set(const config_setting_t *setting) {
-    return setting && config_setting_get_hook(setting);
-}
+static config_setting_t *copy(config_setting_t *parent, const char *name,
+                              const config_setting_t *from, int is_set);
 
-static config_setting_t *copy_setting(config_setting_t *parent, const char *name,
-                                      const config_setting_t *from);
-
-static int copy_value(config_setting_t *to, const config_setting_t *from) {
+static int copy_value(config_setting_t *to, const config_setting_t *from, int is_set) {
     switch (config_setting_type(from)) {
     case CONFIG_TYPE_INT:
         return config_setting_set_int(to, config_setting_get_int(from));
@@ -59,114 +88,35 @@ static int copy_value(config_setting_t *to, const config_setting_t *from) {
     default:
         for (int i = 0; i < config_setting_length(from); i++) {
             const config_setting_t *member = config_setting_get_elem(from, (unsigned)i);
-            if (!copy_setting(to, config_setting_name(member), member))
+            if (!copy(to, config_setting_name(member), member, is_set))
                 return 0;
         }
         return 1;
     }
 }
 
-static config_setting_t *copy_setting(config_setting_t *parent, const char *name,
-                                      const config_setting_t *from) {
+static config_setting_t *copy(config_setting_t *parent, const char *name,
+                              const config_setting_t *from, int is_set) {
     config_setting_t *to = config_setting_add(parent, name, config_setting_type(from));
     if (to)
-        mark_set(to);
-    return to && copy_value(to, from) ? to : NULL;
+        config_setting_set_hook(to, is_set ? (void *)&was_set : (void *)(uintptr_t)from);
+    return to && copy_value(to, from, is_set) ? to : NULL;
 }
 
-/* What libconfig means by an array of unlike numbers. */
-static const char *hint(const char *error) {
+config_setting_t *config_copy(config_setting_t *parent, const char *name,
+                              const config_setting_t *from) {
+    return copy(parent, name, from, 0);
+}
+
+config_setting_t *config_copy_set(config_setting_t *parent, const char *name,
+                                  const config_setting_t *from) {
+    return copy(parent, name, from, 1);
+}
+
+/* --- files --- */
+
+const char *config_hint(const char *error) {
     return strstr(error, "element type") ? "; write 2.0 beside 2.5, not 2" : "";
-}
-
-enum { SET_MAX = 4096 }; /* letters of a value */
-
-/* Reads a value; a bare word is taken as text. */
-static bool read_value(struct config_reader *reader, const char *set, const char *text,
-                       config_t *value) {
-    char snippet[SET_MAX + 16], why[REASON_SIZE];
-    for (int quoted = 0; quoted <= (isalpha((unsigned char)*text) != 0); quoted++) {
-        snprintf(snippet, sizeof snippet, quoted ? "value = \"%s\";" : "value = %s;", text);
-        if (config_check_text(snippet, why)) {
-            config_fail(reader, NULL, "--set %.100s: %s", set, why);
-            return false;
-        }
-        if (config_read_string(value, snippet))
-            return true;
-    }
-    config_fail(reader, NULL, "--set %.100s: the value cannot be read: %s%s", set,
-                config_error_text(value), hint(config_error_text(value)));
-    return false;
-}
-
-static void replace(struct config_reader *reader, const char *set, config_setting_t *parent,
-                    const char *name, const config_setting_t *value) {
-    if (config_setting_get_member(parent, name))
-        config_setting_remove(parent, name);
-    if (!copy_setting(parent, name, value))
-        config_fail(reader, NULL, "--set %.100s: '%.60s' is not a setting's name", set, name);
-}
-
-/* A group takes the place of the scene's, of which the rest may not go with it (wind = { kind =
- * "gust"; ... }). The material is one thing that every scene has: a group that names some of its
- * settings changes those. An empty one stands for the defaults. */
-static bool keeps_others(const config_setting_t *parent, const char *name,
-                         const config_setting_t *there, const config_setting_t *value) {
-    return config_setting_is_root(parent) && strcmp(name, "material") == 0 &&
-           config_setting_is_group(there) && config_setting_is_group(value) &&
-           config_setting_length(value) > 0;
-}
-
-/* Puts the value in the place of the setting, which is made if its group exists. */
-static void put_value(struct config_reader *reader, const char *set, char *path,
-                      const config_setting_t *value) {
-    char *dot = strrchr(path, '.');
-    const char *name = dot ? dot + 1 : path;
-    if (dot)
-        *dot = '\0';
-    config_setting_t *parent =
-        dot ? config_lookup(&reader->config, path) : config_root_setting(&reader->config);
-    if (!parent || !config_setting_is_group(parent)) {
-        config_fail(reader, NULL, "--set %.100s: the scene has no group %.60s%s", set, path,
-                    parent && config_setting_is_aggregate(parent)
-                        ? " but a list; its first entry is [0], as in wisps.[0].nodes=5"
-                        : "");
-        return;
-    }
-    config_setting_t *there = config_setting_get_member(parent, name);
-    if (there && keeps_others(parent, name, there, value)) {
-        for (int i = 0; i < config_setting_length(value); i++) {
-            const config_setting_t *member = config_setting_get_elem(value, (unsigned)i);
-            replace(reader, set, there, config_setting_name(member), member);
-        }
-        return;
-    }
-    replace(reader, set, parent, name, value);
-}
-
-/* path.to.setting=value; the value is a number, "text", true, or a [list], (list), {group}. */
-static void apply_set(struct config_reader *reader, const char *set) {
-    const char *equals = strchr(set, '=');
-    if (!equals || equals == set) {
-        config_fail(reader, NULL, "--set %.100s: write --set path.to.setting=value", set);
-        return;
-    }
-    char path[256];
-    if ((size_t)(equals - set) >= sizeof path || strlen(equals) > SET_MAX) {
-        config_fail(reader, NULL, "--set %.60s...: is too long", set);
-        return;
-    }
-    snprintf(path, sizeof path, "%.*s", (int)(equals - set), set);
-    config_t value;
-    config_init(&value);
-    if (read_value(reader, set, equals + 1, &value)) {
-        if (config_setting_length(config_root_setting(&value)) != 1)
-            config_fail(reader, NULL, "--set %.100s: holds more than one setting; repeat --set",
-                        set);
-        else
-            put_value(reader, set, path, config_lookup(&value, "value"));
-    }
-    config_destroy(&value);
 }
 
 /* What a scene includes stands beside it, wherever the program was started. */
@@ -175,23 +125,35 @@ static void folder_of(const char *path, char *folder) {
     path_format(folder, "%.*s", slash == path ? 1 : slash ? (int)(slash - path) : 0, path);
 }
 
-static void read_file(struct config_reader *reader, const char *path) {
+int config_path(const char *name, const char *beside, char *path) {
+    const size_t length = strlen(name);
+    char folder[PATH_SIZE];
+    if (!strchr(name, '/') && (length <= 4 || strcmp(name + length - 4, ".cfg") != 0))
+        return path_format(path, "%s/experiments/%s.cfg", data_folder(), name);
+    folder_of(beside, folder);
+    if (name[0] == '/' || !*folder)
+        return path_format(path, "%s", name);
+    return path_format(path, "%s/%s", folder, name);
+}
+
+void config_read_scene(struct config_reader *reader, config_t *config, const char *path,
+                       const char *instead, int *lines) {
     char folder[PATH_SIZE];
     folder_of(path, folder);
     if (*folder)
-        config_set_include_dir(&reader->config, folder);
-    const int wrong = config_check_file(path, folder, &reader->lines, reader->reason);
+        config_set_include_dir(config, folder);
+    const int wrong = instead ? config_check_scene(instead, path, folder, lines, reader->reason)
+                              : config_check_file(path, folder, lines, reader->reason);
     reader->failed = wrong != 0;
     reader->out_of_memory = wrong < 0;
-    if (wrong || config_read_file(&reader->config, path))
+    if (wrong || (instead ? config_read_string(config, instead) : config_read_file(config, path)))
         return;
     reader->failed = true;
-    const char *file = config_error_file(&reader->config),
-               *text = config_error_text(&reader->config);
-    const int line = config_error_line(&reader->config);
+    const char *file = config_error_file(config), *text = config_error_text(config);
+    const int line = config_error_line(config);
     if (line > 0)
         snprintf(reader->reason, REASON_SIZE, "%.120s:%d: %s%s", file ? file : path, line, text,
-                 hint(text));
+                 config_hint(text));
     else
         snprintf(reader->reason, REASON_SIZE, "%.120s: %s", path, text);
 }
@@ -202,15 +164,29 @@ void config_open(struct config_reader *reader, const char *path, const char *con
     path_format(reader->file, "%s", path);
     config_init(&reader->config);
     if (file_exists(path))
-        read_file(reader, path);
+        config_read_scene(reader, &reader->config, path, NULL, &reader->lines);
     else if (errno == EACCES)
         config_fail(reader, NULL, "cannot be read: %s", strerror(errno));
     else
         config_fail(reader, NULL,
                     "no such scene file; `wisplab list scenes` names the shipped ones");
+    config_build(reader);
     for (int i = 0; i < set_count && !reader->failed; i++)
-        apply_set(reader, sets[i]);
+        config_set(reader, sets[i]);
 }
+
+void config_open_text(struct config_reader *reader, const char *text, const char *path,
+                      const char *const *sets, int set_count, char *reason) {
+    *reader = (struct config_reader){.reason = reason};
+    path_format(reader->file, "%s", path);
+    config_init(&reader->config);
+    config_read_scene(reader, &reader->config, reader->file, text, &reader->lines);
+    config_build(reader);
+    for (int i = 0; i < set_count && !reader->failed; i++)
+        config_set(reader, sets[i]);
+}
+
+/* --- JSON --- */
 
 static int add_json(config_setting_t *parent, const char *name, const json_t *json);
 
@@ -260,165 +236,16 @@ void config_open_json(struct config_reader *reader, const json_t *json, const ch
     if (!add_members(config_root_setting(&reader->config), json))
         config_fail(reader, NULL, "what it has for a scene is none");
     for (int i = 0; i < set_count && !reader->failed; i++)
-        apply_set(reader, sets[i]);
+        config_set(reader, sets[i]);
 }
 
 void config_close(struct config_reader *reader) {
     config_destroy(&reader->config);
+    config_free_bases(reader);
 }
 
 config_setting_t *config_top(struct config_reader *reader) {
     return config_root_setting(&reader->config);
-}
-
-config_setting_t *config_group(struct config_reader *reader, config_setting_t *group,
-                               const char *name) {
-    config_setting_t *found = group ? config_setting_get_member(group, name) : NULL;
-    if (found && !config_setting_is_group(found))
-        config_fail(reader, found, "%s: must be a group in braces", name);
-    return found && config_setting_is_group(found) ? found : NULL;
-}
-
-static const char *range_name(enum config_range range) {
-    static const char *const names[] = {"a finite number", "a positive number",
-                                        "a number that is not negative",
-                                        "a whole number that is not negative"};
-    return names[range];
-}
-
-static bool in_range(double x, enum config_range range) {
-    return isfinite(x) && (range != POSITIVE || x > 0) && (range < NOT_NEGATIVE || x >= 0) &&
-           (range != WHOLE || x == floor(x));
-}
-
-/* The value of a setting that holds a number, else NaN. */
-static double number_of(const config_setting_t *setting) {
-    switch (config_setting_type(setting)) {
-    case CONFIG_TYPE_INT:
-        return config_setting_get_int(setting);
-    case CONFIG_TYPE_INT64:
-        return (double)config_setting_get_int64(setting);
-    case CONFIG_TYPE_FLOAT:
-        return config_setting_get_float(setting);
-    default:
-        return NAN;
-    }
-}
-
-double config_number(struct config_reader *reader, config_setting_t *group, const char *name,
-                     enum config_range range, double absent) {
-    config_setting_t *setting = group ? config_setting_get_member(group, name) : NULL;
-    if (!setting)
-        return absent;
-    const double x = number_of(setting);
-    if (config_setting_is_number(setting) && in_range(x, range))
-        return x;
-    if (!config_setting_is_number(setting))
-        config_fail(reader, setting, "%s: must be %s", name, range_name(range));
-    else
-        config_fail(reader, setting, "%s: %g is not %s", name, x, range_name(range));
-    return absent;
-}
-
-int config_numbers_of(struct config_reader *reader, const config_setting_t *setting,
-                      const char *name, int least, int count, double *values) {
-    const int length = config_setting_is_aggregate(setting) ? config_setting_length(setting) : -1;
-    if (config_setting_is_group(setting) || length < least || length > count) {
-        if (least == count)
-            config_fail(reader, setting, "%s: must be %d numbers in brackets", name, count);
-        else
-            config_fail(reader, setting, "%s: must be %d to %d numbers in brackets", name, least,
-                        count);
-        return 0;
-    }
-    for (int i = 0; i < length; i++) {
-        values[i] = number_of(config_setting_get_elem(setting, (unsigned)i));
-        if (isfinite(values[i]))
-            continue;
-        config_fail(reader, setting, "%s: number %d of it is not a finite number", name, i + 1);
-        values[i] = 0;
-    }
-    return length;
-}
-
-int config_numbers(struct config_reader *reader, config_setting_t *group, const char *name,
-                   int least, int count, double *values) {
-    const config_setting_t *setting = group ? config_setting_get_member(group, name) : NULL;
-    return setting ? config_numbers_of(reader, setting, name, least, count, values) : 0;
-}
-
-void config_vectors(struct config_reader *reader, config_setting_t *group, const char *name,
-                    int count, double (*vectors)[3]) {
-    const config_setting_t *list = config_setting_get_member(group, name);
-    if (!list || !config_setting_is_list(list) || config_setting_length(list) != count) {
-        config_fail(reader, list ? list : group,
-                    "%s: must be a list of %d vectors, ([x, y, z], ...)", name, count);
-        return;
-    }
-    for (int k = 0; k < count; k++)
-        config_numbers_of(reader, config_setting_get_elem(list, (unsigned)k), name, 3, 3,
-                          vectors[k]);
-}
-
-void config_vector(struct config_reader *reader, config_setting_t *group, const char *name,
-                   double vector[3]) {
-    if (group && !config_setting_get_member(group, name))
-        config_fail(reader, group, "%s: missing; must be 3 numbers in brackets", name);
-    config_numbers(reader, group, name, 3, 3, vector);
-}
-
-double config_required(struct config_reader *reader, config_setting_t *group, const char *name,
-                       enum config_range range) {
-    if (group && !config_setting_get_member(group, name))
-        config_fail(reader, group, "%s: missing; must be %s", name, range_name(range));
-    return config_number(reader, group, name, range, 0);
-}
-
-const char *config_text(struct config_reader *reader, config_setting_t *group, const char *name,
-                        const char *absent) {
-    config_setting_t *setting = group ? config_setting_get_member(group, name) : NULL;
-    if (!setting)
-        return absent;
-    if (config_setting_type(setting) != CONFIG_TYPE_STRING) {
-        config_fail(reader, setting, "%s: must be a text in quotes", name);
-        return absent;
-    }
-    const char *text = config_setting_get_string(setting);
-    json_t *is_utf8 = json_string(text); /* which escapes like \xff need not give */
-    if (!is_utf8) {
-        config_fail(reader, setting, "%s: must be a text in UTF-8", name);
-        return absent;
-    }
-    json_decref(is_utf8);
-    return text;
-}
-
-bool config_switch(struct config_reader *reader, config_setting_t *group, const char *name,
-                   bool absent) {
-    config_setting_t *setting = group ? config_setting_get_member(group, name) : NULL;
-    if (!setting)
-        return absent;
-    if (config_setting_type(setting) != CONFIG_TYPE_BOOL)
-        config_fail(reader, setting, "%s: must be true or false", name);
-    return config_setting_get_bool(setting);
-}
-
-void config_known(struct config_reader *reader, config_setting_t *group, const char *const *known) {
-    for (int i = 0; group && i < config_setting_length(group); i++) {
-        const config_setting_t *setting = config_setting_get_elem(group, (unsigned)i);
-        int k = 0;
-        while (known[k] && strcmp(known[k], config_setting_name(setting)) != 0)
-            k++;
-        if (known[k])
-            continue;
-        char names[REASON_SIZE] = "";
-        for (k = 0; known[k]; k++) {
-            strncat(names, k ? ", " : "", sizeof names - strlen(names) - 1);
-            strncat(names, known[k], sizeof names - strlen(names) - 1);
-        }
-        config_fail(reader, setting, "%.60s: unknown setting; known here: %s",
-                    config_setting_name(setting), names);
-    }
 }
 
 json_t *config_to_json(const config_setting_t *setting) {

@@ -170,6 +170,14 @@ static int check(struct scan *scan) {
     return code;
 }
 
+/* And the number of the last line that holds something. */
+static int check_lines(struct scan *scan, int *lines) {
+    const char *text = scan->at;
+    const int code = check(scan);
+    *lines = scan->line - (scan->at > text && scan->at[-1] == '\n');
+    return code;
+}
+
 static int check_file(const char *path, const char *folder, int depth, int *lines, char *reason) {
     struct stat status;
     struct scan scan = {
@@ -191,9 +199,7 @@ static int check_file(const char *path, const char *folder, int depth, int *line
         return errno == ENOMEM ? -1 : 1;
     }
     scan.at = text;
-    const int code = check(&scan);
-    *lines =
-        scan.line - (scan.at > text && scan.at[-1] == '\n'); /* the last that holds something */
+    const int code = check_lines(&scan, lines);
     free(text);
     return code;
 }
@@ -201,6 +207,12 @@ static int check_file(const char *path, const char *folder, int depth, int *line
 int config_check_file(const char *path, const char *folder, int *lines, char *reason) {
     *lines = 0;
     return check_file(path, folder, 0, lines, reason);
+}
+
+int config_check_scene(const char *text, const char *path, const char *folder, int *lines,
+                       char *reason) {
+    struct scan scan = {.at = text, .file = path, .folder = folder, .line = 1, .reason = reason};
+    return check_lines(&scan, lines);
 }
 
 int config_check_text(const char *text, char *reason) {

@@ -12,7 +12,11 @@
  * "file:line: why"; or -1 where memory cannot be had, with one. */
 int config_check_file(const char *path, const char *folder, int *lines, char *reason);
 
-/* The same of a text that is in no file: the reason is only why. */
+/* Checks the text of a file that need not be there. */
+int config_check_scene(const char *text, const char *path, const char *folder, int *lines,
+                       char *reason);
+
+/* Checks a text that is in no file: the reason is only why. */
 int config_check_text(const char *text, char *reason);
 
 #endif

@@ -1,16 +1,15 @@
 #include "scene_contacts.h"
 
 #include "base/visible.h"
+#include "setting_read.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 static void read_name(struct config_reader *reader, config_setting_t *entry,
                       const struct scene *scene, struct body *body) {
-    config_setting_t *setting = config_setting_get_member(entry, "name");
-    const char *name = config_text(reader, entry, "name", NULL);
-    if (!setting)
-        config_fail(reader, entry, "name: missing; must be a text in quotes");
+    const config_setting_t *setting = config_setting_get_member(entry, "name");
+    const char *name = setting_text(reader, entry, "body", "name", NULL);
     if (!name)
         return;
     if (!*name || strlen(name) >= sizeof body->name)
@@ -22,45 +21,41 @@ static void read_name(struct config_reader *reader, config_setting_t *entry,
             config_fail(reader, setting, "name: there is a body '%s' already", body->name);
 }
 
-static void read_radii(struct config_reader *reader, config_setting_t *entry, double radii[3]) {
-    config_vector(reader, entry, "radii", radii);
-    for (int k = 0; k < 3; k++)
-        if (!(radii[k] > 0))
-            config_fail(reader, config_setting_get_member(entry, "radii"),
-                        "radii: number %d, %g, is not positive", k + 1, radii[k]);
-}
-
 static void read_body(struct config_reader *reader, config_setting_t *entry, struct scene *scene) {
-    static const char *const known[] = {"name",     "center",     "radii",  "velocity",
-                                        "friction", "elasticity", "offset", NULL};
     struct body *body = &scene->bodies[scene->body_count];
     if (!config_setting_is_group(entry)) {
         config_fail(reader, entry, "body: each entry must be a group in braces");
         return;
     }
-    config_known(reader, entry, known);
+    settings_read(reader, entry, "body", body);
     read_name(reader, entry, scene, body);
-    config_vector(reader, entry, "center", body->centre);
-    read_radii(reader, entry, body->radii);
-    body->moves = config_numbers(reader, entry, "velocity", 3, 3, body->velocity) > 0 ||
-                  scene->around.head.knots > 0;
-    body->friction = config_required(reader, entry, "friction", NOT_NEGATIVE);
-    body->elasticity = config_required(reader, entry, "elasticity", NOT_NEGATIVE);
-    if (body->elasticity > 1)
-        config_fail(reader, config_setting_get_member(entry, "elasticity"),
-                    "elasticity: %g is not from 0 to 1", body->elasticity);
-    body->offset = config_required(reader, entry, "offset", NOT_NEGATIVE);
+    body->moves = config_setting_get_member(entry, "velocity") || scene->around.head.knots > 0;
     scene->body_count++;
 }
 
+/* Those that push by penalty behind the others, all else in the order in which they are. */
+static void sort_bodies(struct scene *scene) {
+    struct body *list = scene->bodies;
+    const int count = scene->body_count;
+    int ticking = 0;
+    for (int i = 0; i < count; i++) {
+        const struct body body = list[i];
+        if (body.response != RESPONSE_TICK)
+            continue;
+        memmove(list + ticking + 1, list + ticking, (size_t)(i - ticking) * sizeof *list);
+        list[ticking++] = body;
+    }
+    scene->around.pushing = list + ticking;
+    scene->around.pushing_count = count - ticking;
+}
+
 static void read_bodies(struct config_reader *reader, config_setting_t *top, struct scene *scene) {
-    config_setting_t *list = config_setting_get_member(top, "body");
+    config_setting_t *list = setting_list(reader, top, "", "body");
+    const int count = list ? config_setting_length(list) : 0;
     if (!list)
         return;
-    const int count = config_setting_is_list(list) ? config_setting_length(list) : 0;
-    if (count < 1 || count > BODIES_MAX) {
-        config_fail(reader, list,
-                    "body: must be a list of 1 to %d groups, ( { name = ...; }, ... )", BODIES_MAX);
+    if (count > BODIES_MAX) {
+        config_fail(reader, list, "body: %d bodies; at most %d", count, BODIES_MAX);
         return;
     }
     scene->bodies = calloc((size_t)count, sizeof *scene->bodies);
@@ -68,26 +63,36 @@ static void read_bodies(struct config_reader *reader, config_setting_t *top, str
         config_fail(reader, list, "no memory for %d bodies", count);
     for (int i = 0; i < count && !reader->failed; i++)
         read_body(reader, config_setting_get_elem(list, (unsigned)i), scene);
+    sort_bodies(scene);
+}
+
+void scene_push_bodies(struct scene *scene, double frequency) {
+    json_t *list = json_object_get(scene->source, "body"), *entry;
+    size_t at;
+    json_array_foreach(list, at, entry) {
+        json_object_del(entry, "elasticity");
+        json_object_del(entry, "offset");
+        json_object_set_new(entry, "response", json_string("penalty"));
+        json_object_set_new(entry, "frequency", json_real(frequency));
+        json_object_set_new(entry, "damping_ratio", json_real(1));
+    }
+    for (int i = 0; i < scene->body_count; i++) {
+        struct body *body = &scene->bodies[i];
+        body->response = RESPONSE_PENALTY;
+        body->elasticity = body->offset = 0;
+        body->frequency = frequency;
+        body->damping_ratio = 1;
+    }
+    sort_bodies(scene);
 }
 
 void scene_read_contacts(struct config_reader *reader, config_setting_t *top, int samples,
                          struct scene *scene) {
-    static const char *const known[] = {
-        "collision_rate",   "interaction_rate", "threshold",  "viscosity",
-        "interpenetration", "collision",        "reciprocal", NULL};
     struct interaction_settings *interaction = &scene->interaction;
-    config_setting_t *group = config_group(reader, top, "contacts");
-    config_known(reader, group, known);
-    scene->collision_rate = config_number(reader, group, "collision_rate", NOT_NEGATIVE, 300);
-    interaction->rate = config_number(reader, group, "interaction_rate", NOT_NEGATIVE, 90);
-    interaction->threshold = config_number(reader, group, "threshold", NOT_NEGATIVE, 0.9);
-    interaction->viscosity = config_number(reader, group, "viscosity", NOT_NEGATIVE, 5);
-    interaction->interpenetration = config_switch(reader, group, "interpenetration", group != NULL);
-    interaction->collision = config_switch(reader, group, "collision", group != NULL);
-    interaction->reciprocal = config_switch(reader, group, "reciprocal", true);
-    if (interaction->threshold > 1)
-        config_fail(reader, config_setting_get_member(group, "threshold"),
-                    "threshold: %g is not between 0 and 1", interaction->threshold);
+    config_setting_t *group = setting_group(reader, top, "", "contacts");
+    settings_read(reader, group, "contacts", scene);
+    if (!group)
+        interaction->interpenetration = interaction->collision = 0;
     if (samples == 0 && (interaction->interpenetration || interaction->collision))
         config_fail(reader, group,
                     "contacts: wisps touch with their envelopes, and these have none; add "
@@ -95,20 +100,13 @@ void scene_read_contacts(struct config_reader *reader, config_setting_t *top, in
     read_bodies(reader, top, scene);
 }
 
-/* More would not be refused by the model, but the room for it is taken at the start. */
-static const double most_wisps = 100000;
-
 void scene_read_subdivision(struct config_reader *reader, config_setting_t *top, int samples,
                             struct scene *scene) {
-    static const char *const known[] = {"ratio", "separation", "limit", NULL};
-    config_setting_t *group = config_group(reader, top, "subdivision");
+    struct subdivision *subdivision = &scene->subdivision;
+    config_setting_t *group = setting_group(reader, top, "", "subdivision");
     if (!group)
         return;
-    config_known(reader, group, known);
-    scene->subdivision.ratio = config_number(reader, group, "ratio", POSITIVE, 0.5);
-    scene->subdivision.separation = config_number(reader, group, "separation", POSITIVE, 0.01);
-    const config_setting_t *limit_given = config_setting_get_member(group, "limit");
-    const double limit = config_number(reader, group, "limit", WHOLE, 400);
+    settings_read(reader, group, "subdivision", subdivision);
     if (samples == 0)
         config_fail(reader, group,
                     "subdivision: wisps split by the shape of their envelopes, and these have "
@@ -117,13 +115,10 @@ void scene_read_subdivision(struct config_reader *reader, config_setting_t *top,
         config_fail(reader, group,
                     "subdivision: %d samples have no diameters; envelope.samples must be even",
                     samples);
-    if (scene->subdivision.ratio > 1)
-        config_fail(reader, config_setting_get_member(group, "ratio"),
-                    "ratio: %g is not between 0 and 1", scene->subdivision.ratio);
-    if (limit < scene->wisp_count || limit > most_wisps)
-        config_fail(reader, limit_given ? limit_given : group,
-                    "limit: %g is not a whole number from %d, the wisps of the scene, to %g", limit,
-                    scene->wisp_count, most_wisps);
-    else
-        scene->subdivision.limit = (int)limit;
+    if (subdivision->limit < scene->wisp_count) {
+        const config_setting_t *limit = config_setting_get_member(group, "limit");
+        config_fail(reader, limit ? limit : group,
+                    "limit: %d is not from %d, the wisps of the scene, on", subdivision->limit,
+                    scene->wisp_count);
+    }
 }

@@ -14,4 +14,8 @@ void scene_read_contacts(struct config_reader *reader, config_setting_t *top, in
 void scene_read_subdivision(struct config_reader *reader, config_setting_t *top, int samples,
                             struct scene *scene);
 
+/* Makes all bodies of a scene push by penalty, Hz, with damping ratio 1: as if its file said so,
+ * but that hair on a scalp stays where the body of ticks has it. */
+void scene_push_bodies(struct scene *scene, double frequency);
+
 #endif

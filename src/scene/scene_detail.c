@@ -12,7 +12,7 @@ int detailed_nodes(int nodes, double factor) {
     return (int)fmax(3, round(factor * (nodes - 1)) + 1);
 }
 
-/* Of the free hair's segments, m. */
+/* The length of the free hair's segments, m. */
 static double detailed_spacing(const struct wisp *wisp, int nodes) {
     return (wisp->length - wisp_spacing(wisp)) / (nodes - 2);
 }

@@ -1,4 +1,4 @@
-/* The same hair with other numbers of nodes and samples. */
+/* A scene's hair with other numbers of nodes and samples. */
 #ifndef WISPLAB_SCENE_DETAIL_H
 #define WISPLAB_SCENE_DETAIL_H
 

@@ -4,21 +4,15 @@
 #include "config.h"
 #include "model/model.h"
 #include "model/problems.h"
+#include "scene_chains.h"
+#include "scene_settings.h"
 #include "scene_start.h"
 #include "scene_wisps.h"
+#include "setting_read.h"
 
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* A name is a shipped scene, anything with a slash or an ending .cfg a path. */
-static void scene_path(const char *name, char *path) {
-    const size_t length = strlen(name);
-    if (strchr(name, '/') || (length > 4 && strcmp(name + length - 4, ".cfg") == 0))
-        path_format(path, "%s", name);
-    else
-        path_format(path, "%s/experiments/%s.cfg", data_folder(), name);
-}
 
 /* The file's name without folders and ending. */
 static void stem(const char *path, char *name, size_t size) {
@@ -30,28 +24,16 @@ static void stem(const char *path, char *name, size_t size) {
 }
 
 static void read_run(struct config_reader *reader, config_setting_t *top,
-                     const struct problem *problem, struct run_defaults *run) {
-    const char *const known[] = {"step",
-                                 "rtol",
-                                 "atol",
-                                 problem->strain_limit ? "strain_limit" : NULL,
-                                 problem->strain_limit ? "project" : NULL,
-                                 NULL};
-    config_setting_t *group = config_group(reader, top, "run");
-    config_known(reader, group, known);
-    run->step = config_number(reader, group, "step", POSITIVE, 1e-4);
-    run->rtol = config_number(reader, group, "rtol", POSITIVE, 1e-6);
-    run->atol = config_number(reader, group, "atol", POSITIVE, 1e-9);
-    run->strain_limit = config_number(reader, group, "strain_limit", POSITIVE, 0);
-    run->project = -1;
-    if (group && config_setting_get_member(group, "project"))
-        run->project = config_switch(reader, group, "project", true);
+                     struct run_defaults *run) {
+    config_setting_t *group = setting_group(reader, top, "", "run");
+    settings_read(reader, group, "run", run);
+    run->project = setting_switch(reader, group, "run", "project", -1);
 }
 
 /* Such ticks are lost in the rounding of the time, and the run would never end. */
 static void check_rates(struct config_reader *reader, config_setting_t *top,
                         const struct scene *scene) {
-    config_setting_t *contacts = config_group(reader, top, "contacts");
+    config_setting_t *contacts = config_setting_get_member(top, "contacts");
     const struct {
         config_setting_t *group;
         const char *name;
@@ -70,45 +52,45 @@ static void check_rates(struct config_reader *reader, config_setting_t *top,
 }
 
 /* What a setting cannot change is refused. */
-static void check_projection(struct config_reader *reader, config_setting_t *top,
-                             const struct scene *scene) {
+static void check_projection(struct config_reader *reader, const struct scene *scene) {
     if (scene->run.project >= 0 && scene->wisp_count > 0 &&
         scene->wisps[0].stretch != STRETCH_RIGID)
-        config_fail(reader, config_setting_get_member(config_group(reader, top, "run"), "project"),
+        config_fail(reader, config_lookup(&reader->config, "run.project"),
                     "project: only rigid segments are put back to their length, material.stretch = "
                     "\"rigid\"");
 }
 
-static void read_circle(struct config_reader *reader, config_setting_t *top) {
-    static const char *const known[] = {"name", "problem", "duration", "frame_rate",
-                                        "seed", "run",     NULL};
-    config_known(reader, top, known);
+static void read_name(struct config_reader *reader, config_setting_t *top, struct scene *scene) {
+    char file[PATH_SIZE];
+    stem(reader->file, file, sizeof file);
+    visible_text(setting_text(reader, top, "", "name", file), scene->name, sizeof scene->name);
+    if (!*scene->name)
+        config_fail(reader, config_setting_get_member(top, "name"), "name: is empty");
+    if (config_setting_get_member(top, "base"))
+        config_fail(reader, config_setting_get_member(top, "base"),
+                    "base: is said by a scene's file alone");
+}
+
+/* The words of the table are in the order of `problems`, and its bits in that of the words. */
+static void read_problem(struct config_reader *reader, config_setting_t *top, struct scene *scene) {
+    const int problem = setting_choice(reader, top, "", "problem");
+    scene->problem = problems[problem];
+    reader->problem = 1u << problem;
 }
 
 static void read_scene(struct config_reader *reader, struct scene *scene) {
     config_setting_t *top = config_top(reader);
-    const char *problem = config_text(reader, top, "problem", "wisps");
-    char default_name[PATH_SIZE];
-
-    stem(reader->file, default_name, sizeof default_name);
-    visible_text(config_text(reader, top, "name", default_name), scene->name, sizeof scene->name);
-    if (!*scene->name)
-        config_fail(reader, config_setting_get_member(top, "name"), "name: is empty");
-    scene->problem = problem_find(problem);
-    if (!scene->problem)
-        config_fail(reader, config_setting_get_member(top, "problem"),
-                    "problem: '%.60s' is not there; known: circle; none for wisps", problem);
-    scene->begin = config_number(reader, top, "begin", NOT_NEGATIVE, 0);
-    scene->duration = config_required(reader, top, "duration", POSITIVE);
-    scene->frame_rate = config_number(reader, top, "frame_rate", POSITIVE, 0);
-    scene->seed = config_number(reader, top, "seed", WHOLE, 1);
-    if (scene->problem)
-        read_run(reader, top, scene->problem, &scene->run);
-    if (scene->problem == &circle_problem)
-        read_circle(reader, top);
-    else
+    read_problem(reader, top, scene);
+    read_name(reader, top, scene);
+    settings_read(reader, top, "", scene);
+    read_run(reader, top, &scene->run);
+    if (scene->problem == &rosenblum_problem)
+        scene_read_rosenblum(reader, top, scene);
+    else if (scene->problem == &anjyo_problem)
+        scene_read_anjyo(reader, top, scene);
+    else if (scene->problem == &wisp_problem)
         scene_read_wisps(reader, top, scene);
-    check_projection(reader, top, scene);
+    check_projection(reader, scene);
     check_rates(reader, top, scene);
     scene->source = config_to_json(top);
     scene_note_start(scene);
@@ -142,8 +124,18 @@ struct scene *scene_load(const char *name, const char *const *sets, int set_coun
         return NULL;
     char path[PATH_SIZE];
     struct config_reader reader;
-    scene_path(name, path);
+    config_path(name, "", path);
     config_open(&reader, path, sets, set_count, reason);
+    return finish(&reader, scene);
+}
+
+struct scene *scene_from_text(const char *text, const char *path, const char *const *sets,
+                              int set_count, char *reason) {
+    struct scene *scene = create_scene(reason);
+    if (!scene)
+        return NULL;
+    struct config_reader reader;
+    config_open_text(&reader, text, path, sets, set_count, reason);
     return finish(&reader, scene);
 }
 
@@ -158,6 +150,19 @@ struct scene *scene_from_json(const json_t *source, const char *file, const char
     config_open_json(&reader, copy, file, sets, set_count, reason);
     json_decref(copy);
     return finish(&reader, scene);
+}
+
+void scene_name_sets(struct scene *scene, const char *const *sets, int set_count) {
+    char name[2 * sizeof scene->name], shown[sizeof scene->name];
+    snprintf(name, sizeof name, "%s", scene->name);
+    for (int i = 0; i < set_count; i++) {
+        visible_text(sets[i], shown, sizeof shown);
+        strncat(name, i ? ", " : " with ", sizeof name - strlen(name) - 1);
+        strncat(name, shown, sizeof name - strlen(name) - 1);
+    }
+    if (strlen(name) >= sizeof scene->name)
+        strcpy(name + sizeof scene->name - 4, "...");
+    visible_text(name, scene->name, sizeof scene->name);
 }
 
 void scene_free(struct scene *scene) {

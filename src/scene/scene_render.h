@@ -5,10 +5,7 @@
 #include "config.h"
 #include "model/scene.h"
 
-/* What holds where a scene has no group `render`. */
-struct render_settings render_defaults(void);
-
-/* Reads and checks the group. */
+/* Reads and checks the group, whose defaults hold without it. */
 void render_read(struct config_reader *reader, config_setting_t *top,
                  struct render_settings *render);
 

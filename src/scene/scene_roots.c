@@ -2,28 +2,13 @@
 
 #include "base/files.h"
 #include "base/visible.h"
+#include "setting_read.h"
+#include "wisp/ellipsoid.h"
 #include "wisp/scalp.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum { SCALP_WISPS_MAX = 100000 };
-
-/* Scales to length 1; a zero vector is refused. */
-static void normalise(struct config_reader *reader, config_setting_t *group, const char *name,
-                      double x[3]) {
-    const double most = fmax(fabs(x[0]), fmax(fabs(x[1]), fabs(x[2])));
-    double length = 0;
-    if (most == 0) {
-        config_fail(reader, config_setting_get_member(group, name), "%s: has no length", name);
-        return;
-    }
-    for (int k = 0; k < 3; k++) /* first by the largest, so that no square overflows or vanishes */
-        length += (x[k] / most) * (x[k] / most);
-    for (int k = 0; k < 3; k++)
-        x[k] = x[k] / most / sqrt(length);
-}
 
 /* Where the wisps of an entry are: one, or a grid along two directions. */
 struct grid {
@@ -33,37 +18,16 @@ struct grid {
 };
 
 static void read_grid(struct config_reader *reader, config_setting_t *entry, struct grid *grid) {
-    double count[2] = {1, 1};
+    double count[2];
     *grid = (struct grid){.count = {1, 1}};
-    if (config_numbers(reader, entry, "grid", 2, 2, count) == 0) {
-        static const char *const only_grids[] = {"spacing", "across", NULL};
-        for (int i = 0; only_grids[i]; i++)
-            if (config_setting_get_member(entry, only_grids[i]))
-                config_fail(reader, entry, "%s: belongs to a grid; give grid = [columns, rows]",
-                            only_grids[i]);
+    if (setting_numbers(reader, entry, "wisps", "grid", count) == 0)
         return;
-    }
-    grid->spacing = config_required(reader, entry, "spacing", POSITIVE);
-    for (int d = 0; d < 2; d++) {
-        if (count[d] < 1 || count[d] > 1000 || count[d] != floor(count[d])) {
-            config_fail(reader, config_setting_get_member(entry, "grid"),
-                        "grid: %g is not a whole number from 1 to 1000", count[d]);
-            return;
-        }
+    grid->spacing = setting_number(reader, entry, "wisps", "spacing");
+    setting_vectors(reader, entry, "wisps", "across", 2, grid->across);
+    for (int d = 0; d < 2 && !reader->failed; d++) {
         grid->count[d] = (int)count[d];
+        setting_normalise(reader, entry, "across", grid->across[d]);
     }
-    config_vectors(reader, entry, "across", 2, grid->across);
-    for (int d = 0; d < 2 && !reader->failed; d++)
-        normalise(reader, entry, "across", grid->across[d]);
-}
-
-/* Settings that mean nothing in an entry of this form. */
-static void refuse(struct config_reader *reader, config_setting_t *entry, const char *const *names,
-                   const char *why) {
-    for (int i = 0; names[i]; i++)
-        if (config_setting_get_member(entry, names[i]))
-            config_fail(reader, config_setting_get_member(entry, names[i]), "%s: %s", names[i],
-                        why);
 }
 
 /* Adds `count` wisps like `wisp`; returns the first, or NULL where memory cannot be had. */
@@ -98,14 +62,10 @@ static void add_grid(struct config_reader *reader, struct scene *scene, const st
 
 static void read_rooted(struct config_reader *reader, config_setting_t *entry, struct wisp *wisp,
                         struct scene *scene) {
-    static const char *const of_scalps[] = {"count", "crown", NULL};
     struct grid grid;
-    refuse(reader, entry, of_scalps, "belongs to a scalp; give scalp = \"name of a body\" too");
-    config_vector(reader, entry, "root", wisp->root);
-    config_vector(reader, entry, "direction", wisp->direction);
     read_grid(reader, entry, &grid);
     if (!reader->failed)
-        normalise(reader, entry, "direction", wisp->direction);
+        setting_normalise(reader, entry, "direction", wisp->direction);
     if (!reader->failed)
         add_grid(reader, scene, wisp, &grid);
 }
@@ -115,7 +75,8 @@ static void read_rooted(struct config_reader *reader, config_setting_t *entry, s
 static const struct body *find_body(struct config_reader *reader, config_setting_t *entry,
                                     const struct scene *scene) {
     char name[BODY_NAME_SIZE];
-    visible_text(config_text(reader, entry, "scalp", ""), name, sizeof name); /* as the bodies' */
+    visible_text(setting_text(reader, entry, "wisps", "scalp", ""), name,
+                 sizeof name); /* as the bodies' */
     char names[REASON_SIZE] = "";
     for (int i = 0; i < scene->body_count; i++) {
         if (strcmp(scene->bodies[i].name, name) == 0)
@@ -174,17 +135,12 @@ static void add_scalp(struct config_reader *reader, config_setting_t *entry,
 /* Hair grows on top and behind, from above the forehead (towards +z) down to the nape. */
 static void read_scalp(struct config_reader *reader, config_setting_t *entry,
                        const struct wisp *wisp, struct scene *scene) {
-    static const char *const of_others[] = {"root", "direction", "grid", "spacing", "across", NULL};
-    double crown[3] = {0, 1, -1};
-    refuse(reader, entry, of_others, "a scalp has roots and directions of its own; leave it out");
+    double crown[3];
     const struct body *body = find_body(reader, entry, scene);
-    const double count = config_required(reader, entry, "count", WHOLE);
-    if (count < 1 || count > SCALP_WISPS_MAX)
-        config_fail(reader, config_setting_get_member(entry, "count"),
-                    "count: %g is not a whole number from 1 to %d", count, SCALP_WISPS_MAX);
-    config_numbers(reader, entry, "crown", 3, 3, crown);
+    const double count = setting_number(reader, entry, "wisps", "count");
+    setting_numbers(reader, entry, "wisps", "crown", crown);
     if (!reader->failed)
-        normalise(reader, entry, "crown", crown);
+        setting_normalise(reader, entry, "crown", crown);
     if (!reader->failed)
         add_scalp(reader, entry, body, crown, (int)count, wisp, scene);
 }
@@ -193,20 +149,12 @@ static void read_scalp(struct config_reader *reader, config_setting_t *entry,
 
 static void read_entry(struct config_reader *reader, config_setting_t *entry,
                        const struct wisp *material, struct scene *scene) {
-    static const char *const known[] = {"root",   "direction", "length", "nodes", "grid", "spacing",
-                                        "across", "scalp",     "count",  "crown", NULL};
     struct wisp wisp = *material;
     if (!config_setting_is_group(entry)) {
         config_fail(reader, entry, "wisps: each entry must be a group in braces");
         return;
     }
-    config_known(reader, entry, known);
-    wisp.length = config_required(reader, entry, "length", POSITIVE);
-    const double nodes = config_required(reader, entry, "nodes", WHOLE);
-    if (nodes < 3 || nodes > 10000)
-        config_fail(reader, config_setting_get_member(entry, "nodes"),
-                    "nodes: %g is not a whole number from 3 to 10000", nodes);
-    wisp.nodes = reader->failed ? 0 : (int)nodes;
+    settings_read(reader, entry, "wisps", &wisp);
     if (config_setting_get_member(entry, "scalp"))
         read_scalp(reader, entry, &wisp, scene);
     else
@@ -215,12 +163,7 @@ static void read_entry(struct config_reader *reader, config_setting_t *entry,
 
 void scene_read_roots(struct config_reader *reader, config_setting_t *top,
                       const struct wisp *material, struct scene *scene) {
-    config_setting_t *wisps = config_setting_get_member(top, "wisps");
-    if (!wisps || !config_setting_is_list(wisps) || config_setting_length(wisps) == 0) {
-        config_fail(reader, wisps ? wisps : top,
-                    "wisps: must be a list of groups, ( { root = ...; }, ... )");
-        return;
-    }
-    for (int i = 0; i < config_setting_length(wisps) && !reader->failed; i++)
+    config_setting_t *wisps = setting_list(reader, top, "", "wisps");
+    for (int i = 0; wisps && i < config_setting_length(wisps) && !reader->failed; i++)
         read_entry(reader, config_setting_get_elem(wisps, (unsigned)i), material, scene);
 }

@@ -5,21 +5,23 @@
 #include "base/table.h"
 #include "base/vector.h"
 #include "model/state.h"
+#include "setting_read.h"
 
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Of the head's nodes, m and m/s, for coordinates up to 1 m: a file of nine digits has 1e-9. */
+/* How far the head's nodes may be from the head, m and m/s, for coordinates up to 1 m: a file of
+ * nine digits has 1e-9. */
 static const double tolerance = 1e-6;
 
-/* A path is taken from the folder of the scene file. */
-static int start_path(const struct config_reader *reader, const char *name, char *path) {
-    const char *slash = strrchr(reader->file, '/');
+/* A path is taken from the folder of the scene file that says it. */
+static int start_path(const char *file, const char *name, char *path) {
+    const char *slash = strrchr(file, '/');
     if (name[0] == '/' || !slash)
         return path_format(path, "%s", name);
-    return path_format(path, "%.*s/%s", (int)(slash - reader->file), reader->file, name);
+    return path_format(path, "%.*s/%s", (int)(slash - file), file, name);
 }
 
 /* The largest difference in position or velocity of a row, relative to numbers beyond 1. */
@@ -109,12 +111,12 @@ static void take_states(struct config_reader *reader, const config_setting_t *se
 
 void scene_read_start(struct config_reader *reader, config_setting_t *top, struct scene *scene) {
     const config_setting_t *setting = config_setting_get_member(top, "start");
-    const char *name = config_text(reader, top, "start", NULL);
+    const char *name = setting_text(reader, top, "", "start", NULL);
     char path[PATH_SIZE], reason[REASON_SIZE];
     struct trajectory states;
     if (reader->failed || !name)
         return;
-    if (!*name || start_path(reader, name, path)) {
+    if (!*name || start_path(config_file_of(reader, setting), name, path)) {
         config_fail(reader, setting, "start: must be the path of a file, from the scene's folder");
         return;
     }

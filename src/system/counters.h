@@ -9,12 +9,14 @@
     X(steps, "accepted steps")                                                              \
     X(rejected_steps, "steps tried and thrown away by an error test or a failed iteration") \
     X(force_evaluations, "accelerations computed")                                          \
+    X(time_rates, "rates of accelerations in time computed")                                \
     X(linearisations, "states at which the Jacobians were computed")                        \
     X(jacobian_products, "products of a combination of M, D and K with a vector")           \
     X(assemblies, "combinations of M, D and K written out as a sparse matrix")              \
     X(factorisations, "combinations of M, D and K factorised")                              \
     X(linear_solves, "linear systems solved")                                               \
     X(part_solves, "linear systems with a part of the forces made and solved")              \
+    X(sweeps, "sweeps over the springs as constraints")                                     \
     X(linear_iterations, "iterations of an iterative linear solver")                        \
     X(newton_iterations, "iterations of a nonlinear solver, of a wisp until it converges")  \
     X(projections, "states put back onto their constraint")                                 \

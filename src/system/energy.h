@@ -9,7 +9,8 @@
     X(stretch, "elastic energy of the stretch springs")                          \
     X(bending, "elastic energy of the bending law")                              \
     X(envelope, "elastic energy of the samples' springs, in penalty across the " \
-                "half-lines too")
+                "half-lines too")                                                \
+    X(bodies, "elastic energy in bodies that push by penalty")
 
 /* X(name, meaning). What changes the sum of the above while the motion is smooth, W; its works, J.
  * Together they are the sum's derivative by time along the model's accelerations. */
@@ -21,7 +22,9 @@
     X(style, "the style field")                                                                  \
     X(head, "what the nodes that follow the head put in through the springs")                    \
     X(treatment, "what the treatment of the half-lines adds where it does not conserve energy; " \
-                 "in penalty mostly what dampers across the half-lines take as these turn")
+                 "in penalty mostly what dampers across the half-lines take as these turn")      \
+    X(body_damping, "damping and friction of bodies that push by penalty")                       \
+    X(bodies, "what bodies that push by penalty put in as they move")
 
 struct energies {
 #define X(name, meaning) double name;

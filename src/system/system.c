@@ -4,6 +4,7 @@
 
 #include <stdarg.h>
 #include <stdio.h>
+#include <string.h>
 
 /* Does something, and adds its time to the profile where there is one. */
 #define TIMED(s, call, what)                                         \
@@ -66,6 +67,29 @@ int system_solve_part(struct system *s, const struct part_equation *equation, do
     s->counters.part_solves += asked(s);
     TIMED(s, solve_part, code = s->ops->solve_part(s->ctx, equation, x));
     return code;
+}
+
+void system_time_rate(struct system *s, double t, const double *q, const double *v, double *rate) {
+    if (!s->ops->time_rate) {
+        memset(rate, 0, (size_t)s->size * sizeof *rate);
+        return;
+    }
+    s->counters.time_rates += asked(s);
+    TIMED(s, time_rate, s->ops->time_rate(s->ctx, t, q, v, rate));
+}
+
+int system_without_springs(struct system *s, double t, const double *q, const double *v,
+                           double *a) {
+    int code;
+    s->counters.force_evaluations += s->wisps;
+    TIMED(s, without_springs, code = s->ops->without_springs(s->ctx, t, q, v, a));
+    return code;
+}
+
+void system_sweep_springs(struct system *s, double t, double h, const double *q, double *x,
+                          double *multipliers) {
+    s->counters.sweeps += s->wisps;
+    TIMED(s, sweep_springs, s->ops->sweep_springs(s->ctx, t, h, q, x, multipliers));
 }
 
 void system_assemble(struct system *s, double alpha, double beta, double *values) {

@@ -34,8 +34,9 @@ enum matrix_property {
 enum force_part {
     FORCES_STRETCH, /* what keeps neighbours at their distance, along the line between them */
     FORCES_AXIAL,   /* and all other springs, along theirs */
-    FORCES_FULL,    /* all that JACOBIAN_SPD has, but for the transverse stiffness of springs */
-    FORCES_SPD,     /* and that */
+    FORCES_FULL, /* all that JACOBIAN_SPD has, but for the transverse stiffness of springs: hinges
+                    too, the envelope, bodies that push by penalty */
+    FORCES_SPD,  /* and that */
     FORCE_PARTS,
 };
 
@@ -86,6 +87,20 @@ struct system_ops {
      * and factor have prepared is left alone. The first call may be refused memory. */
     int (*solve_part)(void *ctx, const struct part_equation *equation, double *x);
 
+    /* rate <- how a changes with time where q and v stay, at the state and time of the last
+     * acceleration, which are given again, and on the same condition as solve_part; all lanes are
+     * at t. NULL: it does not, or there are no Jacobians. */
+    void (*time_rate)(void *ctx, double t, const double *q, const double *v, double *rate);
+
+    /* For methods that treat springs, and hinges, as constraints: `without_springs` is the
+     * acceleration without them, `sweep_springs` a Gauss-Seidel sweep over them, as constraints
+     * with their stiffnesses and dampings, of a step of h that began at q, ends at t and has come
+     * to x. It changes x and their multipliers, of which there are system->springs, 0 before the
+     * first sweep, and has the masses of the last `without_springs`. */
+    int (*without_springs)(void *ctx, double t, const double *q, const double *v, double *a);
+    void (*sweep_springs)(void *ctx, double t, double h, const double *q, double *x,
+                          double *multipliers);
+
     /* Writes M - alpha D - beta K into `values`, in the order of system->pattern. */
     void (*assemble)(void *ctx, double alpha, double beta, double *values);
 
@@ -99,7 +114,17 @@ struct system_ops {
 
 /* The calls to a model, for profiles. */
 #define SYSTEM_CALLS(X) \
-    X(acceleration) X(project) X(linearise) X(product) X(factor) X(solve) X(solve_part) X(assemble)
+    X(acceleration)     \
+    X(project)          \
+    X(linearise)        \
+    X(product)          \
+    X(factor)           \
+    X(solve)            \
+    X(solve_part)       \
+    X(time_rate)        \
+    X(without_springs)  \
+    X(sweep_springs)    \
+    X(assemble)
 
 /* Seconds of wall time spent in each; only where a profile was asked for, since reading a clock
  * costs a tenth of an evaluation. */
@@ -110,7 +135,7 @@ struct profile {
 };
 
 /* The most wisps that any system has side by side. */
-enum { LANES_MOST = 4 };
+enum { LANES_MOST = 8 };
 
 struct system {
     const struct system_ops *ops;
@@ -121,7 +146,7 @@ struct system {
     int wisps;          /* wisps that count: lanes without the padding */
     const int *numbers; /* of the wisps in the lanes, for messages; or NULL */
 
-    /* Of a method whose lanes have steps of their own, while it asks for something: */
+    /* Set by a method whose lanes have steps of their own, while it asks for something: */
     const double *times; /* by lane, in place of the t that is given; NULL: all are at t */
     unsigned waiting;    /* lanes that it does not ask about, and that are not counted; their
                             numbers are those of a state that was reached */
@@ -130,6 +155,7 @@ struct system {
     const char *matrix_note;         /* why the matrix is not symmetric, or NULL */
     unsigned force_parts;            /* that solve_part takes, bit k for part k; 0: none */
     enum force_part stiff_part;      /* the least of them that has all that may be stiff */
+    int springs;                     /* multipliers of sweep_springs; 0: it has no such springs */
     int unprojected;                 /* steps leave the state off the constraint that there is */
     double from, until;              /* of the smooth motion being advanced over, s: prescribed
                                         functions of time with a jump at an end have there what they
@@ -150,6 +176,10 @@ void system_product(struct system *s, double m, double d, double k, const double
 int system_factor(struct system *s, double alpha, double beta);
 void system_solve(struct system *s, const double *b, double *x);
 int system_solve_part(struct system *s, const struct part_equation *equation, double *x);
+void system_time_rate(struct system *s, double t, const double *q, const double *v, double *rate);
+int system_without_springs(struct system *s, double t, const double *q, const double *v, double *a);
+void system_sweep_springs(struct system *s, double t, double h, const double *q, double *x,
+                          double *multipliers);
 void system_assemble(struct system *s, double alpha, double beta, double *values);
 
 /* Whether a projection onto a constraint belongs to every step. */

@@ -1,19 +1,18 @@
 #include "body.h"
 
+#include "base/vector.h"
+#include "ellipsoid.h"
+
 #include <float.h>
 #include <math.h>
 #include <string.h>
 
 enum { PASSES = 4 };
 
-/* Of R: no sample comes nearer to its node. */
+/* A fraction of R: no sample comes nearer to its node. */
 static const double least_distance = 1e-3;
 
 /* --- small vectors --- */
-
-static double dot(const double a[3], const double b[3]) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 static void subtract(const double a[3], const double b[3], double c[3]) {
     for (int k = 0; k < 3; k++)
@@ -24,10 +23,6 @@ static void subtract(const double a[3], const double b[3], double c[3]) {
 static void combine(const double a[3], double s, const double b[3], double c[3]) {
     for (int k = 0; k < 3; k++)
         c[k] = a[k] + s * b[k];
-}
-
-static double largest(const double a[3]) {
-    return fmax(fabs(a[0]), fmax(fabs(a[1]), fabs(a[2])));
 }
 
 /* --- where a body is --- */
@@ -45,7 +40,7 @@ struct body_motion body_motion(const struct body *body, const struct placement *
     memcpy(motion.axes, head->turn[0], sizeof motion.axes);
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
-            turning[i][j] = dot(head->turn[1][i], head->turn[0][j]);
+            turning[i][j] = vector_dot(head->turn[1][i], head->turn[0][j]);
     motion.spin[0] = turning[2][1];
     motion.spin[1] = turning[0][2];
     motion.spin[2] = turning[1][0];
@@ -79,15 +74,14 @@ static void surface_velocity(const struct body_motion *motion, const double x[3]
     v[2] = motion->velocity[2] + (w[0] * x[1] - w[1] * x[0]);
 }
 
-/* A vector of the world along the body's axes, and back. */
-static void to_axes(const struct body_motion *motion, const double x[3], double y[3]) {
+void body_to_axes(const struct body_motion *motion, const double x[3], double y[3]) {
     for (int k = 0; k < 3; k++)
         y[k] = motion->axes[0][k] * x[0] + motion->axes[1][k] * x[1] + motion->axes[2][k] * x[2];
 }
 
 static void from_axes(const struct body_motion *motion, const double y[3], double x[3]) {
     for (int k = 0; k < 3; k++)
-        x[k] = dot(motion->axes[k], y);
+        x[k] = vector_dot(motion->axes[k], y);
 }
 
 /* The ellipsoid reaches |(R_1 a_1, R_2 a_2, R_3 a_3)| along an axis of the world whose components
@@ -99,83 +93,11 @@ void body_box(const struct body *body, const struct body_motion *motion, double 
         const double *a = motion->axes[k], *centre = motion->centre;
         const double reach = hypot(hypot(radii[0] * a[0], radii[1] * a[1]), radii[2] * a[2]);
         const double half =
-            reach * (1 + 1e-9) + 1e-14 * (largest(centre) + largest(radii)); /* of p - c, turned */
+            reach * (1 + 1e-9) +
+            1e-14 * (vector_largest(centre) + vector_largest(radii)); /* of p - c, turned */
         box[k] = centre[k] - half;
         box[3 + k] = centre[k] + half;
     }
-}
-
-/* --- the ellipsoid --- */
-
-/* In coordinates x_k / R_k it is the unit sphere. */
-static void to_sphere(const double radii[3], const double x[3], double y[3]) {
-    for (int k = 0; k < 3; k++)
-        y[k] = x[k] / radii[k];
-}
-
-int ellipsoid_contains(const double radii[3], const double x[3]) {
-    double y[3];
-    to_sphere(radii, x, y);
-    return dot(y, y) < 1;
-}
-
-/* x_k / R_k^2, in units in which neither squares nor sums overflow or vanish. */
-void ellipsoid_normal(const double radii[3], const double x[3], double normal[3]) {
-    double y[3];
-    int smallest = 0;
-    for (int k = 1; k < 3; k++)
-        if (radii[k] < radii[smallest])
-            smallest = k;
-    to_sphere(radii, x, y);
-    for (int k = 0; k < 3; k++)
-        normal[k] = y[k] * (radii[smallest] / radii[k]);
-    const double most = largest(normal);
-    if (most == 0) {
-        memset(normal, 0, 3 * sizeof *normal);
-        normal[smallest] = 1;
-        return;
-    }
-    for (int k = 0; k < 3; k++)
-        normal[k] /= most;
-    const double length = sqrt(dot(normal, normal));
-    for (int k = 0; k < 3; k++)
-        normal[k] /= length;
-}
-
-/* The line y + s e in the sphere's coordinates, e scaled to a largest component of 1: crossings are
- * where a s^2 + 2 b s + c = 0. */
-struct line {
-    double a, b, c;
-    double unit; /* of s, in ||d|| */
-    double miss; /* ||y x e||^2: a^(1/2) times the line's distance from the centre, squared */
-};
-
-static struct line line_through(const double radii[3], const double x[3], const double d[3]) {
-    double y[3], e[3];
-    to_sphere(radii, x, y);
-    to_sphere(radii, d, e);
-    const double most = largest(e);
-    for (int k = 0; k < 3; k++)
-        e[k] /= most;
-    const double n[3] = {y[1] * e[2] - y[2] * e[1], y[2] * e[0] - y[0] * e[2],
-                         y[0] * e[1] - y[1] * e[0]};
-    return (struct line){dot(e, e), dot(y, e), dot(y, y) - 1, 1 / most, dot(n, n)};
-}
-
-/* Each root in the form that subtracts no equals. */
-double ellipsoid_exit(const double radii[3], const double x[3], const double d[3]) {
-    const struct line l = line_through(radii, x, d);
-    const double c = fmin(l.c, 0), root = sqrt(l.b * l.b - l.a * c);
-    return l.unit * (l.b > 0 ? -c / (l.b + root) : (root - l.b) / l.a);
-}
-
-/* b^2 - a c = a - ||y x e||^2: where the line grazes, the first cancels. */
-double ellipsoid_entry(const double radii[3], const double x[3], const double d[3]) {
-    const struct line l = line_through(radii, x, d);
-    const double discriminant = l.a - l.miss;
-    if (l.b >= 0 || discriminant < 0)
-        return INFINITY;
-    return l.unit * (fmax(l.c, 0) / (sqrt(discriminant) - l.b));
 }
 
 /* --- nodes --- */
@@ -194,7 +116,7 @@ static int holds(const struct body *body, const struct body_motion *motion, cons
                  double x[3]) {
     double from[3];
     subtract(p, motion->centre, from);
-    to_axes(motion, from, x);
+    body_to_axes(motion, from, x);
     return ellipsoid_contains(body->radii, x);
 }
 
@@ -213,7 +135,7 @@ static void exit_point(const struct body *body, const double x[3], const double 
                        double out[3]) {
     double g[3], back[3] = {-u[0], -u[1], -u[2]};
     ellipsoid_normal(body->radii, x, g);
-    if (!body->moves && dot(u, g) < 0) {
+    if (!body->moves && vector_dot(u, g) < 0) {
         const double s = ellipsoid_exit(body->radii, x, back); /* in units of ||u||: seconds */
         if (s <= dt) {
             combine(x, s, back, out);
@@ -230,7 +152,7 @@ static void exit_point(const struct body *body, const double x[3], const double 
  * comes to rest.) */
 static void bounce(const struct body *body, const double u[3], const double n[3], double lift,
                    double dt, double dv[3]) {
-    const double across = dot(u, n), kept = exp(-body->friction * dt);
+    const double across = vector_dot(u, n), kept = exp(-body->friction * dt);
     const double back = body->elasticity * sqrt(fmax(0, across * across + 2 * lift));
     for (int k = 0; k < 3; k++) {
         const double along = u[k] - across * n[k];
@@ -241,7 +163,8 @@ static void bounce(const struct body *body, const double u[3], const double n[3]
 /* With a small offset rounding could leave a node a hair inside, and friction would act twice. */
 static void leave(const struct body *body, const struct body_motion *motion, const double p[3],
                   const double n[3], double dp[3]) {
-    double step = DBL_EPSILON * (largest(motion->centre) + largest(p) + largest(dp));
+    double step =
+        DBL_EPSILON * (vector_largest(motion->centre) + vector_largest(p) + vector_largest(dp));
     for (int i = 0; i < 64; i++, step *= 2) {
         double there[3], x[3];
         combine(p, 1, dp, there);
@@ -267,12 +190,12 @@ static int push_node(struct strand *strand, int node, const struct body *body,
     if (!holds(body, motion, strand->p[node], x))
         return 0;
     relative_velocity(motion, strand->p[node], strand->v[node], relative);
-    to_axes(motion, relative, u);
-    to_axes(motion, tick->gravity, g);
+    body_to_axes(motion, relative, u);
+    body_to_axes(motion, tick->gravity, g);
     exit_point(body, x, u, tick->dt, out);
     ellipsoid_normal(body->radii, out, n);
     subtract(out, x, by);
-    bounce(body, u, n, dot(g, by), tick->dt, change);
+    bounce(body, u, n, vector_dot(g, by), tick->dt, change);
     combine(out, body->offset, n, out);
     subtract(out, x, by);
     from_axes(motion, by, dp);
@@ -324,7 +247,7 @@ static int pull_sample(struct strand *strand, int node, int sample, const struct
     double line[3], a[3], from[3], x[3], end[3], u[3];
     strand_half_line(strand, node, sample, line);
     holds(body, motion, strand->p[node], from);
-    to_axes(motion, line, a);
+    body_to_axes(motion, line, a);
     combine(from, r, a, x);
     if (r <= 0 || !ellipsoid_contains(body->radii, x))
         return 0;
@@ -333,7 +256,7 @@ static int pull_sample(struct strand *strand, int node, int sample, const struct
     /* a crossing beyond r, or none, is rounding where the line grazes */
     const double r1 = fmin(ellipsoid_entry(body->radii, from, a), r);
     strand_set_sample(strand, node, sample, fmax(r1, least_distance * strand->wisp->radius),
-                      fmin(strand->rate[at], -dot(u, line)));
+                      fmin(strand->rate[at], -vector_dot(u, line)));
     return 1;
 }
 

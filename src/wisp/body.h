@@ -7,6 +7,10 @@
 
 enum { BODIES_MAX = 64, BODY_NAME_SIZE = 64 };
 
+/* When a body acts on what is inside it: at ticks, where it puts nodes and samples outside; or at
+ * all times, as an acceleration that pushes them (Plante 1999, section 3.1, of others' heads). */
+enum body_response { RESPONSE_TICK, RESPONSE_PENALTY };
+
 struct body {
     char name[BODY_NAME_SIZE];
     double centre[3];   /* at t = 0 as the head rests, m */
@@ -14,8 +18,11 @@ struct body {
     double velocity[3]; /* with respect to the head and along its axes, constant, m/s */
     int moves;          /* whether the scene says so, by a velocity, also of 0, or by a head */
     double friction;    /* at which what is along the surface slows down, 1/s */
-    double elasticity;  /* of what is across it: 0 nothing comes back, 1 all */
-    double offset;      /* above the surface at which a node is put down, m */
+    enum body_response response;
+    double elasticity;    /* at ticks, of what is across it: 0 nothing comes back, 1 all */
+    double offset;        /* at ticks: above the surface at which a node is put down, m */
+    double frequency;     /* by penalty: of a point on its spring along the least radius, Hz */
+    double damping_ratio; /* by penalty: of that */
 };
 
 /* --- where a body is --- */
@@ -29,10 +36,13 @@ struct body_motion {
 /* At time t, the head being at `head` then: bodies move with it. */
 struct body_motion body_motion(const struct body *body, const struct placement *head, double t);
 
+/* A vector of the world along the body's axes. */
+void body_to_axes(const struct body_motion *motion, const double x[3], double y[3]);
+
 /* The box around a body, least x y z and most x y z, for kernel_near. */
 void body_box(const struct body *body, const struct body_motion *motion, double box[6]);
 
-/* The same as the kernel wants it. */
+/* A body as the kernel wants it. */
 struct obstacle {
     double centre[3], radii[3];  /* m */
     double axes[3][3];           /* by radius: its direction */
@@ -42,20 +52,6 @@ struct obstacle {
     double velocity[3], spin[3]; /* of the centre, and about it, m/s, rad/s */
 };
 struct obstacle body_obstacle(const struct body *body, const struct body_motion *motion);
-
-/* --- the ellipsoid, seen from its centre along its axes --- */
-
-int ellipsoid_contains(const double radii[3], const double x[3]);
-
-/* The outward normal of the shell (scaled ellipsoid) through x; at the centre the positive axis of
- * smallest radius, the first on ties. */
-void ellipsoid_normal(const double radii[3], const double x[3], double normal[3]);
-
-/* Distance in units of ||d|| from a point inside to the surface along d. */
-double ellipsoid_exit(const double radii[3], const double x[3], const double d[3]);
-
-/* Likewise from a point outside to the first crossing; INFINITY where there is none ahead. */
-double ellipsoid_entry(const double radii[3], const double x[3], const double d[3]);
 
 /* How deep a point of the world is in a body, along the normal of the shell through it, m; negative
  * where it is not in it. */

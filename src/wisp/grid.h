@@ -1,49 +1,47 @@
-/* Points in the cells of a uniform grid, to be found again by box. Space is without bounds: cells
- * are kept by hash, and memory goes with the number of points alone. */
+/* Points in the cells of a uniform grid, to be found again near a line. Space is without bounds:
+ * cells are kept by hash, and memory goes with the number of points alone. */
 #ifndef WISPLAB_GRID_H
 #define WISPLAB_GRID_H
 
 struct grid;
-enum { GRID_RUNS_MAX = 128, GRID_BATCH = 256 };
 
 /* NULL where memory cannot be had. */
 struct grid *grid_create(void);
 void grid_free(struct grid *grid);
 
-/* Takes the place of what was there; `cell` is a cell's side, m; workers share what can be shared
- * (NULL: nobody does). Returns 0, or -1 where memory cannot be had. Memory is kept for the next
- * time. */
-struct workers;
-int grid_fill(struct grid *grid, double cell, const double (*points)[3], int count,
-              struct workers *workers);
-
-/* Points as they stand in the grid, those of a cell side by side; until the grid is filled again.
- */
-struct grid_slots {
-    const double *x[3];   /* by axis and slot, m */
-    const double *number; /* of the point, by slot */
+struct grid_points {
+    const double *x; /* of each point three numbers, m, */
+    int stride;      /* so many numbers from point to point */
+    int count;
+    double cell;   /* a cell's side, m */
+    double box[6]; /* least x y z, most x y z of where it is searched, for speed alone */
 };
-static inline int grid_point(const struct grid_slots *slots, int slot) {
-    return (int)slots->number[slot];
-}
-struct grid_slots grid_slots(const struct grid *grid);
 
-/* A search for the points in a box, borders included, but for those numbered except[0] to before
- * except[1]. It has all that it needs in itself: threads may search at the same time. */
+/* Takes the place of what was there; workers share what can be shared (NULL: nobody does). Returns
+ * 0, or -1 where memory cannot be had. Memory is kept for the next time. */
+struct workers;
+int grid_fill(struct grid *grid, const struct grid_points *points, struct workers *workers);
+
+/* What is asked for: the points d from `from` that are no further than `reach` from the line along
+ * `axis` (a unit vector) and between two planes, d.side[0] >= -slack and d.side[1] <= length +
+ * slack, and in the box from `low` to `high`; but for those numbered except[0] to before except[1].
+ * All m. */
 struct grid_search {
+    double from[3], axis[3], side[2][3];
+    double reach, length, slack;
     double low[3], high[3];
     int except[2];
-    int run, from; /* where it stands */
-    struct grid_runs {
-        int count;
-        int from[GRID_RUNS_MAX], to[GRID_RUNS_MAX]; /* slots, ascending: to before */
-    } runs;
 };
-void grid_begin(const struct grid *grid, const double low[3], const double high[3],
-                const int except[2], struct grid_search *search);
 
-/* Writes slots of points found, each once in all calls, in no useful order. Returns how many: 0
- * once there are no more. */
-int grid_next(const struct grid *grid, struct grid_search *search, int found[GRID_BATCH]);
+/* Numbers of points; memory that only grows, to be freed by who has it. */
+struct grid_found {
+    int *number;
+    int count, room;
+};
+
+/* Appends the numbers of all such points, each once and ascending, and of some more that are very
+ * nearly so or as near to the box as a cell is wide. For different `found` from different threads.
+ * Returns 0, or -1 where memory cannot be had. */
+int grid_find(const struct grid *grid, const struct grid_search *search, struct grid_found *found);
 
 #endif

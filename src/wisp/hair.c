@@ -1,11 +1,11 @@
 #include "hair.h"
 
+#include "base/hash.h"
 #include "base/vector.h"
 #include "section.h"
 
 #include <gsl/gsl_randist.h>
 #include <gsl/gsl_rng.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -16,19 +16,15 @@ static const double shortest = 0.9; /* of the wisp's length */
 
 /* --- places --- */
 
-/* Fowler-Noll-Vo 1a. Adding 0 makes one zero of the two. */
+/* Adding 0 makes one zero of the two. */
 static uint64_t hash_number(uint64_t hash, double x) {
-    unsigned char bytes[sizeof x];
     x += 0;
-    memcpy(bytes, &x, sizeof x);
-    for (size_t i = 0; i < sizeof x; i++)
-        hash = (hash ^ bytes[i]) * 0x100000001b3u;
-    return hash;
+    return hash_add(hash, &x, sizeof x);
 }
 
 /* 32 bits are what the generator takes. */
 static unsigned long identity(const struct wisp *wisp, double seed) {
-    uint64_t hash = hash_number(0xcbf29ce484222325u, seed);
+    uint64_t hash = hash_number(HASH_START, seed);
     for (int k = 0; k < 3; k++)
         hash = hash_number(hash, wisp->root[k]);
     for (int k = 0; k < 3; k++)
@@ -98,34 +94,46 @@ int hair_share_has(struct hair_share share, int hair) {
 
 /* --- in the section --- */
 
-/* Each coordinate by the distance of the sample on its side: disc to four quarters of ellipses,
- * which are the envelope. */
-static void by_coordinates(const struct strand *strand, int node, const double place[2],
-                           double position[2]) {
-    position[0] = place[0] * section_radius(strand, node, place[0] < 0 ? 2 : 0);
-    position[1] = place[1] * section_radius(strand, node, place[1] < 0 ? 3 : 1);
+/* A place as first a_j + second a_(j+1), j being the sample before it or a guess that is one off.
+ */
+struct wedge {
+    int j, next;
+    double way[2][2];     /* a_j and a_(j+1) */
+    double first, second; /* none is negative in the wedge that has the place */
+};
+
+/* Barycentric coordinates with the plane's origin as third base (figure 4.5 of the thesis). What
+ * one wedge has as `first` its neighbour has as `second` with the other sign, to the bit. */
+static void split(int samples, int j, const double place[2], struct wedge *w) {
+    w->j = (j + samples) % samples;
+    w->next = (w->j + 1) % samples;
+    wisp_sample_way(samples, w->j, w->way[0]);
+    wisp_sample_way(samples, w->next, w->way[1]);
+    const double *a = w->way[0], *b = w->way[1], sine = a[0] * b[1] - a[1] * b[0];
+    w->first = (place[0] * b[1] - place[1] * b[0]) / sine;
+    w->second = (a[0] * place[1] - a[1] * place[0]) / sine;
 }
 
-/* Both by a distance that is linear in the angle between two samples. */
-static void by_angle(const struct strand *strand, int node, const double place[2],
-                     double position[2]) {
-    const int samples = strand->wisp->samples;
+static struct wedge wedge_of(int samples, const double place[2]) {
     const double turn = atan2(place[1], place[0]) / (2 * M_PI); /* from -1/2 to 1/2 */
-    const double at = (turn < 0 ? turn + 1 : turn) * samples;
-    const int j = (int)at < samples ? (int)at : samples - 1; /* turn + 1 may round to 1 */
-    const double r0 = section_radius(strand, node, j),
-                 r1 = section_radius(strand, node, (j + 1) % samples);
-    const double r = r0 + (at - j) * (r1 - r0);
-    position[0] = r * place[0];
-    position[1] = r * place[1];
+    struct wedge w;
+    split(samples, (int)floor(turn * samples), place, &w);
+    if (w.first < 0)
+        split(samples, w.j + 1, place, &w);
+    else if (w.second < 0)
+        split(samples, w.j - 1, place, &w);
+    return w;
 }
 
+/* Each of a place's two parts grows with the sample on whose line it is (figure 4.6): with four
+ * samples, each of its coordinates (figure 4.4). */
 void hair_position(const struct strand *strand, int node, const double place[2],
                    double position[2]) {
-    if (strand->wisp->samples == 4)
-        by_coordinates(strand, node, place, position);
-    else
-        by_angle(strand, node, place, position);
+    const struct wedge w = wedge_of(strand->wisp->samples, place);
+    const double first = w.first * section_radius(strand, node, w.j),
+                 second = w.second * section_radius(strand, node, w.next);
+    for (int k = 0; k < 2; k++)
+        position[k] = first * w.way[0][k] + second * w.way[1][k];
 }
 
 void hair_controls(const struct strand *strand, const double (*place)[2], double (*controls)[3]) {

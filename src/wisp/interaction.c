@@ -1,59 +1,10 @@
-#include "interaction.h"
-
 #include "base/vector.h"
-#include "grid.h"
-#include "section.h"
+#include "interaction_parts.h"
+#include "response.h"
 
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* A section with what its responses need to know. */
-struct volume {
-    struct section section;
-    int strand;
-    double density;    /* chi */
-    int first_contact; /* first of its contacts, which end where the next one's begin */
-};
-
-/* A free node with its samples. Sections and free nodes of a wisp are equal in number: node i + 1
- * has the number of section (i, i + 1), which it ends. Points are numbered node by node, each
- * before its samples. */
-struct node {
-    double v[3];                 /* V: the mean of its own velocity and its samples', m/s */
-    double direction[3];         /* w */
-    double yield[2];             /* 1 / mass: of all of it, of one sample, 1/kg */
-    const double (*sample_v)[3]; /* its samples', m/s */
-    int strand, index;
-};
-
-/* Some wisps after each other: a task for a thread. */
-struct share {
-    int from, to; /* strands, to before */
-    int count, room;
-    struct contact *contact; /* of their sections */
-    int failed;              /* no memory for those */
-    double sides;            /* of their sections, see cell_side, m */
-};
-enum { SHARES = 32 };
-
-struct interaction {
-    struct interaction_settings settings;
-    struct workers *workers;
-    struct grid *grid;
-    int volume_count, point_count, contact_count;
-    int strand_room, volume_room, point_room, contact_room;
-    struct strand *const *strand; /* of the tick */
-    int node_points;              /* of a node: 1 and its samples */
-    int *first;                   /* by strand: number of its first section and first free node */
-    struct volume *volume;        /* by section */
-    struct node *node;            /* by section */
-    double (*x)[3];               /* by point, m */
-    double (*dv)[3];              /* by point: what corrections add up to, m/s */
-    int *shares;                  /* by point: corrections in which it takes part */
-    struct contact *contact;
-    struct share share[SHARES];
-};
 
 /* --- memory that only grows --- */
 
@@ -73,14 +24,15 @@ void interaction_free(struct interaction *it) {
     if (!it)
         return;
     grid_free(it->grid);
-    for (int i = 0; i < SHARES; i++)
+    for (int i = 0; i < SHARES; i++) {
         free(it->share[i].contact);
+        free(it->share[i].found.number);
+    }
     free(it->first);
     free(it->volume);
     free(it->node);
-    free(it->x);
-    free(it->dv);
-    free(it->shares);
+    free(it->point);
+    free(it->push);
     free(it->contact);
     free(it);
 }
@@ -104,13 +56,11 @@ static int make_room(struct interaction *it, int strands, int volumes, int point
         it->volume_room = it->volume && it->node ? volumes : 0;
     }
     if (points > it->point_room) {
-        free(it->x);
-        free(it->dv);
-        free(it->shares);
-        it->x = malloc((size_t)points * sizeof *it->x);
-        it->dv = malloc((size_t)points * sizeof *it->dv);
-        it->shares = malloc((size_t)points * sizeof *it->shares);
-        it->point_room = it->x && it->dv && it->shares ? points : 0;
+        free(it->point);
+        free(it->push);
+        it->point = aligned_alloc(sizeof *it->point, (size_t)points * sizeof *it->point);
+        it->push = malloc((size_t)points * sizeof *it->push);
+        it->point_room = it->point && it->push ? points : 0;
     }
     return strands > it->strand_room || volumes > it->volume_room || points > it->point_room ? -1
                                                                                              : 0;
@@ -133,33 +83,49 @@ static int make_contact_room(struct contact **contact, int *room, size_t need) {
 
 /* Masses of a node, the same for all of a wisp but the last. */
 struct weights {
-    double own, each;              /* part of the node and of a sample in all of it */
-    double node_yield, each_yield; /* 1 / mass: of the node with its samples; of a sample, 1/kg */
+    double own, each; /* part of the node and of a sample in all of it */
+    double node_inverse_mass,
+        sample_inverse_mass; /* 1 / mass: of the node with its samples; of a sample, 1/kg */
 };
 
 static struct weights weights_of(const struct wisp *wisp, int node) {
     const double own = wisp_node_mass(wisp, node), each = wisp_sample_mass(wisp, node);
-    const double yield = 1 / (own + wisp->samples * each);
-    return (struct weights){own * yield, each * yield, yield, 1 / each};
+    const double inverse_mass = 1 / (own + wisp->samples * each);
+    return (struct weights){own * inverse_mass, each * inverse_mass, inverse_mass, 1 / each};
 }
 
-/* Node number `number` and its points. */
-static void add_node(struct interaction *it, int number, int index, int i,
-                     const struct weights *weights) {
+/* The points of node number `number`. */
+static void add_points(struct interaction *it, int number, int index, int i,
+                       const struct weights *weights) {
     const struct strand *strand = it->strand[index];
     const int samples = strand->wisp->samples;
-    double(*x)[3] = &it->x[(size_t)number * (size_t)it->node_points];
-    struct node *node = &it->node[number];
-    *node = (struct node){.yield = {weights->node_yield, weights->each_yield},
-                          .sample_v = (const double(*)[3]) & strand->ev[i * samples],
-                          .strand = index,
-                          .index = i};
-    memcpy(node->direction, strand->axis_w[i], sizeof node->direction);
-    memcpy(*x++, strand->p[i], sizeof *x);
-    memcpy(x, strand->e[i * samples], (size_t)samples * sizeof *x);
-    for (int j = 0; j < samples; j++)
-        vector_add(node->v, weights->each, strand->ev[i * samples + j]);
-    vector_add(node->v, weights->own, strand->v[i]);
+    struct contact_point *point = &it->point[(size_t)number * (size_t)it->node_points];
+    double v[3] = {0};
+    for (int j = 0; j < samples; j++) {
+        const int at = i * samples + j;
+        point[1 + j] = (struct contact_point){
+            .node = number, .sample = j, .inverse_mass = weights->sample_inverse_mass};
+        memcpy(point[1 + j].x, strand->e[at], sizeof strand->e[at]);
+        memcpy(point[1 + j].v, strand->ev[at], sizeof strand->ev[at]);
+        vector_add(v, weights->each, strand->ev[at]);
+    }
+    vector_add(v, weights->own, strand->v[i]);
+    *point = (struct contact_point){
+        .node = number, .sample = -1, .inverse_mass = weights->node_inverse_mass};
+    memcpy(point->x, strand->p[i], sizeof point->x);
+    memcpy(point->v, v, sizeof point->v);
+}
+
+static void point_share(void *ctx, int index) {
+    struct interaction *it = ctx;
+    const struct share *share = &it->share[index];
+    for (int s = share->from; s < share->to; s++) {
+        const struct wisp *wisp = it->strand[s]->wisp;
+        const int last = wisp->nodes - 1;
+        const struct weights inner = weights_of(wisp, 2), end = weights_of(wisp, last);
+        for (int i = 2; i <= last; i++)
+            add_points(it, it->first[s] + i - 2, s, i, i < last ? &inner : &end);
+    }
 }
 
 static void add_section(struct interaction *it, int number, int index, int i) {
@@ -180,35 +146,55 @@ static double side_of(const struct section *section) {
     const struct wisp *wisp = section->strand->wisp;
     const double rest = wisp_spacing(wisp) + 2 * wisp->radius;
     double side = section->usable ? 0 : rest;
-    for (int k = 0; k < 3 && section->usable; k++)
-        side = fmax(side, section->high[k] - section->low[k]);
-    return fmin(side, 8 * rest);
+    for (int k = 0; k < 3 && section->usable; k++) {
+        const double length = section->high[k] - section->low[k];
+        side = length > side ? length : side;
+    }
+    return side < 8 * rest ? side : 8 * rest;
 }
 
-static double cell_side(const struct interaction *it) {
-    double sum = 0;
-    for (int i = 0; i < SHARES; i++)
-        sum += it->share[i].sides;
-    return sum / it->volume_count;
+static const double nowhere[6] = {INFINITY, INFINITY, INFINITY, -INFINITY, -INFINITY, -INFINITY};
+
+/* Makes a box large enough for another. */
+static void widen(double box[6], const double low[3], const double high[3]) {
+    for (int k = 0; k < 3; k++) {
+        box[k] = low[k] < box[k] ? low[k] : box[k];
+        box[3 + k] = high[k] > box[3 + k] ? high[k] : box[3 + k];
+    }
+}
+
+static int fill_grid(struct interaction *it) {
+    struct grid_points points = {
+        .x = it->point[0].x, .stride = POINT_NUMBERS, .count = it->point_count};
+    memcpy(points.box, nowhere, sizeof nowhere);
+    for (int i = 0; i < SHARES; i++) {
+        points.cell += it->share[i].sides / it->volume_count;
+        widen(points.box, it->share[i].box, it->share[i].box + 3);
+    }
+    return grid_fill(it->grid, &points, it->workers);
 }
 
 static void gather_share(void *ctx, int index) {
     struct interaction *it = ctx;
     struct share *share = &it->share[index];
     share->sides = 0;
+    memcpy(share->box, nowhere, sizeof nowhere);
     for (int s = share->from; s < share->to; s++) {
         const struct wisp *wisp = it->strand[s]->wisp;
-        const int last = wisp->nodes - 1;
-        const struct weights inner = weights_of(wisp, 2), end = weights_of(wisp, last);
-        for (int i = 1, number = it->first[s]; i < last; i++, number++) {
+        for (int i = 1, number = it->first[s]; i < wisp->nodes - 1; i++, number++) {
             add_section(it, number, s, i);
-            add_node(it, number, s, i + 1, i + 1 < last ? &inner : &end);
-            share->sides += side_of(&it->volume[number].section);
+            it->node[number] = (struct node){.strand = s, .index = i + 1};
+            memcpy(it->node[number].direction, it->strand[s]->axis_w[i + 1],
+                   sizeof it->node[number].direction);
+            const struct section *section = &it->volume[number].section;
+            share->sides += side_of(section);
+            if (section->usable)
+                widen(share->box, section->low, section->high);
         }
     }
 }
 
-static int gather(struct interaction *it, struct strand *const *strands, int count) {
+int interaction_begin(struct interaction *it, struct strand *const *strands, int count) {
     size_t nodes = 0;
     for (int s = 0; s < count; s++)
         nodes += (size_t)strands[s]->wisp->nodes - 2;
@@ -227,8 +213,19 @@ static int gather(struct interaction *it, struct strand *const *strands, int cou
         it->share[i].from = (int)((long long)count * i / SHARES);
         it->share[i].to = (int)((long long)count * (i + 1) / SHARES);
     }
-    workers_run(it->workers, gather_share, it, SHARES);
     return 0;
+}
+
+int interaction_first_node(const struct interaction *it, int strand) {
+    return it->first[strand];
+}
+
+struct contact_point *interaction_points(struct interaction *it, int strand) {
+    return &it->point[it->first[strand] * it->node_points];
+}
+
+const struct contact_push *interaction_pushes(const struct interaction *it, int strand) {
+    return &it->push[it->first[strand] * it->node_points];
 }
 
 struct contact_place interaction_section(const struct interaction *it, int section) {
@@ -237,118 +234,50 @@ struct contact_place interaction_section(const struct interaction *it, int secti
 }
 
 struct contact_place interaction_point(const struct interaction *it, int point) {
-    const struct node *node = &it->node[point / it->node_points];
-    return (struct contact_place){node->strand, node->index, point % it->node_points - 1};
-}
-
-/* The node that begins or ends a section, as a point; -1: prescribed. */
-static int end_point(const struct interaction *it, int section, int end) {
-    const int prescribed = it->volume[section].section.index + end < 2;
-    return prescribed ? -1 : (section - 1 + end) * it->node_points;
-}
-
-/* --- what a contact asks for --- */
-
-/* Of a node the mean with its samples. */
-static const double *velocity(const struct interaction *it, int point) {
-    const struct node *node = &it->node[point / it->node_points];
-    const int sample = point % it->node_points - 1;
-    return sample < 0 ? node->v : node->sample_v[sample];
-}
-
-/* u: of the point against the section at lambda. */
-static void relative_velocity(const struct interaction *it, const struct contact *contact,
-                              double u[3]) {
-    const struct volume *volume = &it->volume[contact->section];
-    const double weight[2] = {1 - contact->lambda, contact->lambda};
-    memcpy(u, velocity(it, contact->point), 3 * sizeof *u);
-    for (int end = 0; end < 2; end++) {
-        const int i = volume->section.index + end;
-        vector_add(u, -weight[end],
-                   i < 2 ? volume->section.strand->v[i] : it->node[contact->section - 1 + end].v);
-    }
-}
-
-/* Hair passes through hair along both wisps' directions but not across both: where they close, the
- * part of u along the common normal goes; the rest is braked by friction. */
-static void interpenetrate(double rest, const double normal[3], int closing, const double u[3],
-                           struct contact *contact) {
-    const double square = vector_dot(normal, normal);
-    double kept[3] = {u[0], u[1], u[2]};
-    if (closing && sqrt(square) > 0.05) /* nearly parallel wisps have no normal worth the name */
-        vector_add(kept, -vector_dot(u, normal) / square, normal);
-    for (int k = 0; k < 3; k++)
-        contact->change[k] = rest * kept[k] - u[k];
-    contact->corrected = 1;
-}
-
-/* `rest` is e^(-nu chi dt). Section 4.3.2 of the thesis but for one thing: the criterion does not
- * divide by the length of the normal, which is noise for nearly parallel wisps. */
-static void respond(const struct interaction *it, struct contact *contact,
-                    const struct section_place *place, double rest) {
-    const struct section *section = &it->volume[contact->section].section;
-    const double lambda = place->x / section->length;
-    double u[3], normal[3];
-    contact->lambda = lambda < 0 ? 0 : lambda > 1 ? 1 : lambda;
-    relative_velocity(it, contact, u);
-    vector_cross(section->t, it->node[contact->point / it->node_points].direction, normal);
-    const double speed = vector_length(u);
-    const int closing = vector_dot(u, place->q) < 0;
-    if (speed < 1e-9 || fabs(vector_dot(normal, u)) < it->settings.threshold * speed) {
-        if (it->settings.interpenetration)
-            interpenetrate(rest, normal, closing, u, contact);
-    } else if (closing && it->settings.collision) {
-        for (int k = 0; k < 3; k++)
-            contact->change[k] = -u[k];
-        contact->corrected = 1;
-    }
+    const struct node *node = &it->node[it->point[point].node];
+    return (struct contact_place){node->strand, node->index, it->point[point].sample};
 }
 
 /* --- which points are in which sections --- */
 
-/* Sorts by point: insertion at shrinking distances (Shell; Knuth's), for qsort may allocate. */
-static void sort(struct contact *contact, int count) {
-    int gap = 1;
-    while (gap < count / 3)
-        gap = 3 * gap + 1;
-    for (; gap > 0; gap /= 3) {
-        for (int i = gap; i < count; i++) {
-            const struct contact moving = contact[i];
-            int to = i;
-            for (; to >= gap && contact[to - gap].point > moving.point; to -= gap)
-                contact[to] = contact[to - gap];
-            contact[to] = moving;
-        }
-    }
+/* The velocity of an end of a section: of a node the mean with its samples. */
+static const double *end_velocity(const struct interaction *it, int section, int end) {
+    const struct section *s = &it->volume[section].section;
+    const int i = s->index + end, point = end_point(it, section, end);
+    return point < 0 ? s->strand->v[i] : it->point[point].v;
 }
 
-/* Appends some contacts of a section. */
-static int add_contacts(const struct interaction *it, struct share *share, int section,
-                        const int *slot, int count) {
-    const struct volume *volume = &it->volume[section];
-    const struct strand *twin = volume->section.strand->twin;
-    const struct grid_slots slots = grid_slots(it->grid);
-    struct section_place places[GRID_BATCH];
-    int found[GRID_BATCH];
-    count = section_find(&volume->section, &slots, slot, count, found, places);
-    if (count == 0)
-        return 0;
-    const double rest = exp(-it->settings.viscosity * volume->density / it->settings.rate);
-    for (int i = 0; i < count; i++) /* their points come in while the first is at work, */
-        __builtin_prefetch(&it->node[grid_point(&slots, found[i]) / it->node_points]);
-    for (int i = 0; i < count; i++) /* and then their velocities */
-        __builtin_prefetch(velocity(it, grid_point(&slots, found[i])));
-    if (make_contact_room(&share->contact, &share->room, (size_t)share->count + (size_t)count))
-        return -1;
-    for (int i = 0; i < count; i++) {
-        const int point = grid_point(&slots, found[i]);
-        if (twin && it->strand[it->node[point / it->node_points].strand] == twin)
-            continue;
-        struct contact *contact = &share->contact[share->count++];
-        *contact = (struct contact){.section = section, .point = point};
-        respond(it, contact, &places[i], rest);
+/* Up to SECTION_POINTS points, by number, against a section; the last one again where there are
+ * fewer. */
+static void add_contacts(const struct interaction *it, struct share *share, int section,
+                         const struct answerer *answerer, const int *number, int count) {
+    const struct strand *twin = answerer->section->strand->twin;
+    const double *x[SECTION_POINTS], *v[SECTION_POINTS], *w[SECTION_POINTS];
+    struct section_places places;
+    struct responses responses;
+    for (int k = 0; k < SECTION_POINTS; k++) {
+        const struct contact_point *point = &it->point[number[k < count ? k : count - 1]];
+        x[k] = point->x;
+        v[k] = point->v;
+        w[k] = it->node[point->node].direction;
     }
-    return 0;
+    unsigned in = section_find(answerer->section, x, &places) & ((1u << count) - 1);
+    for (int k = 0; k < count && twin; k++)
+        if (it->strand[it->node[it->point[number[k]].node].strand] == twin)
+            in &= ~(1u << k);
+    if (!in)
+        return;
+    const unsigned corrected = respond(answerer, &places, v, w, &responses);
+    for (int k = 0; k < count; k++) { /* written and kept or not: nobody could guess a branch */
+        struct contact *contact = &share->contact[share->count];
+        *contact = (struct contact){
+            .section = section,
+            .point = number[k],
+            .corrected = (int)(corrected >> k & 1),
+            .lambda = responses.lambda[k],
+            .change = {responses.change[0][k], responses.change[1][k], responses.change[2][k]}};
+        share->count += (int)(in >> k & 1);
+    }
 }
 
 /* Points too near along their own wisp: of nodes i - 1 <= k <= i + 2; from, to before. */
@@ -360,36 +289,71 @@ static void own_points(const struct interaction *it, int section, int own[2]) {
     own[1] = (first + (i < last - 2 ? i + 1 : last - 1)) * it->node_points;
 }
 
-/* Appends the contacts of one section, by point. */
-static int find_in_section(struct interaction *it, struct share *share, int section) {
+/* Points near a section, which are looked at later: one does not wait for the other. */
+static int look_near(struct interaction *it, struct share *share, int section) {
     struct volume *volume = &it->volume[section];
     struct grid_search search;
-    int slot[GRID_BATCH], own[2];
-    volume->first_contact = share->count;
+    volume->found = share->found.count;
     if (!volume->section.usable)
         return 0;
-    own_points(it, section, own);
-    grid_begin(it->grid, volume->section.low, volume->section.high, own, &search);
-    for (int count; (count = grid_next(it->grid, &search, slot)) > 0;)
-        if (add_contacts(it, share, section, slot, count))
-            return -1;
-    if (share->count > volume->first_contact)
-        sort(share->contact + volume->first_contact, share->count - volume->first_contact);
+    section_search(&volume->section, &search);
+    own_points(it, section, search.except);
+    if (grid_find(it->grid, &search, &share->found))
+        return -1;
+    for (int i = volume->found; i < share->found.count; i++)
+        __builtin_prefetch(&it->point[share->found.number[i]]);
     return 0;
 }
 
-/* Sections of a share's strands: from, and to before. */
-static int first_volume(const struct interaction *it, int strand, int strands) {
-    return strand < strands ? it->first[strand] : it->volume_count;
+/* Appends the contacts of one section, by point, among the points near it, to before `end`. */
+static int find_in_section(struct interaction *it, struct share *share, int section, int end) {
+    struct volume *volume = &it->volume[section];
+    const int *number = share->found.number;
+    volume->first_contact = share->count;
+    if (volume->found == end)
+        return 0;
+    if (make_contact_room(&share->contact, &share->room,
+                          (size_t)share->count + (size_t)(end - volume->found) + SECTION_POINTS))
+        return -1;
+    const struct answerer answerer = {
+        &it->settings,
+        &volume->section,
+        {end_velocity(it, section, 0), end_velocity(it, section, 1)},
+        exp(-it->settings.viscosity * volume->density / it->settings.rate)};
+    for (int i = volume->found; i < end; i += SECTION_POINTS)
+        add_contacts(it, share, section, &answerer, number + i,
+                     end - i < SECTION_POINTS ? end - i : SECTION_POINTS);
+    return 0;
+}
+
+static int sections_of(const struct interaction *it, int strand) {
+    return it->strand[strand]->wisp->nodes - 2;
+}
+
+static int find_in_strand(struct interaction *it, struct share *share, int strand) {
+    const int from = it->first[strand], to = from + sections_of(it, strand);
+    share->found.count = 0;
+    for (int i = from; i < to; i++)
+        if (look_near(it, share, i))
+            return -1;
+    for (int i = from; i < to; i++)
+        if (find_in_section(it, share, i,
+                            i + 1 < to ? it->volume[i + 1].found : share->found.count))
+            return -1;
+    return 0;
 }
 
 static void find_share(void *ctx, int index) {
     struct interaction *it = ctx;
     struct share *share = &it->share[index];
-    const int strands = it->share[SHARES - 1].to, to = first_volume(it, share->to, strands);
     share->count = share->failed = 0;
-    for (int i = first_volume(it, share->from, strands); i < to && !share->failed; i++)
-        share->failed = find_in_section(it, share, i);
+    for (int s = share->from; s < share->to && !share->failed; s++)
+        share->failed = find_in_strand(it, share, s);
+}
+
+/* Sections of a share's strands: from, and to before. */
+static int first_volume(const struct interaction *it, int strand, int strands) {
+    return strand < strands ? it->first[strand] : it->volume_count;
 }
 
 /* Puts a share's contacts behind those of the shares before it. */
@@ -406,13 +370,12 @@ static void collect_share(void *ctx, int index) {
         memcpy(it->contact + before, share->contact, (size_t)share->count * sizeof *it->contact);
 }
 
-int interaction_find(struct interaction *it, struct strand *const *strands, int count) {
+int interaction_search(struct interaction *it) {
     size_t contacts = 0;
-    if (gather(it, strands, count))
-        return -1;
     if (it->volume_count == 0)
         return 0;
-    if (grid_fill(it->grid, cell_side(it), (const double(*)[3])it->x, it->point_count, it->workers))
+    workers_run(it->workers, gather_share, it, SHARES);
+    if (fill_grid(it))
         return -1;
     workers_run(it->workers, find_share, it, SHARES);
     for (int i = 0; i < SHARES; i++) {
@@ -427,146 +390,17 @@ int interaction_find(struct interaction *it, struct strand *const *strands, int 
     return it->contact_count;
 }
 
+int interaction_find(struct interaction *it, struct strand *const *strands, int count) {
+    if (interaction_begin(it, strands, count))
+        return -1;
+    workers_run(it->workers, point_share, it, SHARES);
+    return interaction_search(it);
+}
+
 struct contact *interaction_contacts(struct interaction *it) {
     return it->contact;
 }
 
 int interaction_sections(const struct interaction *it) {
     return it->volume_count;
-}
-
-/* --- what all contacts do together --- */
-
-/* c of every point. One-sided, a section's nodes take no part. */
-static void count_shares(struct interaction *it, const struct contact *contacts, int count) {
-    memset(it->shares, 0, (size_t)it->point_count * sizeof *it->shares);
-    for (int c = 0; c < count; c++) {
-        if (!contacts[c].corrected)
-            continue;
-        it->shares[contacts[c].point]++;
-        for (int end = 0; end < 2 && it->settings.reciprocal; end++) {
-            const int node = end_point(it, contacts[c].section, end);
-            if (node >= 0)
-                it->shares[node]++;
-        }
-    }
-}
-
-/* 1 / mass of what moves with a point, 1/kg. */
-static double yield_of(const struct interaction *it, int point) {
-    return it->node[point / it->node_points].yield[point % it->node_points > 0];
-}
-
-/* An impulse on the point and its opposite on the section's nodes. It is what would bring u to u'
- * if it were alone, divided by the number of those that do so to the same node or sample: then
- * energy cannot grow (it is convex, and each node's velocity ends up between what single contacts
- * ask of it and what it was). */
-static void push_both(struct interaction *it, const struct contact *contact) {
-    const double weight[2] = {1 - contact->lambda, contact->lambda};
-    const double own_yield = yield_of(it, contact->point);
-    double yield = own_yield; /* change of u by a unit of impulse, 1/kg */
-    int shares = it->shares[contact->point];
-    for (int end = 0; end < 2; end++) {
-        const int node = end_point(it, contact->section, end);
-        if (node < 0)
-            continue;
-        yield += weight[end] * weight[end] * yield_of(it, node);
-        shares = it->shares[node] > shares ? it->shares[node] : shares;
-    }
-    const double impulse = 1 / (yield * shares); /* kg */
-    vector_add(it->dv[contact->point], impulse * own_yield, contact->change);
-    for (int end = 0; end < 2; end++) {
-        const int node = end_point(it, contact->section, end);
-        if (node >= 0)
-            vector_add(it->dv[node], -weight[end] * impulse * yield_of(it, node), contact->change);
-    }
-}
-
-/* First of a section's contacts; of the number past the last section, the end of all. */
-static int first_contact(const struct interaction *it, int section) {
-    return section < it->volume_count ? it->volume[section].first_contact : it->contact_count;
-}
-
-/* Whether a point numbered `from` to `to` is in a section: its contacts are sorted by point. */
-static int any_in_section(const struct interaction *it, int section, int from, int to) {
-    const int end = first_contact(it, section + 1);
-    int low = first_contact(it, section), high = end;
-    while (low < high) {
-        const int middle = low + (high - low) / 2;
-        if (it->contact[middle].point < from)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low < end && it->contact[low].point <= to;
-}
-
-/* Whether a free node or sample of an end of the section is in a section that the point's node
- * bounds. */
-static int is_mutual(const struct interaction *it, const struct contact *contact) {
-    const int section = contact->section, begin = end_point(it, section, 0),
-              end = end_point(it, section, 1), to = end + it->node_points - 1;
-    const int from = begin < 0 ? end : begin;
-    const int before =
-        contact->point / it->node_points; /* the node ends that, and begins the next */
-    const struct node *node = &it->node[before];
-    const int last = node->index == it->strand[node->strand]->wisp->nodes - 1;
-    return any_in_section(it, before, from, to) ||
-           (!last && any_in_section(it, before + 1, from, to));
-}
-
-/* As in the thesis: the point alone gives way, by all of the change, or by half of it where the
- * section's turn comes as a point of its own. */
-static void push_point(struct interaction *it, const struct contact *contact) {
-    const double part = is_mutual(it, contact) ? 0.5 : 1;
-    vector_add(it->dv[contact->point], part / it->shares[contact->point], contact->change);
-}
-
-/* Of a sample's change only the part along its half-line; the rest is lost. */
-static void change_sample(struct strand *strand, int node, int sample, const double dv[3]) {
-    const int at = node * strand->wisp->samples + sample;
-    double a[3];
-    strand_half_line(strand, node, sample, a);
-    strand_set_sample(strand, node, sample, strand->r[at], strand->rate[at] + vector_dot(dv, a));
-}
-
-static void change_share(void *ctx, int index) {
-    static const double still[3] = {0, 0, 0};
-    struct interaction *it = ctx;
-    const struct share *share = &it->share[index];
-    for (int s = share->from; s < share->to; s++) {
-        const double(*dv)[3] = (const double(*)[3]) & it->dv[it->first[s] * it->node_points];
-        for (int i = 2; i < it->strand[s]->wisp->nodes; i++)
-            for (int j = -1; j < it->node_points - 1; j++, dv++) {
-                if (vector_dot(*dv, *dv) == 0)
-                    continue;
-                if (j < 0)
-                    strand_move_node(it->strand[s], i, still, *dv);
-                else
-                    change_sample(it->strand[s], i, j, *dv);
-            }
-    }
-}
-
-void interaction_apply(struct interaction *it, struct strand *const *strands,
-                       const struct contact *contacts, int count) {
-    it->strand = strands;
-    count_shares(it, contacts, count);
-    memset(it->dv, 0, (size_t)it->point_count * sizeof *it->dv);
-    for (int c = 0; c < count; c++) {
-        if (!contacts[c].corrected)
-            continue;
-        if (it->settings.reciprocal)
-            push_both(it, &contacts[c]);
-        else
-            push_point(it, &contacts[c]);
-    }
-    workers_run(it->workers, change_share, it, SHARES);
-}
-
-int interaction_tick(struct interaction *it, struct strand *const *strands, int count) {
-    const int contacts = interaction_find(it, strands, count);
-    if (contacts > 0)
-        interaction_apply(it, strands, it->contact, contacts);
-    return contacts;
 }

@@ -4,6 +4,7 @@
 #define WISPLAB_INTERACTION_H
 
 #include "base/workers.h"
+#include "contact.h"
 #include "strand.h"
 
 struct interaction_settings {
@@ -43,6 +44,18 @@ int interaction_tick(struct interaction *interaction, struct strand *const *stra
  * until the next call. */
 int interaction_find(struct interaction *interaction, struct strand *const *strands, int count);
 struct contact *interaction_contacts(struct interaction *interaction);
+
+/* A tick in steps, for who has no use for strands but as sections, and writes points and takes
+ * pushes by himself. First room for the points of these strands: 0, or -1; where those of one go,
+ * and the number of its first free node. Then the search, as interaction_find does it, with p, the
+ * axes and r of strands, and v of their first nodes. Then what all contacts ask of the points, and
+ * of those of a strand. */
+int interaction_begin(struct interaction *interaction, struct strand *const *strands, int count);
+struct contact_point *interaction_points(struct interaction *interaction, int strand);
+int interaction_first_node(const struct interaction *interaction, int strand);
+int interaction_search(struct interaction *interaction);
+void interaction_add_up(struct interaction *interaction);
+const struct contact_push *interaction_pushes(const struct interaction *interaction, int strand);
 
 /* In how many sections the last search looked: all those of the strands that it was given. */
 int interaction_sections(const struct interaction *interaction);

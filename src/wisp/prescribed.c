@@ -159,14 +159,55 @@ void placed_direction(const struct placement *placement, const double rest[3],
 
 /* --- style --- */
 
-void style_acceleration(const struct style *style, double t, double acceleration[3]) {
+/* Linear between knots; 0 where there are none. */
+static void between_knots(const struct style *style, const double (*x)[3], double t,
+                          double result[3]) {
     const int k = interval(style->time, style->knots, t), last = style->knots - 1;
-    memset(acceleration, 0, 3 * sizeof *acceleration);
+    memset(result, 0, 3 * sizeof *result);
     if (style->knots == 0)
         return;
     const int from = k < 0 ? 0 : k, to = k < 0 ? 0 : k < last ? k + 1 : last;
     const double length = style->time[to] - style->time[from];
     const double s = length > 0 ? (t - style->time[from]) / length : 0;
     for (int c = 0; c < 3; c++)
-        acceleration[c] = (1 - s) * style->acceleration[from][c] + s * style->acceleration[to][c];
+        result[c] = (1 - s) * x[from][c] + s * x[to][c];
+}
+
+void style_acceleration(const struct style *style, double t, double acceleration[3]) {
+    between_knots(style, style->acceleration, t, acceleration);
+}
+
+void style_parting(const struct style *style, double t, double acceleration[3]) {
+    between_knots(style, style->parting.acceleration, t, acceleration);
+}
+
+void style_at(const struct style *style, double t, const double point[3], double acceleration[3]) {
+    const struct parting *parting = &style->parting;
+    style_acceleration(style, t, acceleration);
+    if (!(parting->width > 0))
+        return;
+    double parted[3], distance = 0;
+    style_parting(style, t, parted);
+    for (int c = 0; c < 3; c++)
+        distance += (point[c] - parting->origin[c]) * parting->normal[c];
+    for (int c = 0; c < 3; c++)
+        acceleration[c] += tanh(distance / parting->width) * parted[c];
+}
+
+static void rate_between_knots(const struct style *style, const double (*accelerations)[3],
+                               double inside, double rate[3]) {
+    const int k = interval(style->time, style->knots, inside);
+    const int between = k >= 0 && k < style->knots - 1;
+    for (int c = 0; c < 3; c++)
+        rate[c] = between ? (accelerations[k + 1][c] - accelerations[k][c]) /
+                                (style->time[k + 1] - style->time[k])
+                          : 0;
+}
+
+void style_rate(const struct style *style, double inside, double rate[3]) {
+    rate_between_knots(style, style->acceleration, inside, rate);
+}
+
+void style_parting_rate(const struct style *style, double inside, double rate[3]) {
+    rate_between_knots(style, style->parting.acceleration, inside, rate);
 }

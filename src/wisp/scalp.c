@@ -1,6 +1,7 @@
 #include "scalp.h"
 
 #include "base/vector.h"
+#include "ellipsoid.h"
 
 #include <float.h>
 #include <math.h>
@@ -18,28 +19,19 @@ struct scalp {
     double m[3], e[2][3];
 };
 
-static void normalise(double x[3]) {
-    const double most = fmax(fabs(x[0]), fmax(fabs(x[1]), fabs(x[2])));
-    for (int k = 0; k < 3; k++) /* so that no square overflows or vanishes */
-        x[k] /= most;
-    const double length = vector_length(x);
-    for (int k = 0; k < 3; k++)
-        x[k] /= length;
-}
-
 /* The side x.crown > 0 is the side y_k R_k crown_k > 0. */
 static void look_at(struct scalp *scalp, const double radii[3], const double crown[3]) {
     int least = 0;
     scalp->radii = radii;
     for (int k = 0; k < 3; k++)
         scalp->m[k] = radii[k] * crown[k];
-    normalise(scalp->m);
+    vector_normalise_any(scalp->m);
     for (int k = 1; k < 3; k++)
         if (fabs(scalp->m[k]) < fabs(scalp->m[least]))
             least = k;
     for (int k = 0; k < 3; k++)
         scalp->e[0][k] = (k == least) - scalp->m[least] * scalp->m[k];
-    normalise(scalp->e[0]);
+    vector_normalise_any(scalp->e[0]);
     vector_cross(scalp->m, scalp->e[0], scalp->e[1]);
 }
 

@@ -1,11 +1,9 @@
 #include "section.h"
 
 #include "base/vector.h"
+#include "points.h"
 
 #include <string.h>
-
-#define LANES 4
-#include "base/lanes.h"
 
 /* Between two samples the envelope's r^-2 goes over as cos^2 to sin^2 of an angle that runs from 0
  * to a right one: for 4 samples a quarter of an ellipse. */
@@ -17,6 +15,16 @@ double section_radius(const struct strand *strand, int node, int sample) {
     const double r = strand->r[node * strand->wisp->samples + sample];
     const double least = 1e-3 * strand->wisp->radius;
     return r > least ? r : least;
+}
+
+double section_rim(const struct strand *strand, int node, double turn) {
+    const int samples = strand->wisp->samples;
+    const double at = turn * samples;
+    const int j = (int)at < samples ? (int)at : samples - 1; /* a turn may be rounded to 1 */
+    const double psi = (at - j) * (M_PI / 2), c = cos(psi), d = sin(psi);
+    const double r0 = section_radius(strand, node, j),
+                 r1 = section_radius(strand, node, (j + 1) % samples);
+    return 1 / sqrt(c * c / (r0 * r0) + d * d / (r1 * r1));
 }
 
 /* --- making one --- */
@@ -32,46 +40,42 @@ static double largest_radius(const struct strand *strand, int node, double *squa
     return most;
 }
 
-/* Arithmetic on the three components of a vector at once; the fourth lane is idle. */
-static inline lane components(const double x[3]) {
-    return (lane){x[0], x[1], x[2], 0};
-}
-
-static inline void keep(double x[3], lane from) {
-    memcpy(x, &from, 3 * sizeof *x);
-}
-
 /* The volume is in the hull of the two discs in the bisector planes: z is no further from its node
  * than the largest r there, and within the plane. */
 static void make_box(struct section *s, const double most[2]) {
     const double slack = 1e-9 * (most[0] + most[1] + s->length);
-    lane low[2], high[2];
-    for (int end = 0; end < 2; end++) {
-        const lane p = components(s->strand->p[s->index + end]);
-        const lane w = components(s->strand->axis_w[s->index + end]), square = 1 - w * w;
-        const lane in_plane = lane_sqrt(lane_select(square > 0, square, lane_all(0)));
-        const lane margin = most[end] * in_plane + slack + 1e-15 * lane_select(p < 0, -p, p);
-        low[end] = p - margin;
-        high[end] = p + margin;
+    double low[2][3], high[2][3];
+    for (int end = 0; end < 2; end++)
+        for (int k = 0; k < 3; k++) {
+            const double p = s->strand->p[s->index + end][k];
+            const double w = s->strand->axis_w[s->index + end][k], square = 1 - w * w;
+            const double in_plane = sqrt(square > 0 ? square : 0);
+            const double margin = most[end] * in_plane + slack + 1e-15 * fabs(p);
+            low[end][k] = p - margin;
+            high[end][k] = p + margin;
+        }
+    for (int k = 0; k < 3; k++) {
+        s->low[k] = low[1][k] < low[0][k] ? low[1][k] : low[0][k];
+        s->high[k] = high[1][k] > high[0][k] ? high[1][k] : high[0][k];
     }
-    keep(s->low, lane_select(low[1] < low[0], low[1], low[0]));
-    keep(s->high, lane_select(high[1] > high[0], high[1], high[0]));
 }
 
 void section_make(struct section *s, const struct strand *strand, int index) {
     double most[2], squares = 0;
     *s = (struct section){.strand = strand, .index = index};
-    const lane axis = components(strand->p[index + 1]) - components(strand->p[index]);
-    keep(s->t, axis);
+    for (int k = 0; k < 3; k++)
+        s->t[k] = strand->p[index + 1][k] - strand->p[index][k];
     s->length = vector_length(s->t);
     if (!(s->length > 0) || isinf(s->length))
         return;
-    keep(s->t, axis / s->length);
+    for (int k = 0; k < 3; k++)
+        s->t[k] /= s->length;
     for (int end = 0; end < 2; end++) {
         const double *w = strand->axis_w[index + end], along = vector_dot(s->t, w);
         if (!(along >= least_lean))
             return;
-        keep(s->lean[end], components(w) / along);
+        for (int k = 0; k < 3; k++)
+            s->lean[end][k] = w[k] / along;
         s->turn[end][0] = vector_dot(s->t, strand->axis_u[index + end]);
         s->turn[end][1] = vector_dot(s->t, strand->axis_v[index + end]);
         most[end] = largest_radius(strand, index + end, &squares);
@@ -88,17 +92,13 @@ void section_make(struct section *s, const struct strand *strand, int index) {
 
 /* --- are points in it --- */
 
-/* Four points at a time: where they are, and in which lanes the answer is yes. */
+/* Some points at a time: where they are, and in which lanes the answer is yes. */
 struct probe {
     lane x;          /* along the axis */
     struct vec away; /* across it, */
     lane square;     /* and its square */
     mask in;
 };
-
-static inline struct vec vec_all(const double x[3]) {
-    return (struct vec){lane_all(x[0]), lane_all(x[1]), lane_all(x[2])};
-}
 
 /* Most points are told here, without a root. */
 static inline struct probe probe_points(const struct section *s, struct vec point) {
@@ -129,12 +129,7 @@ static inline lane radius_over_length(const struct section *s, int end, lane u, 
     }
     for (int k = 0; k < LANES; k++) {
         const double turn = atan2(v[k], u[k]) / (2 * M_PI); /* from -1/2 to 1/2 */
-        const double at = (turn < 0 ? turn + 1 : turn) * samples;
-        const int j = (int)at < samples ? (int)at : samples - 1; /* turn + 1 may round to 1 */
-        const double psi = (at - j) * (M_PI / 2), c = cos(psi), d = sin(psi);
-        const double r0 = section_radius(strand, node, j),
-                     r1 = section_radius(strand, node, (j + 1) % samples);
-        const double rho = 1 / sqrt(c * c / (r0 * r0) + d * d / (r1 * r1));
+        const double rho = section_rim(strand, node, turn < 0 ? turn + 1 : turn);
         ratio[k] = rho / sqrt(u[k] * u[k] + v[k] * v[k]);
     }
     return load(ratio, 0);
@@ -174,70 +169,45 @@ static inline mask in_quadrilateral(const struct section *s, struct vec q, struc
     return crosses(end, z1, at) ^ crosses(z1, z0, at) ^ crosses(z0, begin, at);
 }
 
-/* The rest of the answer; q is 0 on the axis. */
+/* The rest of the answer; q is 0 on the axis, and of points that are far and may be no numbers. */
 static inline mask decide(const struct section *s, const struct probe *probe, struct vec *q) {
     const lane y = lane_sqrt(probe->square);
     const mask on = y < on_axis;
     const struct vec none = {lane_all(0), lane_all(0), lane_all(0)};
-    *q = vec_select(on, none, scale(1 / y, probe->away));
+    *q = vec_select(on | ~probe->in, none, scale(1 / y, probe->away));
     const mask along = (probe->x >= 0) & (probe->x < s->length);
     const mask inside = in_quadrilateral(s, *q, (struct flat){probe->x, y});
     return probe->in & ((on & along) | (~on & inside));
 }
 
-/* Points of four slots, the last one again where there are fewer. */
-static inline struct vec gather(const struct grid_slots *slots, const int *slot, int count) {
-    int at[LANES];
-    for (int k = 0; k < LANES; k++)
-        at[k] = slot[k < count ? k : count - 1];
-    const double *x = slots->x[0], *y = slots->x[1], *z = slots->x[2];
-    return (struct vec){{x[at[0]], x[at[1]], x[at[2]], x[at[3]]},
-                        {y[at[0]], y[at[1]], y[at[2]], y[at[3]]},
-                        {z[at[0]], z[at[1]], z[at[2]], z[at[3]]}};
-}
-
-/* Those of up to four slots that are in the section. */
-static int find_four(const struct section *s, const struct grid_slots *slots, const int *slot,
-                     int count, int *found, struct section_place *places) {
-    const struct probe probe = probe_points(s, gather(slots, slot, count));
+unsigned section_find(const struct section *s, const double *const point[SECTION_POINTS],
+                      struct section_places *places) {
+    const struct probe probe = probe_points(s, vec_of(point));
     struct vec q;
     const unsigned in = mask_bits(decide(s, &probe, &q));
-    int hits = 0;
-    for (int k = 0; k < LANES && k < count; k++) {
-        if (!(in >> k & 1))
-            continue;
-        found[hits] = slot[k];
-        places[hits++] = (struct section_place){probe.x[k], {q.x[k], q.y[k], q.z[k]}};
-    }
-    return hits;
-}
-
-int section_find(const struct section *s, const struct grid_slots *slots, const int *slot,
-                 int count, int *found, struct section_place *places) {
-    int near = 0, hits = 0;
-    if (!s->usable)
-        return 0;
-    for (int i = 0; i < count; i += LANES) { /* found may be written behind what is read */
-        const int four = count - i < LANES ? count - i : LANES;
-        const struct probe probe = probe_points(s, gather(slots, slot + i, four));
-        const unsigned in = mask_bits(probe.in);
-        for (int k = 0; k < four; k++) {
-            found[near] = slot[i + k];
-            near += (int)(in >> k & 1);
-        }
-    }
-    for (int i = 0; i < near; i += LANES) {
-        const int four = near - i < LANES ? near - i : LANES;
-        int at[LANES];
-        memcpy(at, found + i, sizeof(int) * (size_t)four);
-        hits += find_four(s, slots, at, four, found + hits, places + hits);
-    }
-    return hits;
+    store(places->x, 0, probe.x);
+    store(places->q[0], 0, q.x);
+    store(places->q[1], 0, q.y);
+    store(places->q[2], 0, q.z);
+    return in;
 }
 
 int section_contains(const struct section *s, const double point[3], struct section_place *place) {
-    const struct grid_slots slots = {{&point[0], &point[1], &point[2]}, NULL};
-    const int slot = 0;
-    int found;
-    return section_find(s, &slots, &slot, 1, &found, place);
+    const double *points[SECTION_POINTS];
+    for (int k = 0; k < SECTION_POINTS; k++)
+        points[k] = point;
+    struct section_places places;
+    if (!s->usable || !(section_find(s, points, &places) & 1))
+        return 0;
+    *place = (struct section_place){places.x[0], {places.q[0][0], places.q[1][0], places.q[2][0]}};
+    return 1;
+}
+
+void section_search(const struct section *s, struct grid_search *search) {
+    *search = (struct grid_search){.reach = s->reach, .length = s->length, .slack = s->wedge};
+    memcpy(search->from, s->strand->p[s->index], sizeof search->from);
+    memcpy(search->axis, s->t, sizeof s->t);
+    memcpy(search->side, s->lean, sizeof s->lean);
+    memcpy(search->low, s->low, sizeof s->low);
+    memcpy(search->high, s->high, sizeof s->high);
 }

@@ -32,10 +32,23 @@ struct section_place {
  * changed in place. */
 void section_make(struct section *section, const struct strand *strand, int index);
 
-/* Of `count` points by their slots, those in the section: writes slots and places, room for `count`
- * being there. Returns how many. */
-int section_find(const struct section *section, const struct grid_slots *slots, const int *slot,
-                 int count, int *found, struct section_place *places);
+/* Several points are asked about at once: as many as fit into a register. */
+#ifdef __AVX512F__
+enum { SECTION_POINTS = 8 };
+#else
+enum { SECTION_POINTS = 4 };
+#endif
+struct section_places {
+    double x[SECTION_POINTS], q[3][SECTION_POINTS];
+};
+
+/* Which of these points are in the section, bit k for point k, and where; what is written of others
+ * is of no use. A usable section. */
+unsigned section_find(const struct section *section, const double *const point[SECTION_POINTS],
+                      struct section_places *places);
+
+/* What a grid is asked for to find all points in a usable section, but for `except`. */
+void section_search(const struct section *section, struct grid_search *search);
 
 /* Whether a point is in the section, and where: the same, to the last bit. */
 int section_contains(const struct section *section, const double point[3],
@@ -43,5 +56,8 @@ int section_contains(const struct section *section, const double point[3],
 
 /* The radius that counts: no less than a thousandth of the rest length. */
 double section_radius(const struct strand *strand, int node, int sample);
+
+/* The envelope's rim at a node, m from it, `turn` of the way round from axis_u, 0 to 1. */
+double section_rim(const struct strand *strand, int node, double turn);
 
 #endif

@@ -6,30 +6,30 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Scales to length 1; what has no length stays 0, a direction that no test takes for one. */
-static void normalise(double a[3]) {
-    const double length = sqrt(vector_dot(a, a));
-    for (int k = 0; k < 3; k++)
-        a[k] = length > 0 ? a[k] / length : 0;
-}
-
 /* --- making one --- */
+
+/* Behind arrays of three numbers is room for one more: whoever fills them four numbers at a time,
+ * in their order, may do so to the end. */
+enum { STRAND_SPARE = 1 };
 
 struct strand *strand_create(const struct wisp *wisp, enum wisp_treatment treatment) {
     const size_t n = (size_t)wisp->nodes, samples = n * (size_t)wisp->samples;
-    const size_t numbers = 3 * 5 * n + (2 + 6) * samples + 2 * (size_t)wisp->samples;
+    const size_t node_numbers = 3 * n + STRAND_SPARE, sample_numbers = 3 * samples + STRAND_SPARE;
+    const size_t numbers =
+        5 * node_numbers + 2 * sample_numbers + 2 * samples + 2 * (size_t)wisp->samples;
     struct strand *s = calloc(1, sizeof *s + numbers * sizeof(double));
     if (!s)
         return NULL;
     double *at = (double *)(s + 1);
     double(**const by_node[])[3] = {&s->p, &s->v, &s->axis_u, &s->axis_v, &s->axis_w};
-    for (int i = 0; i < 5; i++, at += 3 * n)
+    double(**const by_sample[])[3] = {&s->e, &s->ev};
+    for (int i = 0; i < 5; i++, at += node_numbers)
         *by_node[i] = (double(*)[3])at;
-    s->e = (double(*)[3])at;
-    s->ev = (double(*)[3])(at + 3 * samples);
-    s->r = at + 6 * samples;
-    s->rate = at + 7 * samples;
-    s->turn = (double(*)[2])(at + 8 * samples);
+    for (int i = 0; i < 2; i++, at += sample_numbers)
+        *by_sample[i] = (double(*)[3])at;
+    s->r = at;
+    s->rate = at + samples;
+    s->turn = (double(*)[2])(at + 2 * samples);
     for (int j = 0; j < wisp->samples; j++) {
         const double angle = 2 * M_PI * j / wisp->samples;
         s->turn[j][0] = cos(angle);
@@ -66,14 +66,14 @@ void strand_free(struct strand *strand) {
 static void tangent(const struct strand *s, int segment, double t[3]) {
     for (int k = 0; k < 3; k++)
         t[k] = s->p[segment + 1][k] - s->p[segment][k];
-    normalise(t);
+    vector_normalise(t);
 }
 
 /* w_i from the tangents before and after node i. */
 static void plane_normal(struct strand *s, int i, const double before[3], const double after[3]) {
     double sum[3] = {before[0] + after[0], before[1] + after[1], before[2] + after[2]};
     if (sqrt(vector_dot(sum, sum)) > 1e-9)
-        normalise(sum);
+        vector_normalise(sum);
     else
         memcpy(sum, s->axis_w[i - 1], sizeof sum);
     memcpy(s->axis_w[i], sum, sizeof sum);

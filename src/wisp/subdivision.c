@@ -5,7 +5,7 @@
 
 #include <stddef.h>
 
-/* Of all nodes, those of the head, which twins share, among them. */
+/* The mean over all nodes; those of the head, which twins share, are among them. */
 static double mean_distance(const struct strand *a, const struct strand *b) {
     double sum = 0;
     for (int i = 0; i < a->wisp->nodes; i++) {
@@ -63,7 +63,7 @@ struct wisp subdivision_child(const struct wisp *parent) {
     return child;
 }
 
-/* Of the point of the moving head that is at x. */
+/* The velocity of the point of the moving head that is at x. */
 static void head_velocity(const struct placement *head, const double x[3], double velocity[3]) {
     double rest[3] = {0};
     for (int i = 0; i < 3; i++)

@@ -12,6 +12,19 @@ void wind_velocity(const struct wind *wind, double t, double velocity[3]) {
         velocity[k] = factor * wind->velocity[k];
 }
 
+void wind_rate(const struct wind *wind, double inside, double t, double rate[3]) {
+    const double since = t - wind->hold;
+    double factor = 0;
+    if (wind->kind == WIND_GUST && inside > wind->hold)
+        factor = -exp(-since / wind->decay) / wind->decay;
+    for (int k = 0; wind->kind == WIND_IRREGULAR && k < wind->terms; k++) {
+        const double omega = 2 * M_PI * wind->frequency[k];
+        factor += wind->amplitude[k] * omega * cos(omega * t);
+    }
+    for (int k = 0; k < 3; k++)
+        rate[k] = factor * wind->velocity[k];
+}
+
 double wisp_spacing(const struct wisp *wisp) {
     return wisp->length / (wisp->nodes - 1);
 }
@@ -46,6 +59,14 @@ double wisp_bending_constant(const struct wisp *wisp) {
 
 int wisp_node_unknowns(const struct wisp *wisp, enum wisp_treatment treatment) {
     return 3 + (treatment == WISP_PENALTY ? 3 : 1) * wisp->samples;
+}
+
+void wisp_sample_way(int samples, int j, double way[2]) {
+    static const double quarter[] = {1, 0, -1, 0, 1};
+    const int exact = 4 * j % samples == 0, q = 4 * j / samples;
+    const double angle = 2 * M_PI * j / samples;
+    way[0] = exact ? quarter[q] : cos(angle);
+    way[1] = exact ? quarter[(q + 3) % 4] : sin(angle);
 }
 
 void wisp_first_normal(const double tangent[3], double normal[3]) {

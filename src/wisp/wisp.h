@@ -54,15 +54,22 @@ struct wind {
     double amplitude[WIND_TERMS_MAX], frequency[WIND_TERMS_MAX]; /* relative to velocity; Hz */
 };
 
+struct body;
+
 struct surroundings {
     double gravity[3]; /* m/s^2 */
     struct wind wind;
     struct style style;
     struct head_motion head;
+    const struct body *pushing; /* the bodies that push by penalty, which is a force */
+    int pushing_count;
 };
 
 /* w(t): uniform in space. */
 void wind_velocity(const struct wind *wind, double t, double velocity[3]);
+
+/* dw/dt, m/s^2; at the kink of a gust it is that of the side on which `inside` is. */
+void wind_rate(const struct wind *wind, double inside, double t, double rate[3]);
 
 /* Distance between nodes at rest, m. */
 double wisp_spacing(const struct wisp *wisp);
@@ -80,6 +87,10 @@ double wisp_bending_constant(const struct wisp *wisp);
 /* Unknowns of one free node: 3 coordinates, then a distance r for each sample, or with `penalty`
  * 3 coordinates for each sample. A wisp's vector has those of nodes 2, 3, ..., n-1 in turn. */
 int wisp_node_unknowns(const struct wisp *wisp, enum wisp_treatment treatment);
+
+/* The way of the half-line of sample j of M in the envelope's plane, a unit vector along axis_u and
+ * axis_v: quarter turns are exact. */
+void wisp_sample_way(int samples, int j, double way[2]);
 
 /* The first normal u_0 = u_1 of the frames: h, the y axis, or the x axis where the tangent is
  * within acos 0.9 of y, made perpendicular to the tangent. */

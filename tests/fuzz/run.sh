@@ -11,7 +11,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 here=$PWD
-readers="src/scene/config.c src/scene/config_text.c src/scene/scene_[clrsw]*.c src/base/table.c src/base/npy.c src/base/text_table.c src/base/visible.c
+readers="src/scene/config*.c src/scene/scene_[clrsw]*.c src/scene/setting_read.c src/base/table.c src/base/npy.c src/base/text_table.c src/base/visible.c
          src/model/trajectory.c src/model/state.c src/run/results.c src/run/seal.c
          src/picture/frames.c"
 

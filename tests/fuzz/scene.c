@@ -12,6 +12,17 @@ static const char start[] = "t\twisp\tnode\tx\ty\tz\tvx\tvy\tvz\tparent\n"
                             "0\t0\t2\t0.2\t0\t0\t0\t0\t0\t0\n";
 static const char part[] = "name = \"part\";\n";
 
+/* So do scenes to build on: a chain of two with the start, and two that go in a circle. */
+static const char lower[] =
+    "duration = 0.1; frame_rate = 10.0; gravity = [0.0, -9.81, 0.0];\n"
+    "material = { stretch_stiffness = 80.0; stretch_time = 1.0e-4; };\n"
+    "wisps = ( { root = [0.0, 0.0, 0.0]; direction = [1.0, 0.0, 0.0]; length = 0.2; nodes = 3; } "
+    ");\n"
+    "wind = { kind = \"gust\"; velocity = [1.0, 0.0, 0.0]; hold = 1.0; decay = 1.0; };\n";
+static const char upper[] = "base = \"lower.cfg\"; start = \"start.tsv\";\n@include \"part.inc\"\n"
+                            "run = { step = 1.0e-3; };\n";
+static const char ring[] = "base = \"scene.cfg\"; material = { };\n";
+
 /* Lines at the beginning that say `# set: path=value` override settings. */
 static int take_sets(char *text, const char **sets, int most) {
     static const char mark[] = "# set: ";
@@ -34,13 +45,16 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     if (!there++) {
         fuzz_file("start.tsv", (const uint8_t *)start, strlen(start));
         fuzz_file("part.inc", (const uint8_t *)part, strlen(part));
+        fuzz_file("lower.cfg", (const uint8_t *)lower, strlen(lower));
+        fuzz_file("upper.cfg", (const uint8_t *)upper, strlen(upper));
+        fuzz_file("ring.cfg", (const uint8_t *)ring, strlen(ring));
     }
     struct scene *scene = scene_load(fuzz_file("scene.cfg", data, size), sets, count, reason);
     if (!scene) {
         fuzz_refusal(reason);
         return 0;
     }
-    json_decref(scene_warnings(scene));
+    json_decref(scene_warnings(scene, NULL));
     if (settings_resolve(scene, &(struct run_request){.step = 0}, &settings, reason))
         fuzz_refusal(reason);
     json_t *source = json_incref(scene->source);

@@ -1,4 +1,4 @@
-#include "carry_out.h"
+#include "run_experiment.h"
 
 #include "base/complain.h"
 #include "base/files.h"
@@ -12,8 +12,8 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Runs those of this shard's cases from the first one given that `which` chooses. Returns their
- * number, or the negative of an exit code. */
+/* Runs those cases from the first one given that `which` chooses. Returns their number, or the
+ * negative of an exit code. */
 static int do_chosen(const struct plan *plan, int first, struct manner *manner, const char *which,
                      char *reason) {
     struct run_case *cases = calloc((size_t)(plan->case_count - first) + 1, sizeof *cases);
@@ -23,7 +23,7 @@ static int do_chosen(const struct plan *plan, int first, struct manner *manner, 
     for (int i = first; i < plan->case_count; i++) {
         const struct run_case *run = &plan->cases[i].run;
         char path[PATH_SIZE];
-        if (i % manner->shards != manner->shard - 1 || !which[i - first])
+        if (!which[i - first])
             continue;
         cases[count++] = *run;
         if (manner->fresh && path_format(path, "%s/run.json", run->folder) == 0)
@@ -39,10 +39,20 @@ static int do_chosen(const struct plan *plan, int first, struct manner *manner, 
     return count;
 }
 
-/* References first: how far they stretch says how far the others may. Leaves in *missing how many
- * cases other shards have not done yet. Returns 0 or an exit code. */
-static int do_runs(struct plan *plan, int first, struct manner *manner, int *missing,
-                   char *reason) {
+/* Runs that were killed from outside twice are not there. Returns 0 or an exit code. */
+static int check_there(const struct plan *plan, int first) {
+    int missing = 0;
+    for (int i = first; i < plan->case_count; i++)
+        missing += !run_is_complete(plan->cases[i].run.folder);
+    return missing ? complain(2,
+                              "%s: %d runs were killed from outside and are left out; the same "
+                              "command tries them again",
+                              plan->experiment->name, missing)
+                   : 0;
+}
+
+/* References first: how far they stretch says how far the others may. Returns 0 or an exit code. */
+static int do_runs(struct plan *plan, int first, struct manner *manner, char *reason) {
     const int count = plan->case_count - first;
     char *which = calloc((size_t)count + 1, 1);
     if (!which)
@@ -59,25 +69,20 @@ static int do_runs(struct plan *plan, int first, struct manner *manner, int *mis
     free(which);
     if (code < 0)
         return -code;
-    *missing = 0;
-    for (int i = first; i < plan->case_count; i++)
-        *missing += !run_is_complete(plan->cases[i].run.folder);
-    return 0;
+    return check_there(plan, first);
 }
 
 /* The plan's runs, and then those that they call for, round by round. */
-static int do_rounds(struct plan *plan, struct manner *manner, int *missing) {
+static int do_rounds(struct plan *plan, struct manner *manner) {
     const struct experiment *experiment = plan->experiment;
     if (manner->limits.seconds == 0)
         manner->limits.seconds = plan->run_seconds > 0 ? plan->run_seconds : 60;
     plan->limits = manner->limits;
     for (int first = 0, next; first < plan->case_count; first = next) {
         next = plan->case_count;
-        const int code = do_runs(plan, first, manner, missing, plan->reason);
+        const int code = do_runs(plan, first, manner, plan->reason);
         if (code)
             return code;
-        if (*missing > 0)
-            break;
         if (experiment->refine && experiment->refine(plan))
             return complain(2, "%s", plan->reason);
     }
@@ -162,11 +167,12 @@ static int tabulate_and_draw(struct plan *plan, struct manner *manner) {
     return 0;
 }
 
-/* Variants of a scene have the warnings that it has: each is said once. */
+/* Variants of a scene have the warnings that it has: each is said once. Steps that are too long are
+ * what experiments look for. */
 static void say_warnings(const struct plan *plan) {
     json_t *said = json_object();
     for (int i = 0; i < plan->loaded_count; i++) {
-        json_t *warnings = scene_warnings(plan->loaded[i]), *one;
+        json_t *warnings = scene_warnings(plan->loaded[i], NULL), *one;
         size_t k;
         json_array_foreach(warnings, k, one) {
             if (!json_object_get(said, json_string_value(one)))
@@ -178,21 +184,15 @@ static void say_warnings(const struct plan *plan) {
     json_decref(said);
 }
 
-int carry_out(struct plan *plan, struct manner *manner) {
-    int missing = 0;
+int run_experiment(struct plan *plan, struct manner *manner) {
     plan->taken = calloc((size_t)plan->stepper_count + 1, 1);
     if (!plan->taken)
         return complain(2, "out of memory");
     if (plan->experiment->plan(plan) || plan_check(plan))
         return complain(1, "%s", plan->reason);
     say_warnings(plan);
-    const int code = do_rounds(plan, manner, &missing);
+    const int code = do_rounds(plan, manner);
     if (code)
         return code;
-    if (missing > 0) {
-        printf("%s: %d runs of other shards are missing; figures when they are there\n",
-               plan->experiment->name, missing);
-        return 0;
-    }
     return list_failures(plan) ? 2 : tabulate_and_draw(plan, manner);
 }

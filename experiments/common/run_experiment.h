@@ -6,16 +6,15 @@
 
 /* How the runs are to be done. */
 struct manner {
-    int shard, shards; /* the shard-th of that many shares; 1, 1: all */
-    int jobs;          /* at a time */
+    int jobs; /* at a time */
     int fresh, show_progress;
     struct run_limits limits;
-    int runs, new_runs; /* of this shard so far */
+    int runs, new_runs; /* so far */
     int nothing_left;   /* all runs are there, but left nothing to tabulate: plan->reason */
 };
 
 /* Carries out plan->experiment and prints what came of it. Returns 0 or an exit code, having said
  * why on standard error. */
-int carry_out(struct plan *plan, struct manner *manner);
+int run_experiment(struct plan *plan, struct manner *manner);
 
 #endif

@@ -1,0 +1,40 @@
+/* What could one do before the thesis, and what did it change? Hair as its chapter 3 tells of it,
+ * run as its authors ran it, beside the thesis's own recipe and today's. */
+#include "history.h"
+
+static int history_plan(struct plan *plan) {
+    return plan_has_no_scenes(plan) || plan_has_no_steppers(plan, "the recipes of their times") ||
+                   recipes_plan(plan) || stiffness_map_plan(plan)
+               ? -1
+               : 0;
+}
+
+static int write_tables(struct plan *plan, const char *folder, struct statements *statements) {
+    int code = recipes_tabulate(plan, folder, statements);
+    code = code ? code : stiffness_map_tabulate(plan, folder, statements);
+    return code ? code : news_tabulate(plan, folder, statements);
+}
+
+static int history_tabulate(struct plan *plan, const char *folder) {
+    struct statements statements;
+    if (statements_open(&statements, folder, NULL,
+                        plan->quick ? "--quick: every other rate, and none above 1 MHz; the map "
+                                      "every other stiffness"
+                                    : NULL,
+                        plan->reason))
+        return -1;
+    return statements_close(&statements, write_tables(plan, folder, &statements), plan->reason);
+}
+
+const struct experiment history_experiment = {
+    .name = "history",
+    .question = "what could one do before the thesis, and how far does a step carry news?",
+    .thesis = "chapter 3",
+    .chapter = CHAPTER_THESIS,
+    .place = 20,
+    .headline = "film",
+    .quick_seconds = 5,
+    .full_seconds = 90,
+    .plan = history_plan,
+    .tabulate = history_tabulate,
+};

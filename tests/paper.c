@@ -1,0 +1,129 @@
+/* Figures for papers: their sizes, their letters, and what was chosen. */
+#include "base/files.h"
+#include "support.h"
+
+#include <criterion/criterion.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static char folder[PATH_SIZE];
+
+static void make_tables(void) {
+    struct finished f;
+    folder_make(folder);
+    PROGRAM(&f, NULL, "experiment", "circle", "--quick", "--stepper", "rk4", "--stepper", "euler",
+            "--stepper", "midpoint", "--out", folder);
+    cr_assert_eq(f.code, 0, "%s", f.err);
+}
+
+static void remove_tables(void) {
+    folder_remove(folder);
+}
+
+static char *text_of(const char *name) {
+    char path[PATH_SIZE];
+    path_format(path, "%s/circle/paper/%s", folder, name);
+    char *text = file_read(path);
+    cr_assert(text, "no %s", path);
+    return text;
+}
+
+static void plot(const char *paper, const char *const *more) {
+    const char *words[20] = {"plot", "circle", "--paper", paper, "--out", folder};
+    struct finished f;
+    for (int i = 0; more[i]; i++)
+        words[6 + i] = more[i];
+    const struct process process = program_start(NULL, words);
+    program_wait(&process, &f);
+    cr_assert_eq(f.code, 0, "%s", f.err);
+}
+
+/* 86 and 178 mm; a point of a PDF is 0.35 mm. */
+static void check_sizes(const char *paper, double width) {
+    char name[64];
+    double points = 0, mm = 0, units = 1, least = INFINITY;
+    snprintf(name, sizeof name, "work-precision-%s.pdf", paper);
+    char path[PATH_SIZE];
+    FILE *file = fopen((path_format(path, "%s/circle/paper/%s", folder, name), path), "rb");
+    for (char line[4096]; file && fgets(line, sizeof line, file);) {
+        const char *box = strstr(line, "/MediaBox [ 0 0 ");
+        if (box)
+            sscanf(box, "/MediaBox [ 0 0 %lf", &points);
+    }
+    if (file)
+        fclose(file);
+    cr_expect_float_eq(points / 72 * 25.4, width, 0.4, "%s: %g points", name, points);
+
+    snprintf(name, sizeof name, "work-precision-%s.svg", paper);
+    char *svg = text_of(name);
+    sscanf(strstr(svg, "width=\""), "width=\"%lfmm", &mm);
+    sscanf(strstr(svg, "viewBox=\""), "viewBox=\"0 0 %lf", &units);
+    cr_expect_float_eq(mm, width, 0.15, "%s: %g mm", name, mm);
+    for (const char *at = svg; (at = strstr(at, "font-size=\"")) != NULL; at++) {
+        const double size = strtod(at + strlen("font-size=\""), NULL) * mm / units / 25.4 * 72;
+        cr_expect(size < 8.4, "%s: letters of %g points", name, size);
+        least = fmin(least, size);
+    }
+    cr_expect(least >= 0.8 * 7 - 0.01, "%s: letters of %g points, exponents or others", name,
+              least);
+    cr_expect(strstr(svg, "largest error (m)"), "no axis");
+    cr_expect(!strstr(svg, "What accuracy costs"), "a title");
+    free(svg);
+}
+
+Test(paper, figures_are_as_wide_as_a_column_or_a_page, .init = make_tables, .fini = remove_tables) {
+    plot("column", (const char *const[]){NULL});
+    check_sizes("column", 86);
+    plot("page", (const char *const[]){NULL});
+    check_sizes("page", 178);
+    char *png = text_of("radius-page.png");
+    const unsigned char *head = (const unsigned char *)png;
+    const int wide = head[18] * 256 + head[19];
+    cr_expect_float_eq(wide / 300. * 25.4, 178, 0.2, "%d pixels", wide);
+    free(png);
+}
+
+/* On the screen the second panel has no words on its axis, for the first has them. */
+Test(paper, what_is_chosen_is_drawn, .init = make_tables, .fini = remove_tables) {
+    plot("column", (const char *const[]){"--figure", "work-precision", "--panel", "2", "--methods",
+                                         "rk4,midpoint", "--format", "svg", NULL});
+    char path[PATH_SIZE];
+    path_format(path, "%s/circle/paper", folder);
+    cr_expect_eq(count_files(path, ""), 1, "more than one file");
+    char *svg = text_of("work-precision-column.svg");
+    cr_expect(strstr(svg, ">force evaluations<") && strstr(svg, ">largest error (m)<"));
+    cr_expect(!strstr(svg, "CPU time"), "the first panel is there");
+    cr_expect(strstr(svg, ">rk4") && strstr(svg, ">midpoint"));
+    cr_expect(!strstr(svg, ">euler"), "a method that was not chosen");
+    free(svg);
+}
+
+Test(paper, what_is_not_there_is_refused, .init = make_tables, .fini = remove_tables) {
+    static const struct {
+        const char *words[6], *says;
+    } wrong[] = {
+        {{"--paper", "poster"}, "not one of column, page"},
+        {{"--format", "pdf"}, "say --paper column or page"},
+        {{"--paper", "page", "--format", "eps"}, "not one of pdf, svg, png"},
+        {{"--paper", "page", "--panel", "9"}, "with these panels"},
+        {{"--paper", "page", "--panel", "0"}, "counted from 1"},
+        {{"--paper", "page", "--panel", "1,"}, "counted from 1"},
+        {{"--paper", "page", "--figure", "none"}, "no figure 'none'"},
+        {{"--paper", "page", "--methods", "none"}, "no table of circle has a row of method 'none'"},
+        {{"--paper", "page", "--methods", "rk4,"}, "names with commas between"},
+    };
+    char path[PATH_SIZE];
+    path_format(path, "%s/circle/paper", folder);
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        const char *words[20] = {"plot", "circle", "--out", folder};
+        struct finished f;
+        for (int k = 0; k < 6 && wrong[i].words[k]; k++)
+            words[4 + k] = wrong[i].words[k];
+        const struct process process = program_start(NULL, words);
+        program_wait(&process, &f);
+        cr_expect(f.code == 1 && count_lines(f.err) == 1 && strstr(f.err, wrong[i].says),
+                  "exit code %d, not '%s': %s", f.code, wrong[i].says, f.err);
+        cr_expect_eq(count_files(path, ""), 0, "'%s': something was left", wrong[i].says);
+    }
+}
