@@ -59,7 +59,8 @@ static int has(const struct comparison *c, enum change change, const char *row, 
 
 static void compare(struct comparison *c, double tolerance, int with_times) {
     char reason[REASON_SIZE];
-    const struct compare_request request = {older, newer, tolerance, with_times};
+    const struct compare_request request = {
+        .older = older, .newer = newer, .tolerance = tolerance, .with_times = with_times};
     cr_assert_eq(compare_results(&request, c, reason), 0, "%s", reason);
 }
 
@@ -100,8 +101,141 @@ Test(compare, claims_that_no_longer_hold_are_worse, .init = set_up, .fini = clea
     compare(&c, 0.1, 1);
     cr_expect(has(&c, CHANGE_WORSE, "a", "verdict 'tells nothing', was 'holds'"));
     cr_expect(has(&c, CHANGE_BETTER, "b", "verdict 'holds'"));
-    cr_expect(c.count == 2 && c.table_count == 1 && c.keyless == 1);
+    cr_expect(c.count == 2 && c.table_count == 2 && c.left_out == 1);
     compare_free(&c);
+}
+
+/* Of rows about the same the first is joined with the first; which one it is stands in its name. */
+Test(compare, rows_about_the_same_are_joined_in_their_order, .init = set_up, .fini = clean_up) {
+    static const char head[] = "# front\nmethod\tt\terror\n";
+    struct comparison c;
+    char text[2][512];
+    snprintf(text[0], 512, "%srk4\t0\t1\neuler\t0\t1\nrk4\t0\t2\nrk4\t0\t3\nrk4\t1\t3\n", head);
+    snprintf(text[1], 512, "%srk4\t1\t3\nrk4\t0\t1\nrk4\t0\t9\neuler\t0\t1\neuler\t0\t1\n", head);
+    put(older, "race", "lines.tsv", text[0]);
+    put(newer, "race", "lines.tsv", text[1]);
+    compare(&c, 0.1, 1);
+    cr_expect(has(&c, CHANGE_WORSE, "rk4, t 0, no. 2", "error 9 m, was 2"));
+    cr_expect(has(&c, CHANGE_VANISHED, "rk4, t 0, no. 3", ""));
+    cr_expect(has(&c, CHANGE_APPEARED, "euler, t 0, no. 2", ""));
+    cr_expect(c.count == 3 && c.changes[CHANGE_NONE] == 3, "%d, %d", c.count,
+              c.changes[CHANGE_NONE]);
+    compare_free(&c);
+    put(older, "race", "lines.tsv",
+        "# no keys\nx\terror\n0\t1\n1\t1\n"); /* nor an order but theirs */
+    put(newer, "race", "lines.tsv", "# no keys\nx\terror\n0\t1\n1\t2\n");
+    compare(&c, 0.1, 1);
+    cr_expect(c.count == 1 && has(&c, CHANGE_WORSE, "row 2", "error 2 m, was 1"));
+    compare_free(&c);
+}
+
+/* A hundred thousand rows, in another order, of which each is there four times. */
+Test(compare, many_rows_take_no_longer_than_reading_them, .init = set_up, .fini = clean_up,
+     .timeout = 20) {
+    enum { ROWS = 100000 };
+    char *text[2];
+    size_t used[2] = {0, 0};
+    struct comparison c;
+    for (int side = 0; side < 2; side++) {
+        text[side] = malloc(40 * (ROWS + 1));
+        used[side] = (size_t)sprintf(text[side], "method\tsetting\terror\n");
+        for (int i = 0; i < ROWS; i++)
+            used[side] += (size_t)sprintf(text[side] + used[side], "rk4\t%d\t%d\n",
+                                          (side ? ROWS - 1 - i : i) % (ROWS / 4), side && i == 7);
+    }
+    put(older, "race", "lines.tsv", text[0]);
+    put(newer, "race", "lines.tsv", text[1]);
+    compare(&c, 0.1, 1);
+    cr_expect(c.count == 1 &&
+                  has(&c, CHANGE_WORSE, "rk4, setting 24992, no. 1", "error 1 m, was 0"),
+              "%d: %s", c.count, c.count ? c.differences[0].row : "");
+    compare_free(&c);
+    free(text[0]);
+    free(text[1]);
+}
+
+/* Rows are known by all that was varied, whatever their numbers are. */
+Test(compare, sweeps_are_compared, .init = set_up, .fini = clean_up) {
+    static const char head[] = "# sweep of swing\nrun\tstepper\tmaterial.drag_rate\trate\tstatus\t"
+                               "error_rms\tforce_evaluations\tcpu_seconds\treason\n";
+    struct comparison c;
+    char text[2][1024];
+    snprintf(text[0], 1024,
+             "%s1\trk4\t2\t900\tfinished\t1e-3\t10\t1\t\n2\trk4\t3\t900\tfinished\t1e-3\t10\t1\t\n"
+             "3\tbdf2\t3\t900\tfinished\t1e-3\t10\t1\t\n",
+             head);
+    snprintf(text[1], 1024,
+             "%s1\trk4\t3\t900\tdiverged\tnan\t10\t9\tx\n2\trk4\t2\t900\tfinished\t1e-3\t12\t9\t\n",
+             head);
+    put(older, ".", "table.tsv", text[0]);
+    put(newer, ".", "table.tsv", text[1]);
+    put(older, "runs", "packed-0.tsv", "no table\n");
+    put(newer, "runs", "packed-0.tsv", "no table either");
+    compare(&c, 0.1, 1);
+    cr_expect(has(&c, CHANGE_WORSE, "rk4, material.drag_rate 3, rate 900", "status 'diverged'"));
+    cr_expect(has(&c, CHANGE_WORSE, "rk4, material.drag_rate 3, rate 900", "error_rms nan"));
+    cr_expect(has(&c, CHANGE_WORSE, "rk4, material.drag_rate 2, rate 900",
+                  "force_evaluations 12 evaluations, was 10"));
+    cr_expect(has(&c, CHANGE_VANISHED, "bdf2, material.drag_rate 3, rate 900", ""));
+    cr_expect(c.count == 4 && c.table_count == 1, "%d, %d", c.count, c.table_count);
+    compare_free(&c);
+}
+
+/* What cannot be compared is told by name, with why, and is neither well nor ill for a program. */
+Test(compare, tables_in_which_nothing_is_looked_at_are_told, .init = set_up, .fini = clean_up) {
+    struct finished f;
+    char path[PATH_SIZE];
+    for (int side = 0; side < 2; side++) {
+        const char *of = side ? newer : older;
+        put(of, "race", "slopes.tsv", side ? "method\tslope\nrk4\t4\n" : "method\tslope\nrk4\t3\n");
+        put(of, "race", "times.tsv", "method\tcpu_median\nrk4\t1\n");
+        put(of, "race", "none.tsv", "method\terror\n");
+        put(of, "race", "good.tsv", "method\terror\nrk4\t1\n");
+    }
+    path_format(path, "%s/compare.xml", root);
+    PROGRAM(&f, NULL, "compare", older, newer, "--no-times", "--junit", path);
+    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
+    cr_assert(
+        strstr(f.out, "left out: race/slopes: has no column that is looked at\n") &&
+            strstr(f.out, "left out: race/times: of what is looked at it has only CPU times") &&
+            strstr(f.out, "left out: race/none: has no rows\n") &&
+            strstr(f.out, "1 tables: 1 rows are as they were") &&
+            strstr(f.out, "tables left out: 3\n"),
+        "%s", f.out);
+    char *xml = file_read(path);
+    cr_assert(strstr(xml, "tests=\"4\" failures=\"0\" skipped=\"3\"") &&
+                  strstr(xml, "name=\"race/slopes\"><skipped message=\"has no column"),
+              "%s", xml);
+    free(xml);
+}
+
+/* A row, a column that is looked at, one that rows are known by, a table: told, and worse for who
+ * asks for it. */
+Test(compare, what_vanished_is_told, .init = set_up, .fini = clean_up) {
+    struct finished f;
+    char path[PATH_SIZE];
+    put(older, "race", "swing.tsv",
+        "method\tsetting\terror\tforce_evaluations\trk\nrk4\t1\t1\t1\t1\neuler\t1\t1\t1\t1\n");
+    put(newer, "race", "swing.tsv", "method\terror\nrk4\t1\n");
+    put(older, "race", "wind.tsv", POINTS);
+    put(newer, "race", "shake.tsv", POINTS);
+    path_format(path, "%s/compare.xml", root);
+    for (int complete = 0; complete < 2; complete++) {
+        PROGRAM(&f, NULL, "compare", older, newer, "--junit", path, complete ? "--complete" : NULL);
+        cr_assert_eq(f.code, complete ? 4 : 0, "exit code %d: %s", f.code, f.err);
+        cr_assert(strstr(f.out, "vanished  race/swing: column setting\n") &&
+                      strstr(f.out, "vanished  race/swing: column force_evaluations\n") &&
+                      strstr(f.out, "vanished  race/swing: euler\n") &&
+                      strstr(f.out, "vanished  race/wind: the whole table\n") &&
+                      strstr(f.out, "appeared  race/shake: the whole table\n") &&
+                      strstr(f.out, "appeared 1, vanished 4; tables left out: 0\n"),
+                  "%s", f.out);
+        char *xml = file_read(path);
+        cr_assert(
+            strstr(xml, complete ? "failures=\"2\" skipped=\"1\"" : "failures=\"0\" skipped=\"2\""),
+            "%s", xml);
+        free(xml);
+    }
 }
 
 /* Exit code 4 where something is worse and only there; the other program's file is well-formed and
@@ -118,7 +252,7 @@ Test(compare, exit_code_and_junit_say_it, .init = set_up, .fini = clean_up) {
     cr_assert(strstr(f.out, "worse     race/swing: rk4, setting 0.1: error 0.002 m, was 0.001"),
               "%s", f.out);
     cr_assert(strstr(f.out, "2 tables: 2 rows are as they were; worse 4, better 4, appeared 1, "
-                            "vanished 1"),
+                            "vanished 1; tables left out: 0\n"),
               "%s", f.out);
     char *xml = file_read(path);
     cr_assert(strstr(xml, "tests=\"2\" failures=\"1\"") && strstr(xml, "name=\"race/good\"/>") &&
@@ -133,9 +267,17 @@ Test(compare, exit_code_and_junit_say_it, .init = set_up, .fini = clean_up) {
 
 Test(compare, folders_without_a_common_table_are_refused, .init = set_up, .fini = clean_up) {
     struct finished f;
+    PROGRAM(&f, NULL, "compare", older, "/nowhere/at/all");
+    cr_assert(f.code == 1 && strstr(f.err, "/nowhere/at/all: No such file"), "%d: %s", f.code,
+              f.err);
     put(older, "race", "swing.tsv", POINTS);
     PROGRAM(&f, NULL, "compare", older, newer);
     cr_assert(f.code == 1 && strstr(f.err, "have no table in common") && count_lines(f.err) == 1,
+              "%d: %s", f.code, f.err);
+    put(older, "race", "slopes.tsv", "method\tslope\nrk4\t4\n");
+    put(newer, "race", "slopes.tsv", "method\tslope\nrk4\t4\n");
+    PROGRAM(&f, NULL, "compare", older, newer);
+    cr_assert(f.code == 1 && strstr(f.err, "no table in common in which anything is looked at"),
               "%d: %s", f.code, f.err);
     put(newer, "race", "swing.tsv", "# only a comment\n");
     PROGRAM(&f, NULL, "compare", older, newer);

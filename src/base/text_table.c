@@ -47,12 +47,14 @@ static int read_line(struct text_table *table, char *line) {
         table->column_count = table->name ? cut(line, table->name, columns) : 0;
         return table->name ? 0 : -2;
     }
-    const size_t used = (size_t)table->row_count * (size_t)table->column_count;
-    char **cell = realloc(table->cell, (used + (size_t)table->column_count) * sizeof *cell);
-    if (!cell)
-        return -2;
-    table->cell = cell;
-    if (cut(line, cell + used, table->column_count) < table->column_count)
+    const size_t rows = (size_t)table->row_count, columns = (size_t)table->column_count;
+    if ((rows & (rows - 1)) == 0) { /* at 0, 1, 2, 4, ... it is full */
+        char **cell = realloc(table->cell, (rows ? 2 * rows : 1) * columns * sizeof *cell);
+        if (!cell)
+            return -2;
+        table->cell = cell;
+    }
+    if (cut(line, table->cell + rows * columns, table->column_count) < table->column_count)
         return -1;
     table->row_count++;
     return 0;

@@ -3,93 +3,75 @@
 #include "base/files.h"
 #include "base/text_table.h"
 #include "html.h"
+#include "row_join.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* --- what a row is known by, and what is looked at --- */
+/* --- what is looked at --- */
 
-/* Columns that say what a row is about, wherever they are. */
-static const char *const keys[] = {
-    "key",     "scene",         "file",    "axis",   "hair",  "treatment", "method",
-    "stepper", "configuration", "variant", "who",    "along", "figure",    "stretch_stiffness",
-    "zeta",    "target",        "setting", "number", "value", "rate",      "ratio",
-    "name",    "group",         "question"};
-enum { KEYS = sizeof keys / sizeof *keys };
-
-/* Columns of numbers of which less is better; between the other two repeats of it lie. */
+/* Columns of numbers of which less is better; between the other two repeats of it lie. (A sweep's
+ * CPU times have none: a run that took longer once tells nothing.) */
 static const struct measure {
     const char *name, *least, *greatest, *unit;
     int is_time;
 } measures[] = {{"error", "error_least", "error_greatest", " m", 0},
+                {"error_rms", NULL, NULL, " m", 0},
+                {"error_largest", NULL, NULL, " m", 0},
+                {"error_end", NULL, NULL, " m", 0},
                 {"force_evaluations", NULL, NULL, " evaluations", 0},
+                {"evaluations", NULL, NULL, " evaluations", 0},
                 {"cpu_median", "cpu_least", "cpu_greatest", " s of CPU time", 1}};
 enum { MEASURES = sizeof measures / sizeof *measures };
 
-/* A statement's row is its key; of other tables all keys that they have. */
-static int is_key(const struct text_table *table, int column) {
-    const char *name = table->name[column];
-    if (text_table_column(table, "verdict") >= 0)
-        return strcmp(name, "key") == 0;
-    for (int k = 0; k < KEYS; k++)
-        if (strcmp(name, keys[k]) == 0)
-            return 1;
-    return 0;
+/* Columns of words of which one is good. (Verdicts are of statements; other tables have their own.)
+ */
+static const struct {
+    const char *name, *good, *beside;
+} words[] = {{"status", "finished", "status"},
+             {"outcome", "finished", "outcome"},
+             {"verdict", "holds", "key"}};
+enum { WORDS = sizeof words / sizeof *words };
+
+static int has_measure(const struct text_table *table, int m, int with_times) {
+    return (with_times || !measures[m].is_time) && text_table_column(table, measures[m].name) >= 0;
 }
 
-static const char *cell_at(const struct text_table *table, int row, int column) {
-    return table->cell[row * table->column_count + column];
-}
-
-/* Whether two rows are about the same; they may be of two tables. */
-static int is_same(const struct text_table *a, int i, const struct text_table *b, int k) {
-    int any = 0;
-    for (int column = 0; column < a->column_count; column++) {
-        if (!is_key(a, column))
-            continue;
-        any = 1;
-        if (strcmp(cell_at(a, i, column), text_table_cell(b, k, a->name[column])) != 0)
-            return 0;
-    }
-    return any;
-}
-
-static int find_same(const struct text_table *a, int i, const struct text_table *b) {
-    for (int k = 0; k < b->row_count; k++)
-        if (is_same(a, i, b, k))
-            return k;
-    return -1;
-}
-
-/* Whether no two rows are about the same, so that they can be told apart. */
-static int has_keys(const struct text_table *table) {
-    for (int i = 0; i < table->row_count; i++)
-        if (find_same(table, i, table) != i)
-            return 0;
-    return table->row_count > 0;
-}
-
-static void name_row(const struct text_table *table, int row, char name[240]) {
-    name[0] = '\0';
-    for (int column = 0; column < table->column_count; column++) {
-        const size_t used = strlen(name);
-        const char *cell = cell_at(table, row, column);
-        char *end;
-        const double number = strtod(cell, &end);
-        if (!is_key(table, column))
-            continue;
-        if (end > cell && !*end)
-            snprintf(name + used, 240 - used, "%s%s %.6g", used ? ", " : "", table->name[column],
-                     number);
-        else
-            snprintf(name + used, 240 - used, "%s%.80s", used ? ", " : "", cell);
-    }
+static int has_word(const struct text_table *table, int w) {
+    return text_table_column(table, words[w].name) >= 0 &&
+           text_table_column(table, words[w].beside) >= 0;
 }
 
 /* --- differences --- */
 
+/* Two tables of one name, and where what is found goes: the last of its tables. */
+struct pair {
+    const struct compare_request *request;
+    const struct text_table *table[2]; /* older, newer */
+    struct row_join join;
+    struct comparison *found;
+};
+
+/* Adds a table, which the next differences are of. */
+static int add_table(struct comparison *c, const char *name, char *reason) {
+    struct compared_table *tables =
+        realloc(c->tables, (size_t)(c->table_count + 1) * sizeof *tables);
+    if (!tables)
+        return fail_with(reason, "out of memory");
+    c->tables = tables;
+    tables[c->table_count] = (struct compared_table){.left_out = NULL};
+    snprintf(tables[c->table_count++].name, sizeof tables->name, "%s", name);
+    return 0;
+}
+
+int compare_is_failure(const struct comparison *c, const struct difference *d) {
+    return d->change == CHANGE_WORSE || (c->complete && d->change == CHANGE_VANISHED);
+}
+
 static int add(struct comparison *c, struct difference difference, char *reason) {
+    struct compared_table *table = &c->tables[c->table_count - 1];
     if (c->count == c->capacity) {
         c->capacity = 2 * c->capacity + 64;
         struct difference *all =
@@ -98,6 +80,8 @@ static int add(struct comparison *c, struct difference difference, char *reason)
             return fail_with(reason, "out of memory");
         c->differences = all;
     }
+    snprintf(difference.table, sizeof difference.table, "%s", table->name);
+    table->failures += compare_is_failure(c, &difference);
     c->changes[difference.change]++;
     c->differences[c->count++] = difference;
     return 0;
@@ -134,127 +118,212 @@ static enum change judge_word(const char *old, const char *new, const char *good
     return was == is ? CHANGE_NONE : is ? CHANGE_BETTER : CHANGE_WORSE;
 }
 
-static int compare_words(const struct text_table *old, int i, const struct text_table *new, int k,
-                         struct difference *d, struct comparison *c, char *reason) {
-    static const char *const words[][2] = {{"status", "finished"}, {"verdict", "holds"}};
-    for (int w = 0; w < 2; w++) {
-        const char *was = text_table_cell(old, i, words[w][0]),
-                   *is = text_table_cell(new, k, words[w][0]);
-        if (!*was || !*is)
+static int compare_words(struct pair *pair, int i, int k, struct difference *d, char *reason) {
+    for (int w = 0; w < WORDS; w++) {
+        if (!has_word(pair->table[0], w) || !has_word(pair->table[1], w))
             continue;
-        d->change = judge_word(was, is, words[w][1]);
-        snprintf(d->what, sizeof d->what, "%s '%.50s', was '%.50s'", words[w][0], is, was);
-        if (d->change && add(c, *d, reason))
+        const char *was = text_table_cell(pair->table[0], i, words[w].name),
+                   *is = text_table_cell(pair->table[1], k, words[w].name);
+        d->change = judge_word(was, is, words[w].good);
+        snprintf(d->what, sizeof d->what, "%s '%.50s', was '%.50s'", words[w].name, is, was);
+        if (d->change && add(pair->found, *d, reason))
             return -1;
     }
     return 0;
 }
 
-static int compare_row(const struct compare_request *request, const struct text_table *old, int i,
-                       const struct text_table *new, int k, const char *name, struct comparison *c,
-                       char *reason) {
-    struct difference d = {.change = CHANGE_NONE};
-    const int before = c->count;
-    snprintf(d.table, sizeof d.table, "%s", name);
-    name_row(old, i, d.row);
-    if (compare_words(old, i, new, k, &d, c, reason))
-        return -1;
+static int compare_measures(struct pair *pair, int i, int k, struct difference *d, char *reason) {
     for (int m = 0; m < MEASURES; m++) {
-        if (text_table_column(old, measures[m].name) < 0 ||
-            text_table_column(new, measures[m].name) < 0 ||
-            (measures[m].is_time && !request->with_times))
+        if (!has_measure(pair->table[0], m, pair->request->with_times) ||
+            !has_measure(pair->table[1], m, pair->request->with_times))
             continue;
-        const struct number was = read_number(old, i, &measures[m]),
-                            is = read_number(new, k, &measures[m]);
-        d.change = judge(was, is, request->tolerance);
-        snprintf(d.what, sizeof d.what, "%s %.4g%s, was %.4g", measures[m].name, is.value,
+        const struct number was = read_number(pair->table[0], i, &measures[m]),
+                            is = read_number(pair->table[1], k, &measures[m]);
+        d->change = judge(was, is, pair->request->tolerance);
+        snprintf(d->what, sizeof d->what, "%s %.4g%s, was %.4g", measures[m].name, is.value,
                  measures[m].unit, was.value);
-        if (d.change && add(c, d, reason))
+        if (d->change && add(pair->found, *d, reason))
             return -1;
     }
-    c->changes[CHANGE_NONE] += c->count == before;
     return 0;
 }
 
-/* Rows of `from` that `in` has not. */
-static int compare_missing(const struct text_table *from, const struct text_table *in,
-                           enum change change, const char *name, struct comparison *c,
-                           char *reason) {
-    for (int i = 0; i < from->row_count; i++) {
+static int compare_row(struct pair *pair, int i, int k, char *reason) {
+    struct difference d = {.change = CHANGE_NONE};
+    const int before = pair->found->count;
+    row_join_name(&pair->join, 0, i, d.row);
+    if (compare_words(pair, i, k, &d, reason) || compare_measures(pair, i, k, &d, reason))
+        return -1;
+    pair->found->changes[CHANGE_NONE] += pair->found->count == before;
+    return 0;
+}
+
+/* Rows of one of the tables that the other has not. */
+static int add_missing(struct pair *pair, int side, enum change change, char *reason) {
+    for (int i = 0; i < pair->table[side]->row_count; i++) {
         struct difference d = {.change = change};
-        if (find_same(from, i, in) >= 0)
+        if (pair->join.partner[side][i] >= 0)
             continue;
-        snprintf(d.table, sizeof d.table, "%s", name);
-        name_row(from, i, d.row);
-        if (add(c, d, reason))
+        row_join_name(&pair->join, side, i, d.row);
+        if (add(pair->found, d, reason))
             return -1;
     }
     return 0;
 }
 
-static int compare_tables(const struct compare_request *request, const struct text_table *old,
-                          const struct text_table *new, const char *name, struct comparison *c,
-                          char *reason) {
-    if (!has_keys(old) || !has_keys(new)) {
-        c->keyless++;
-        return 0;
-    }
-    char(*tables)[160] = realloc(c->tables, (size_t)(c->table_count + 1) * sizeof *tables);
-    if (!tables)
-        return fail_with(reason, "out of memory");
-    c->tables = tables;
-    snprintf(c->tables[c->table_count++], sizeof *c->tables, "%s", name);
-    for (int i = 0; i < old->row_count; i++) {
-        const int k = find_same(old, i, new);
-        if (k >= 0 && compare_row(request, old, i, new, k, name, c, reason))
+static int compare_rows(struct pair *pair, char *reason) {
+    for (int i = 0; i < pair->table[0]->row_count; i++) {
+        const int k = pair->join.partner[0][i];
+        if (k >= 0 && compare_row(pair, i, k, reason))
             return -1;
     }
-    return compare_missing(old, new, CHANGE_VANISHED, name, c, reason) ||
-                   compare_missing(new, old, CHANGE_APPEARED, name, c, reason)
+    return add_missing(pair, 0, CHANGE_VANISHED, reason) ||
+                   add_missing(pair, 1, CHANGE_APPEARED, reason)
                ? -1
                : 0;
 }
 
+/* --- tables --- */
+
+/* Whether a column is looked at, or rows are known by it. */
+static int counts(const struct text_table *table, int column, int with_times) {
+    for (int w = 0; w < WORDS; w++)
+        if (strcmp(table->name[column], words[w].name) == 0 && has_word(table, w))
+            return 1;
+    for (int m = 0; m < MEASURES; m++)
+        if (strcmp(table->name[column], measures[m].name) == 0)
+            return with_times || !measures[m].is_time;
+    return row_join_is_key(table, column);
+}
+
+/* Columns of one of the tables that the other has not. */
+static int add_columns(struct pair *pair, int side, enum change change, char *reason) {
+    const struct text_table *table = pair->table[side];
+    for (int i = 0; i < table->column_count; i++) {
+        struct difference d = {.change = change};
+        snprintf(d.row, sizeof d.row, "column %.100s", table->name[i]);
+        if (text_table_column(pair->table[!side], table->name[i]) < 0 &&
+            counts(table, i, pair->request->with_times) && add(pair->found, d, reason))
+            return -1;
+    }
+    return 0;
+}
+
+/* Why nothing can be said of two tables; NULL: something can. */
+static const char *left_out(const struct pair *pair) {
+    const struct text_table *older = pair->table[0], *newer = pair->table[1];
+    int looked_at = 0, times = 0;
+    for (int m = 0; m < MEASURES; m++) {
+        const int has = has_measure(older, m, 1) && has_measure(newer, m, 1);
+        times += has && measures[m].is_time;
+        looked_at += has && (pair->request->with_times || !measures[m].is_time);
+    }
+    for (int w = 0; w < WORDS; w++)
+        looked_at += has_word(older, w) && has_word(newer, w);
+    return !looked_at ? times ? "of what is looked at it has only CPU times"
+                              : "has no column that is looked at"
+           : older->row_count == 0 && newer->row_count == 0 ? "has no rows"
+                                                            : NULL;
+}
+
+static int compare_tables(struct pair *pair, char *reason) {
+    struct comparison *c = pair->found;
+    const char *why = left_out(pair);
+    c->tables[c->table_count - 1].left_out = why;
+    c->left_out += why != NULL;
+    if (add_columns(pair, 0, CHANGE_VANISHED, reason) ||
+        add_columns(pair, 1, CHANGE_APPEARED, reason))
+        return -1;
+    if (why)
+        return 0;
+    const int code = row_join_make(&pair->join, pair->table[0], pair->table[1])
+                         ? fail_with(reason, "out of memory")
+                         : compare_rows(pair, reason);
+    row_join_free(&pair->join);
+    return code;
+}
+
+static int compare_files(const struct compare_request *request, const char *older_path,
+                         const char *newer_path, struct comparison *c, char *reason) {
+    struct text_table older, newer;
+    if (text_table_read(&older, older_path, reason))
+        return -1;
+    int code = text_table_read(&newer, newer_path, reason);
+    if (!code) {
+        struct pair pair = {.request = request, .table = {&older, &newer}, .found = c};
+        code = compare_tables(&pair, reason);
+        text_table_free(&newer);
+    }
+    text_table_free(&older);
+    return code;
+}
+
 /* --- folders --- */
 
-/* `path` is of the older folder. A table that the newer one has not is no part of this: an
- * experiment may not have been asked for. */
-static int compare_file(const struct compare_request *request, const char *path,
+/* Takes up a table of one of the folders: one that both have with the older folder, one that only
+ * the newer has with that. */
+static int compare_file(const struct compare_request *request, const char *path, int is_newer,
                         struct comparison *c, char *reason) {
     char other[PATH_SIZE], name[160];
-    struct text_table old, new;
-    const char *rest = path + strlen(request->older);
-    if (path_format(other, "%s%s", request->newer, rest) || !file_exists(other))
+    const char *folder = is_newer ? request->newer : request->older, *rest = path + strlen(folder);
+    const size_t length = strlen(rest) - strlen("/.tsv");
+    if (path_format(other, "%s%s", is_newer ? request->older : request->newer, rest))
+        return fail_with(reason, "%.150s: the path is too long", path);
+    const int in_both = file_exists(other);
+    if (strncmp(rest, "/runs/", 6) == 0 || (is_newer && in_both))
         return 0;
-    snprintf(name, sizeof name, "%s", rest + 1);
-    name[strlen(name) - strlen(".tsv")] = '\0';
-    if (text_table_read(&old, path, reason))
+    snprintf(name, sizeof name, "%.*s", (int)length, rest + 1);
+    if (add_table(c, name, reason))
         return -1;
-    int code = text_table_read(&new, other, reason);
-    if (!code) {
-        code = compare_tables(request, &old, &new, name, c, reason);
-        text_table_free(&new);
-    }
-    text_table_free(&old);
+    if (in_both)
+        return compare_files(request, path, other, c, reason);
+    struct compared_table *table = &c->tables[c->table_count - 1];
+    table->alone = 1;
+    table->left_out = is_newer ? "is new" : "has vanished";
+    return add(c,
+               (struct difference){.change = is_newer ? CHANGE_APPEARED : CHANGE_VANISHED,
+                                   .row = "the whole table"},
+               reason);
+}
+
+static int compare_folder(const struct compare_request *request, const char *pattern, int is_newer,
+                          struct comparison *c, char *reason) {
+    glob_t found;
+    int code = files_like(is_newer ? request->newer : request->older, pattern, &found)
+                   ? fail_with(reason, "out of memory")
+                   : 0;
+    for (size_t i = 0; i < found.gl_pathc && !code; i++)
+        code = compare_file(request, found.gl_pathv[i], is_newer, c, reason);
+    globfree(&found);
     return code;
+}
+
+/* Tables are in the folders of experiments; a sweep's folder has its own. */
+static int compare_folders(const struct compare_request *request, struct comparison *c,
+                           char *reason) {
+    static const char *const patterns[] = {"*.tsv", "*/*.tsv"};
+    const char *const folders[] = {request->older, request->newer};
+    for (int i = 0; i < 2; i++)
+        if (!file_exists(folders[i]))
+            return fail_with(reason, "%.150s: %s", folders[i], strerror(errno));
+    for (int is_newer = 0; is_newer <= 1; is_newer++)
+        for (int i = 0; i < 2; i++)
+            if (compare_folder(request, patterns[i], is_newer, c, reason))
+                return -1;
+    for (int i = 0; i < c->table_count; i++)
+        if (!c->tables[i].left_out)
+            return 0;
+    return fail_with(reason,
+                     "%.100s and %.100s have no table in common%s; both must be an --out of "
+                     "experiments or of a sweep",
+                     request->older, request->newer,
+                     c->left_out ? " in which anything is looked at" : "");
 }
 
 int compare_results(const struct compare_request *request, struct comparison *comparison,
                     char *reason) {
-    glob_t found;
-    *comparison = (struct comparison){.count = 0};
-    int code = files_like(request->older, "*/*.tsv", &found);
-    if (code)
-        snprintf(reason, REASON_SIZE, "out of memory");
-    for (size_t i = 0; i < found.gl_pathc && !code; i++)
-        code = compare_file(request, found.gl_pathv[i], comparison, reason);
-    globfree(&found);
-    if (!code && comparison->table_count == 0) {
-        snprintf(reason, REASON_SIZE,
-                 "%.100s and %.100s have no table in common; both must be an --out of experiments",
-                 request->older, request->newer);
-        code = -1;
-    }
+    *comparison = (struct comparison){.complete = request->complete};
+    const int code = compare_folders(request, comparison, reason);
     if (code)
         compare_free(comparison);
     return code;
@@ -268,43 +337,43 @@ void compare_free(struct comparison *comparison) {
 
 /* --- for programs that run tests --- */
 
-static int count_worse(const struct comparison *c, const char *table) {
-    int count = 0;
-    for (int i = 0; i < c->count; i++)
-        count +=
-            c->differences[i].change == CHANGE_WORSE && strcmp(c->differences[i].table, table) == 0;
-    return count;
-}
-
-static void write_case(FILE *stream, const struct comparison *c, const char *table) {
-    const int worse = count_worse(c, table);
+static void write_case(FILE *stream, const struct comparison *c,
+                       const struct compared_table *table) {
     fputs("  <testcase classname=\"wisplab.compare\" name=\"", stream);
-    html_text(stream, table);
-    fputs(worse ? "\">\n" : "\"/>\n", stream);
-    if (!worse)
+    html_text(stream, table->name);
+    if (!table->failures && !table->left_out) {
+        fputs("\"/>\n", stream);
         return;
-    fprintf(stream, "    <failure message=\"%d worse\">", worse);
+    }
+    if (!table->failures) {
+        fprintf(stream, "\"><skipped message=\"%s\"/></testcase>\n", table->left_out);
+        return;
+    }
+    fprintf(stream, "\">\n    <failure message=\"%d worse\">", table->failures);
     for (int i = 0; i < c->count; i++) {
         const struct difference *d = &c->differences[i];
-        if (d->change == CHANGE_WORSE && strcmp(d->table, table) == 0)
-            html_print(stream, "%s: %s\n", d->row, d->what);
+        if (compare_is_failure(c, d) && strcmp(d->table, table->name) == 0)
+            html_print(stream, "%s: %s\n", d->row, *d->what ? d->what : "vanished");
     }
     fputs("</failure>\n  </testcase>\n", stream);
 }
 
 int compare_write_junit(const struct comparison *comparison, const char *path, char *reason) {
     struct atomic_file file;
-    int failed = 0;
+    int failed = 0, skipped = 0;
     if (atomic_open(&file, path, reason))
         return -1;
-    for (int i = 0; i < comparison->table_count; i++)
-        failed += count_worse(comparison, comparison->tables[i]) > 0;
+    for (int i = 0; i < comparison->table_count; i++) {
+        const struct compared_table *table = &comparison->tables[i];
+        failed += table->failures > 0;
+        skipped += !table->failures && table->left_out;
+    }
     fprintf(file.stream,
             "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
-            "<testsuite name=\"wisplab compare\" tests=\"%d\" failures=\"%d\">\n",
-            comparison->table_count, failed);
+            "<testsuite name=\"wisplab compare\" tests=\"%d\" failures=\"%d\" skipped=\"%d\">\n",
+            comparison->table_count, failed, skipped);
     for (int i = 0; i < comparison->table_count; i++)
-        write_case(file.stream, comparison, comparison->tables[i]);
+        write_case(file.stream, comparison, &comparison->tables[i]);
     fputs("</testsuite>\n", file.stream);
     return atomic_commit(&file, reason);
 }
