@@ -88,12 +88,17 @@ static const struct {
     {{"run", "circle", "--time-limit", "0"}, {"--time-limit", "positive"}},
     {{"run", "circle", "--memory-limit", "-3"}, {"--memory-limit", "positive"}},
     {{"run", "circle", "--threads", "1.5"}, {"--threads", "whole"}},
+    {{"run", "circle", "--draw", "2"}, {"--draw 2", "--perturb", "not given"}},
     {{"run", "square"}, {"square.cfg", "no such scene"}},
     {{"run", "/nowhere/at/all.cfg"}, {"/nowhere/at/all.cfg", "no such scene"}},
     {{"experiment", "square"}, {"square", "list experiments"}},
     {{"experiment"}, {"missing"}},
     {{"experiment", "circle", "--shard", "1/2"}, {"no option --shard"}},
     {{"experiment", "circle", "--stepper", "rk5"}, {"rk5", "list steppers"}},
+    {{"experiment", "circle", "--stepper", "rk4", "--stepper", "rk4"},
+     {"--stepper rk4 is given twice"}},
+    {{"experiment", "needs", "--scene", "swing", "--scene", "swing"},
+     {"--scene swing is given twice"}},
     {{"experiment", "circle", "--scene", "circle"}, {"--scene"}},
     {{"plot", "square"}, {"square"}},
     {{"list", "colours"}, {"colours", "steppers"}},
@@ -259,10 +264,10 @@ Test(command_line, set_overrides_what_the_scene_says) {
         cr_assert(strstr(f.err, sets[i].says), "--set %s: %s", sets[i].set, f.err);
     }
     struct finished f;
-    PROGRAM(&f, NULL, "run", "circle", "--set", "run.step=0.5", "--set", "duration=9", "--duration",
-            "4", "--out", folder);
+    PROGRAM(&f, NULL, "run", "circle", "--set", "run.step=2", "--set", "run.step=0.5", "--set",
+            "duration=9", "--duration", "4", "--out", folder);
     json_t *json = run_json(folder);
-    cr_assert_eq(number_of(json_object_get(json, "settings"), "step"), 0.5, "step not set");
+    cr_assert_eq(number_of(json_object_get(json, "settings"), "step"), 0.5, "the last one counts");
     cr_assert_eq(number_of(json, "simulated_time"), 4, "--duration comes last");
     cr_assert_eq(number_of(json_object_get(json, "scene"), "duration"), 4, "scene not as it ran");
     json_decref(json);
@@ -651,6 +656,15 @@ Test(command_line, cite_names_version_and_sources) {
     cr_expect(strstr(citation, version) && strstr(citation, title), "CITATION.cff has not %s%s",
               version, title);
     free(citation);
+    const char *all[64] = {"cite"};
+    for (int i = 0; stepper_methods[i]; i++)
+        all[1 + i] = stepper_methods[i]->name;
+    const struct process process = program_start(NULL, all);
+    program_wait(&process, &f);
+    cr_assert_eq(f.code, 0, "all of them: %s", f.err);
+    PROGRAM(&f, NULL, "cite", "bdf2", "rk4", "bdf2");
+    const char *first = strstr(f.out, "% bdf2: ");
+    cr_assert(f.code == 0 && first && !strstr(first + 1, "% bdf2: "), "twice: %s", f.out);
     PROGRAM(&f, NULL, "cite", "leapfrog");
     cr_assert(f.code == 1 && strstr(f.err, "no stepper 'leapfrog'") && count_lines(f.err) == 1,
               "%d: %s", f.code, f.err);

@@ -42,6 +42,7 @@ Test(sweep, values_are_read_as_they_are_written) {
         {"start=../a.tsv", {"../a.tsv"}},
         {"gravity=[0.0, -9.81, 0.0],[1,2,3]", {"[0.0, -9.81, 0.0]", "[1,2,3]"}},
         {"wind={ kind = \"a,b\"; v = (1, 2); },{}", {"{ kind = \"a,b\"; v = (1, 2); }", "{}"}},
+        {"material.bending=skip, stiff", {"skip", "stiff"}},
         {"name=\"a}\",\"b\"", {"\"a}\"", "\"b\""}},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -89,15 +90,25 @@ Test(sweep, what_is_wrong_is_one_line, .init = set_up, .fini = clean_up) {
         {{"--vary", "rate=1..2:2.5"}, "whole number from 2"},
         {{"--vary", "rate=1..2:1e9"}, "whole number from 2"},
         {{"--vary", "rate=0..2:log:3"}, "must be positive"},
+        {{"--vary", "rate=-1e308..1e308:3"}, "too far apart"},
+        {{"--vary", "rate=1e-300..1e300:log:3"}, "too far apart"},
         {{"--vary", "rate=1,,2"}, "a value is empty"},
         {{"--vary", "rate=1,2,"}, "a value is empty"},
         {{"--vary", "rate=1\t2"}, "cannot stand in a table"},
         {{"--vary", "rate=fast"}, "rate=fast: must be a positive number"},
         {{"--vary", "rate=300,-3"}, "rate=-3: must be a positive number"},
-        {{"--vary", "draw=1.5"}, "draw=1.5: must be a whole number"},
+        {{"--vary", "draw=1.5", "--vary", "perturb=1"}, "draw=1.5: must be a whole number"},
+        {{"--vary", "draw=1,2"}, "draw=1: says which displacement, and there is none"},
         {{"--vary", "stepper=rk4,euler"}, "give --stepper for each"},
         {{"--vary", "rate=300", "--step", "0.1"}, "step and rate say the same thing"},
-        {{"--vary", "rate=300", "--vary", "rate=301"}, "is given twice"},
+        {{"--vary", "rate=300", "--vary", "rate=301"}, "rate=301: that setting is given twice"},
+        {{"--vary", "rate=1..1:3"}, "--vary rate=1..1:3: the value 1 is given twice"},
+        {{"--vary", "rate=1..1.0000000000001:3"}, "the value 1 is given twice"},
+        {{"--vary", "rate=300,9000,300"}, "the value 300 is given twice"},
+        {{"--vary", "rate=300,9000,3e2"}, "given twice, also as 3"},
+        {{"--vary", "wisps.[0].nodes=5, 6, 5"}, "the value 5 is given twice"},
+        {{"--vary", "material.bending=skip,none,skip"}, "the value skip is given twice"},
+        {{"--stepper", "rk4", "--stepper", "rk4"}, "--stepper rk4 is given twice"},
         {{"--stepper", "rk5"}, "no stepper 'rk5'"},
         {{"--vary", "material.gum=1,2"}, "gum: unknown setting"},
         {{"--vary", "wisps.[0].nodes=5,1"}, "nodes: 1 is not a whole number"},
@@ -399,9 +410,19 @@ Test(sweep, a_line_that_is_not_whole_is_not_taken, .init = set_up, .fini = clean
     file_write(runs, "packed-0.tsv", text, NULL);
     PROGRAM(&f, NULL, FEW);
     cr_assert_eq(new_runs(&f, 5), 1, "a damaged line was taken");
-    cr_assert(count_lines(f.err) == 1 && strstr(f.err, "has a damaged line"), "'%s'", f.err);
+    cr_assert(count_lines(f.err) == 1 && strstr(f.err, "/packed-0.tsv:1: damaged; runs"), "'%s'",
+              f.err);
     char *table = table_but_times();
     cr_assert_str_eq(table, expected);
+    PROGRAM(&f, NULL, FEW); /* the line is there still, and nothing is left to be done */
+    cr_assert_eq(new_runs(&f, 5), 0);
+    cr_assert_str_eq(f.err, "", "'%s'", f.err);
+    file_write(runs, "packed-1.tsv", "no\tline\nat all\n", NULL);
+    file_write(runs, "packed-2.tsv", "nor\there\n", NULL);
+    PROGRAM(&f, NULL, FEW, "--stepper", "midpoint");
+    cr_assert_eq(new_runs(&f, 5), 5);
+    cr_assert(count_lines(f.err) == 1 && strstr(f.err, "damaged, and 3 more in this folder"),
+              "'%s'", f.err);
     free(table);
     free(text);
     free(expected);

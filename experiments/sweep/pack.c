@@ -1,7 +1,5 @@
 #include "pack.h"
 
-#include "base/complain.h"
-
 #include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>
@@ -13,7 +11,7 @@
 struct pack_file {
     char *path;
     long long offset; /* of the first byte behind the last complete line */
-    int damaged;      /* that was said */
+    int lines;        /* before that */
 };
 
 static int fail(const char *path, const char *what, char *reason) {
@@ -56,7 +54,7 @@ static struct pack_file *file_of(struct pack *pack, const char *path) {
 
 /* The complete lines of a file from where it was left. It is opened anew at each look: that is when
  * a file server says what there is by now. */
-static int read_on(struct pack_file *file,
+static int read_on(struct pack *pack, struct pack_file *file,
                    void (*take)(void *ctx, const char *key, const char *cells), void *ctx,
                    char *reason) {
     char *line = NULL;
@@ -71,10 +69,12 @@ static int read_on(struct pack_file *file,
             break;
         line[length - 1] = '\0';
         file->offset += length;
+        file->lines++;
         if (cut_line(line, &key, &cells) == 0)
             take(ctx, key, cells);
-        else if (!file->damaged++)
-            complain(0, "%.150s has a damaged line; what was there is run again", file->path);
+        else if (pack->damaged++ == 0)
+            snprintf(pack->first_damaged, sizeof pack->first_damaged, "%s:%d", file->path,
+                     file->lines);
     }
     if (code || ferror(stream))
         code = fail(file->path, "cannot be read", reason);
@@ -95,7 +95,7 @@ int pack_look(struct pack *pack, void (*take)(void *ctx, const char *key, const 
         struct pack_file *file = file_of(pack, found.gl_pathv[i]);
         if (!file)
             snprintf(reason, REASON_SIZE, "out of memory");
-        code = file ? read_on(file, take, ctx, reason) : -1;
+        code = file ? read_on(pack, file, take, ctx, reason) : -1;
     }
     globfree(&found);
     return code;

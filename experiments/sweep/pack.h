@@ -11,6 +11,8 @@ struct pack {
     char folder[PATH_SIZE];
     char own[PATH_SIZE]; /* this process's file; empty before its first line */
     int file;            /* that, open; -1: none */
+    int damaged;         /* complete lines of others that are none: they were passed over */
+    char first_damaged[PATH_SIZE + 16]; /* FILE:LINE of the first of them */
     struct pack_file *seen;
     int seen_count;
 };

@@ -54,7 +54,7 @@ struct share {
     int jobs, active, ran, killed;
     double look, pause; /* when to look for work again, monotonic s, and the time between, s */
     double waits_since; /* for others, monotonic s; 0: it does not */
-    int said;
+    int said, damage_said;
     char plan[HASH_SIZE]; /* of all keys: blocks of another sweep are other blocks */
 };
 
@@ -277,10 +277,24 @@ static int is_done(const struct share *share) {
     return left_out <= 0;
 }
 
+/* A damaged line does not say whose it was: perhaps of another sweep, or of a run that was done
+ * again long ago. So it is told where something is left to be done, and once. */
+static void say_damage(struct share *share) {
+    char others[64] = "";
+    if (share->pack.damaged == 0 || share->damage_said++)
+        return;
+    if (share->pack.damaged > 1)
+        snprintf(others, sizeof others, ", and %d more in this folder", share->pack.damaged - 1);
+    progress_end(&share->progress);
+    complain(0, "%s: damaged%s; runs of this sweep that stand nowhere else are done again",
+             share->pack.first_damaged, others);
+}
+
 /* Looks for work, and at what others have done. Returns 0, or -1 with a reason. */
 static int look(struct share *share, char *reason) {
     char holder[REASON_SIZE] = "";
     int code = start_some(share, holder, reason);
+    say_damage(share);
     const double now = monotonic_seconds();
     if (share->active > 0 || !*holder)
         share->waits_since = 0;

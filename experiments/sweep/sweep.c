@@ -220,10 +220,25 @@ static int check_names(const struct sweep *sweep, char *reason) {
                                   (strcmp(name, "step") == 0 && strcmp(other, "rate") == 0);
             if (same_step || strcmp(name, other) == 0)
                 return refuse(reason, name, sweep->vary[i].value[0],
-                              same_step ? "step and rate say the same thing" : "is given twice");
+                              same_step ? "step and rate say the same thing"
+                                        : "that setting is given twice");
         }
     }
     return 0;
+}
+
+/* Draws of no displacement are one run. */
+static int check_draw(const struct sweep *sweep, char *reason) {
+    const struct vary *draw = NULL;
+    for (int i = 0; i < sweep->vary_count; i++) {
+        if (strcmp(sweep->vary[i].name, "perturb") == 0)
+            return 0;
+        if (strcmp(sweep->vary[i].name, "draw") == 0)
+            draw = &sweep->vary[i];
+    }
+    return draw ? refuse(reason, "draw", draw->value[0],
+                         "says which displacement, and there is none; add --vary perturb=1e-6")
+                : 0;
 }
 
 static const struct sweep_run *sorted; /* qsort hands nothing on */
@@ -234,7 +249,7 @@ static int compare_keys(const void *a, const void *b) {
 
 int sweep_plan(struct sweep *sweep, char *reason) {
     int refused = 0;
-    if (check_names(sweep, reason) || count_runs(sweep, reason))
+    if (check_names(sweep, reason) || check_draw(sweep, reason) || count_runs(sweep, reason))
         return 1;
     sweep->runs = calloc((size_t)sweep->count, sizeof *sweep->runs);
     sweep->by_key = calloc((size_t)sweep->count, sizeof *sweep->by_key);

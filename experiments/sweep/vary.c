@@ -85,12 +85,14 @@ static int read_range(struct vary *vary, const char *text, double from, const ch
     double to, count;
     if (!number || at || (!logarithmic && last) || parse_real(end, &to) ||
         parse_real(number, &count))
-        return fail(reason, text, "a range is FROM..TO:N, or FROM..TO:log:N");
+        return fail(reason, text, "a range is FROM..TO:N, or FROM..TO:log:N, as 300..3000:10");
     if (count < 2 || count != floor(count) || count > most_values)
         return fail(reason, text, "the number of values must be a whole number from 2 to %g",
                     most_values);
     if (logarithmic && (from <= 0 || to <= 0))
         return fail(reason, text, "both ends of a logarithmic range must be positive");
+    if (!isnormal(logarithmic ? to / from : to - from) && to != from)
+        return fail(reason, text, "the ends are too far apart");
     return add_range(vary, from, to, logarithmic, (int)count) ? out_of_memory(reason) : 0;
 }
 
@@ -110,6 +112,7 @@ static size_t value_length(const char *text) {
 
 static int read_list(struct vary *vary, const char *text, const char *values, char *reason) {
     for (const char *at = values;; at++) {
+        at += strspn(at, " ");
         const size_t length = value_length(at);
         if (length == 0)
             return fail(reason, text, "a value is empty");
@@ -122,6 +125,33 @@ static int read_list(struct vary *vary, const char *text, const char *values, ch
 }
 
 /* --- the whole --- */
+
+/* An order in which values that are the same stand side by side: numbers by what they are, before
+ * words by their letters. */
+static int compare_values(const void *a, const void *b) {
+    const char *one = *(char *const *)a, *other = *(char *const *)b;
+    double x, y;
+    const int no_x = parse_real(one, &x), no_y = parse_real(other, &y);
+    return no_x || no_y ? no_x && no_y ? strcmp(one, other) : no_x - no_y : (x > y) - (x < y);
+}
+
+/* Runs that are the same would be rows that are the same. */
+static int check_distinct(const struct vary *vary, const char *text, char *reason) {
+    int code = 0;
+    char **sorted = malloc((size_t)vary->count * sizeof *sorted);
+    if (!sorted)
+        return out_of_memory(reason);
+    memcpy(sorted, vary->value, (size_t)vary->count * sizeof *sorted);
+    qsort(sorted, (size_t)vary->count, sizeof *sorted, compare_values);
+    for (int i = 1; i < vary->count && !code; i++)
+        if (compare_values(&sorted[i - 1], &sorted[i]) == 0)
+            code = strcmp(sorted[i - 1], sorted[i]) == 0
+                       ? fail(reason, text, "the value %.60s is given twice", sorted[i])
+                       : fail(reason, text, "the value %.60s is given twice, also as %.60s",
+                              sorted[i - 1], sorted[i]);
+    free(sorted);
+    return code;
+}
 
 static int check_letters(const char *text, char *reason) {
     char shown[100];
@@ -140,13 +170,14 @@ int vary_read(struct vary *vary, const char *text, char *reason) {
     if (check_letters(text, reason))
         return -1;
     if (!equals || equals == text || !equals[1])
-        return fail(reason, text, "write NAME=A,B,C or NAME=FROM..TO:N");
+        return fail(reason, text, "write NAME=A,B,C or NAME=FROM..TO:N, as rate=300,900");
     vary->name = strndup(text, (size_t)(equals - text));
     if (!vary->name)
         return out_of_memory(reason);
     const char *rest = behind_dots(equals + 1, &from);
-    return rest ? read_range(vary, text, from, rest, reason)
-                : read_list(vary, text, equals + 1, reason);
+    const int code = rest ? read_range(vary, text, from, rest, reason)
+                          : read_list(vary, text, equals + 1, reason);
+    return code ? code : check_distinct(vary, text, reason);
 }
 
 int vary_fix(struct vary *vary, const char *name, const char *value, char *reason) {

@@ -1,6 +1,7 @@
 /* A setting that a sweep varies, and the values that it takes, as they are written on the command
  * line: NAME=A,B,C (commas in brackets part no values), NAME=FROM..TO:N (equal steps) or
- * NAME=FROM..TO:log:N (equal ratios), both ends included, in twelve digits. */
+ * NAME=FROM..TO:log:N (equal ratios), both ends included, in twelve digits. No value is there
+ * twice. */
 #ifndef WISPLAB_VARY_H
 #define WISPLAB_VARY_H
 

@@ -122,6 +122,9 @@ static int read_option(struct arguments *arguments, int argc, char **argv, int i
                         option->argument);
     if (arguments->option[at].count >= (option->repeats ? CLI_REPEATS_MAX : 1))
         return complain(-1, "--%s is given too often", option->name);
+    for (int k = 0; k < arguments->option[at].count && option->repeats == CLI_DISTINCT; k++)
+        if (strcmp(arguments->option[at].value[k], value) == 0)
+            return complain(-1, "--%s %.100s is given twice", option->name, value);
     arguments->option[at].value[arguments->option[at].count++] = value;
     return takes_next ? 2 : 1;
 }

@@ -7,14 +7,15 @@
 
 struct run_limits;
 
-enum { CLI_OPTIONS_MAX = 32, CLI_REPEATS_MAX = 64, CLI_WORDS_MAX = 8 };
+enum { CLI_OPTIONS_MAX = 32, CLI_REPEATS_MAX = 64, CLI_WORDS_MAX = 32 };
+enum { CLI_ONCE, CLI_REPEATS, CLI_DISTINCT };
 
 /* Ends with a name of NULL. */
 struct cli_option {
     const char *name;     /* without the dashes */
     const char *argument; /* its name in help; NULL: a flag */
     const char *help;
-    int repeats; /* may be given more than once */
+    int repeats; /* may be given more than once; CLI_DISTINCT: but no value twice */
 };
 
 /* What was given, checked against a command's table. */
@@ -56,7 +57,7 @@ int argument_positive(const struct arguments *arguments, const char *name, doubl
 /* The option of commands that know steppers, to be put into their tables: plug-ins are loaded
  * before a command begins. */
 #define CLI_PLUGIN_OPTION \
-    { "plugin", "FILE", "a stepper of your own, a shared object FILE.so", 1 }
+    { "plugin", "FILE", "a stepper of your own, a shared object FILE.so", CLI_REPEATS }
 
 /* The options that every command with runs takes, to be put into its table. */
 #define CLI_LIMIT_OPTIONS                                                              \

@@ -5,6 +5,7 @@
 #include "integrators/stepper.h"
 
 #include <stdio.h>
+#include <string.h>
 
 /* As CITATION.cff has it, with the build that was used. */
 static const char entries[] =
@@ -25,6 +26,13 @@ static const char entries[] =
     "  year   = {1999}\n"
     "}\n";
 
+static int is_named_before(const struct arguments *arguments, int word) {
+    for (int i = 0; i < word; i++)
+        if (strcmp(arguments->words[i], arguments->words[word]) == 0)
+            return 1;
+    return 0;
+}
+
 static int cite(const struct arguments *arguments) {
     for (int i = 0; i < arguments->word_count; i++)
         if (!stepper_find(arguments->words[i]))
@@ -33,7 +41,9 @@ static int cite(const struct arguments *arguments) {
     printf(entries, *WISPLAB_YEAR ? "  year    = {" WISPLAB_YEAR "},\n" : "", WISPLAB_VERSION,
            WISPLAB_COMMIT);
     for (int i = 0; i < arguments->word_count; i++)
-        printf("\n%% %s: %s\n", arguments->words[i], stepper_find(arguments->words[i])->reference);
+        if (!is_named_before(arguments, i))
+            printf("\n%% %s: %s\n", arguments->words[i],
+                   stepper_find(arguments->words[i])->reference);
     return 0;
 }
 
@@ -44,7 +54,7 @@ const struct command cite_command = {
     .usage = "[STEPPER ...]",
     .summary = "what a paper that uses the program should name, as BibTeX",
     .details = "The program with its version, and the thesis whose model it integrates; of each\n"
-               "stepper that is named, where it comes from.\n"
+               "stepper that is named, where it comes from, once.\n"
                "\n"
                "  wisplab cite bdf2 cvode >> paper.bib\n",
     .options = options,

@@ -19,7 +19,7 @@ static const struct cli_option options[] = {
     {"time", "T", "time, s (default: that of the state; at the start the scene's begin)", 0},
     {"state", "FILE",
      "a states.tsv or states.npy, of which the last frame is taken (default: the start)", 0},
-    {"set", "PATH=VALUE", "override a setting of the scene", 1},
+    {"set", "PATH=VALUE", "override a setting of the scene", CLI_REPEATS},
     {0},
 };
 

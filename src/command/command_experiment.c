@@ -8,10 +8,12 @@
 #include <unistd.h>
 
 static const struct cli_option options[] = {
-    {"scene", "SCENE", "scenes instead of the experiment's own", 1},
-    {"set", "PATH=VALUE", "change a setting of all its scenes: --set material.drag_rate=2", 1},
-    {"stepper", "NAME", "only these steppers", 1},
-    {"states", "NAME=FILE", "a trajectory of another program, charted as NAME (see below)", 1},
+    {"scene", "SCENE", "scenes instead of the experiment's own", CLI_DISTINCT},
+    {"set", "PATH=VALUE", "change a setting of all its scenes: --set material.drag_rate=2",
+     CLI_REPEATS},
+    {"stepper", "NAME", "only these steppers", CLI_DISTINCT},
+    {"states", "NAME=FILE", "a trajectory of another program, charted as NAME (see below)",
+     CLI_DISTINCT},
     {"quick", NULL, "a small, stated subset", 0},
     {"fresh", NULL, "run again what is there already", 0},
     {"jobs", "N", "runs at a time; timed runs are always alone (default: processors)", 0},

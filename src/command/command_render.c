@@ -36,20 +36,23 @@ static const struct cli_option options[] = {
     {"film", NULL, "also a film of the pictures: GIF, and MP4 where ffmpeg is installed", 0},
     {"rate", "R", "pictures a second in the film (default 30)", 0},
     {"format", "F", "png or svg (default png)", 0},
-    {"set", "PATH=VALUE", "override a setting of the scene: --set 'render={hairs=20;}'", 1},
+    {"set", "PATH=VALUE", "override a setting of the scene: --set 'render={hairs=20;}'",
+     CLI_REPEATS},
     {"threads", "N", "pictures at a time (default: processors)", 0},
     {"out", "DIR", "folder for the pictures (default results/render)", 0},
     {"no-progress", NULL, "show no progress line", 0},
     {0},
 };
 
+enum { RUNS_MAX = 8 };
+
 /* What was asked for. */
 struct task {
     const struct arguments *arguments;
     struct strip_request request;
-    struct strip_row rows[CLI_WORDS_MAX];
-    struct scene *scenes[CLI_WORDS_MAX]; /* of words that are scenes */
-    char states[CLI_WORDS_MAX][PATH_SIZE], reference[PATH_SIZE];
+    struct strip_row rows[RUNS_MAX];
+    struct scene *scenes[RUNS_MAX]; /* of words that are scenes */
+    char states[RUNS_MAX][PATH_SIZE], reference[PATH_SIZE];
     const char *out, *format;
     double rate;
     int threads, as_strip, film;
@@ -404,7 +407,7 @@ static int render(const struct arguments *arguments) {
         code = draw(task);
     strip_free(task->strip);
     trajectories_free(task->trajectories);
-    for (int i = 0; i < CLI_WORDS_MAX; i++)
+    for (int i = 0; i < RUNS_MAX; i++)
         if (task->scenes[i])
             scene_free(task->scenes[i]);
     free(task->frames);
@@ -436,6 +439,6 @@ const struct command render_command = {
         "in a segment). Without eye and target all hair of all frames is in the picture.\n",
     .options = options,
     .words_least = 1,
-    .words_most = CLI_WORDS_MAX,
+    .words_most = RUNS_MAX,
     .run = render,
 };

@@ -25,9 +25,10 @@ static const struct cli_option options[] = {
     {"rate", "HZ", "the same as a frequency: --step 1/HZ", 0},
     {"rtol", "R", "relative tolerance of an adaptive method", 0},
     {"atol", "A", "absolute tolerance of an adaptive method, m and m/s", 0},
-    {"option", "KEY=VALUE", "an option of the stepper or solver (`wisplab list steppers -v`)", 1},
+    {"option", "KEY=VALUE", "an option of the stepper or solver (`wisplab list steppers -v`)",
+     CLI_REPEATS},
     {"duration", "T", "simulated time, s, instead of the scene's", 0},
-    {"set", "PATH=VALUE", "override a setting of the scene: --set run.step=0.1", 1},
+    {"set", "PATH=VALUE", "override a setting of the scene: --set run.step=0.1", CLI_REPEATS},
     {"perturb", "D", "displace the nodes' start at random, by D in the rms, m", 0},
     {"draw", "N", "which random displacement (default 1)", 0},
     {"threads", "N", "threads that share a scene's wisps (results do not depend on it)", 0},
@@ -74,6 +75,8 @@ static int read_request(const struct arguments *arguments, struct run_request *r
         return -1;
     if (draw != floor(draw) || draw > 1e9)
         return complain(-1, "--draw %g: must be a whole number up to 1e9", draw);
+    if (argument_given(arguments, "draw") && request->perturbation == 0)
+        return complain(-1, "--draw %g: says which of --perturb, which is not given", draw);
     request->draw = (int)draw;
     if (threads != floor(threads) || threads > 1024)
         return complain(-1, "--threads %g: must be a whole number up to 1024", threads);
@@ -255,6 +258,8 @@ const struct command run_command = {
         "  wisplab run circle --stepper cvode --option method=adams --rtol 1e-8\n"
         "  wisplab run circle --stepper reference\n"
         "  wisplab run swing --diagnostics\n"
+        "\n"
+        "Of several --set for one setting, and --option for one key, the last one counts.\n"
         "\n"
         "states.npy has the columns and rows of states.tsv as doubles: numpy.load reads it, and "
         "so\n"

@@ -9,10 +9,11 @@
 #include <unistd.h>
 
 static const struct cli_option options[] = {
-    {"vary", "NAME=VALUES", "a setting, and A,B,C, FROM..TO:N or FROM..TO:log:N that it takes", 1},
-    {"stepper", "NAME", "time integrators (default rk4)", 1},
-    {"set", "PATH=VALUE", "override a setting of the scene in all runs", 1},
-    {"option", "KEY=VALUE", "an option of the steppers or solvers in all runs", 1},
+    {"vary", "NAME=VALUES",
+     "what varies: rate=300,900 or rate=300..3000:10, or :log:10 (see below)", CLI_REPEATS},
+    {"stepper", "NAME", "time integrators (default rk4)", CLI_DISTINCT},
+    {"set", "PATH=VALUE", "override a setting of the scene in all runs", CLI_REPEATS},
+    {"option", "KEY=VALUE", "an option of the steppers or solvers in all runs", CLI_REPEATS},
     {"treatment", "NAME", "how constraints are kept", 0},
     {"linear", "NAME", "linear solver of implicit steppers", 0},
     {"step", "H", "step of fixed-step methods, s", 0},
@@ -129,6 +130,12 @@ const struct command sweep_command = {
     .summary = "run a scene over ranges of settings, into one table",
     .details =
         "Every stepper with every combination of the values, a row each in DIR/table.tsv.\n"
+        "\n"
+        "  --vary rate=300,900,2700          a list: these values\n"
+        "  --vary rate=300..3000:10          a range: 10 values at equal distances, 300, 600, ...\n"
+        "  --vary rate=300..3000:log:3       equal ratios: 300, 948.683298051, 3000\n"
+        "  --vary material.bending=skip,hinge    words; of texts with blanks, quote the whole\n"
+        "\n"
         "NAME is a setting of the scene by its path, an option of `wisplab run` (step, rate,\n"
         "rtol, atol, treatment, linear, perturb, draw), or one of steppers and solvers,\n"
         "option.KEY.\n"
@@ -141,7 +148,8 @@ const struct command sweep_command = {
         "  wisplab sweep swing --stepper cvode --vary option.method=bdf,adams --vary "
         "rtol=1e-3,1e-6\n"
         "\n"
-        "Both ends of a range are among its N values; commas in brackets part no values. The\n"
+        "Both ends of a range are among its N values; commas in brackets part no values. No\n"
+        "value, and no stepper, may be given twice, and no setting by two options. The\n"
         "same command goes on where it was interrupted or killed, and any number of them in\n"
         "one DIR, on any number of machines, share the runs, wait for each other and write\n"
         "the same table. Results are in few files in DIR/runs. With --reference there is a\n"
