@@ -34,10 +34,13 @@ const struct plugin *plugin_of(const struct stepper_method *method) {
     return NULL;
 }
 
-/* --- crashes --- */
+/* --- ends that are not the program's own --- */
 
 static pid_t loader; /* the process that says a last word; those of runs are looked after by it */
-static char last_word[2 * PATH_SIZE] = "crashed, having loaded";
+static const char crashed[] = "crashed, having loaded";
+static char last_word[sizeof crashed + 2 * PATH_SIZE];
+static const char *loading; /* the file that is being loaded, or NULL */
+static int may_end;
 
 static void on_crash(int number) {
     if (getpid() == loader) {
@@ -48,14 +51,35 @@ static void on_crash(int number) {
     raise(number);
 }
 
-/* On a stack of its own, for the plug-in may have used up the other one. */
-static void watch_for_crashes(const char *file) {
+/* Whoever calls exit() in a plug-in says that all is well, which nobody can know. */
+static void on_exit_call(void) {
+    if (may_end || getpid() != loader)
+        return;
+    fflush(stdout);
+    if (loading)
+        complain(1, "--plugin %.150s: ends the program while it is loaded: it calls exit", loading);
+    else
+        complain(1, "a plug-in has called exit; loaded are%s", last_word + sizeof crashed - 1);
+    _exit(1);
+}
+
+void plugins_let_end(void) {
+    may_end = 1;
+}
+
+/* Crashes on a stack of their own, for the plug-in may have used up the other one. */
+static void watch_for_ends(const char *file) {
     static const int fatal[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
     static char stack[65536];
     const struct sigaction action = {.sa_handler = on_crash, .sa_flags = SA_ONSTACK};
     char shown[PATH_SIZE];
-    const size_t used = strlen(last_word);
+    if (!loader) {
+        memcpy(last_word, crashed, sizeof crashed);
+        atexit(on_exit_call);
+        at_quick_exit(on_exit_call);
+    }
     loader = getpid();
+    const size_t used = strlen(last_word);
     visible_text(file, shown, sizeof shown);
     snprintf(last_word + used, sizeof last_word - used, "%s %s", loaded ? "," : "", shown);
     sigaltstack(&(stack_t){.ss_sp = stack, .ss_size = sizeof stack}, NULL);
@@ -88,7 +112,9 @@ static char *path_of(const char *file, char hash[HASH_SIZE], char *reason) {
 /* What the plug-in exports; NULL with a reason. The linker's words begin with the path, which the
  * user may have written otherwise. */
 static const struct stepper_plugin *open_plugin(const char *file, const char *path, char *reason) {
+    loading = file;
     void *object = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+    loading = NULL;
     const struct stepper_plugin *plugin = object ? dlsym(object, "wisplab_plugin") : NULL;
     if (!object) {
         const char *words = dlerror(),
@@ -165,7 +191,7 @@ int plugin_load(const char *file, char *reason) {
     char *path = path_of(file, hash, reason);
     if (!path)
         return -1;
-    watch_for_crashes(file);
+    watch_for_ends(file);
     const struct stepper_plugin *plugin = open_plugin(file, path, reason);
     if (plugin && check(plugin, file, reason) == 0 && keep(plugin->method, path, hash, reason) == 0)
         return 0;

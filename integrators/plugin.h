@@ -15,8 +15,11 @@ struct plugin {
 
 /* Loads a plug-in and adds its method to stepper_methods. Returns 0, or -1 with one line in
  * `reason` (REASON_SIZE): the file, and why it is none, or none for this program. A plug-in that
- * crashes in this process, now or later, ends it with one line that says so. */
+ * crashes in this process, now or later, or calls exit, ends it with 1 and a line that says so. */
 int plugin_load(const char *file, char *reason);
+
+/* To be called before main returns: what ends the program from here on is the program. */
+void plugins_let_end(void);
 
 /* All that are loaded; ended by one without a method. */
 const struct plugin *plugins(void);

@@ -253,6 +253,8 @@ static const struct {
     {PLUGINS "unknown.so", "undefined symbol: simulate"},
     {PLUGINS "load.so", "crashed, having loaded " PLUGINS "load.so"},
     {PLUGINS "refuse.so", "crashed, having loaded " PLUGINS "refuse.so"},
+    {PLUGINS "exit.so", "exit.so: ends the program while it is loaded"},
+    {PLUGINS "leave.so", "a plug-in has called exit; loaded are " PLUGINS "leave.so"},
     {PLUGINS "none.so", "No such file or directory"},
     {WISPLAB_TESTS_DIR "/../README.md", "invalid ELF header"},
     {"/dev/zero", "is no file"},

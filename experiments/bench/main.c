@@ -218,9 +218,8 @@ static int fail(const struct bench *bench, int code, const char *reason) {
     return code;
 }
 
-int main(int argc, char **argv) {
+static int run_bench(int argc, char **argv) {
     struct bench bench = {.measurement = NULL};
-    gsl_set_error_handler_off(); /* errors are return codes here, never aborts */
     if (read_arguments(argc, argv, &bench))
         return fail(
             &bench, 1,
@@ -236,4 +235,11 @@ int main(int argc, char **argv) {
         return fail(&bench, 2, "standard output cannot be written");
     free(bench.sets);
     return 0;
+}
+
+int main(int argc, char **argv) {
+    gsl_set_error_handler_off(); /* errors are return codes here, never aborts */
+    const int code = run_bench(argc, argv);
+    plugins_let_end();
+    return code;
 }

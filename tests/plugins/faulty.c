@@ -4,7 +4,7 @@
 #include <signal.h>
 #include <stdlib.h>
 
-enum { NOTHING, BUILD, VERSION, SYMBOL, NAME, TABLE, LOAD, UNKNOWN, REFUSE, STEP };
+enum { NOTHING, BUILD, VERSION, SYMBOL, NAME, TABLE, LOAD, UNKNOWN, REFUSE, STEP, EXIT, LEAVE };
 
 struct own {
     struct stepper base;
@@ -14,12 +14,16 @@ struct own {
 __attribute__((constructor)) static void on_load(void) {
     if (FAULT == LOAD)
         raise(SIGSEGV);
+    if (FAULT == EXIT)
+        exit(0);
 }
 
 static int refuse(const struct stepper_settings *settings, struct system *system) {
     (void)settings, (void)system;
     if (FAULT == REFUSE)
         raise(SIGSEGV);
+    if (FAULT == LEAVE)
+        quick_exit(0);
     return 0;
 }
 
