@@ -294,6 +294,21 @@ Test(race, costs_are_predicted_from_counts) {
     scene_free(c.scene);
 }
 
+/* Who is timed is alone on the machine: of nine jittered runs three are enough, and the others go
+ * two at a time. */
+Test(race, three_of_the_jittered_runs_are_timed) {
+    static struct chart c;
+    open_chart(&c);
+    c.entries[2].pace = 1000;
+    cr_assert_eq(race_jitters(&c.plan, &c.field, &c.entries[2], LEVEL_PROBED), JITTERS);
+    for (int j = 0; j < JITTERS; j++)
+        cr_expect_eq(race_timings(&c.plan, &c.field, &c.entries[2], LEVEL_PROBED, j),
+                     j < JITTERS_TIMED, "run %d", j);
+    cr_expect_eq(race_timings(&c.plan, &c.field, &c.entries[0], 10, 0), 3,
+                 "one of a fixed step has a median of its own");
+    scene_free(c.scene);
+}
+
 /* --- what is said of its points --- */
 
 enum { FIELDS = 2, EULER = 0, RK4, CVODE, POINTS = 6 };

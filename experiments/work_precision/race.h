@@ -19,6 +19,9 @@
 /* A chart shows at most so many steps beyond the largest stable one, and so many below it. */
 enum { LEVELS_BEYOND = 2, LEVELS_BELOW = 6, LEVELS_MAX = 48, TOLERANCES = 11, JITTERS = 9 };
 
+/* So many of the jittered runs are timed, and the first one is diagnosed. */
+enum { JITTERS_TIMED = 3 };
+
 /* Treatments of a scene at most. */
 enum { FIELDS_MAX = 3 };
 
@@ -56,9 +59,9 @@ struct point {
     int lanes, threads; /* the most wisps side by side; that share the scene's wisps; 0: no run */
     const char *run;    /* folder in `runs` of the one that stands for all, of the plan; or "-" */
     int runs, failed;   /* of jittered tolerances; 1 of a fixed step */
-    struct cost cost;   /* of the run with the median error; CPU time over all */
-    struct deviation deviation;         /* likewise; NaN where a run did not finish */
-    struct extent extent;               /* likewise */
+    struct cost cost;   /* of the run with the median error; CPU time over those that are timed */
+    struct deviation deviation;         /* of the same run; NaN where a run did not finish */
+    struct extent extent;               /* of the first run */
     double error_least, error_greatest; /* rms over the jittered runs, m */
     int reference_limited;              /* closer to the reference than ten times its bound */
     int front[2]; /* not reference-limited, and none is cheaper and better: by either race_cost */
@@ -154,9 +157,10 @@ int race_is_expensive(const struct field *field, const struct entry *entry, int 
 int race_jitters(const struct plan *plan, const struct field *field, const struct entry *entry,
                  int k);
 
-/* How often a run is repeated for its CPU time. */
+/* How often the j-th jittered run is repeated for its CPU time; 0: it is not timed, and need not be
+ * alone on the machine. */
 int race_timings(const struct plan *plan, const struct field *field, const struct entry *entry,
-                 int k);
+                 int k, int j);
 
 /* Begins the search for the largest stable step of a fixed one, at what linear theory says; or for
  * the pace of an adaptive one. */

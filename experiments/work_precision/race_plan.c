@@ -39,8 +39,8 @@ static struct run_request request_for(const struct plan *plan, const struct fiel
         configuration_request(entry->configuration, race_setting(field, entry, k) * jitter,
                               scene->run.atol / scene->run.rtol);
     request.treatment = race_treatment(field->treatment);
-    request.timings = race_timings(plan, field, entry, k); /* these go without diagnoses */
-    request.diagnostics = !race_is_expensive(field, entry, k);
+    request.timings = race_timings(plan, field, entry, k, j); /* these go without diagnoses */
+    request.diagnostics = j == 0 && !race_is_expensive(field, entry, k);
     return request;
 }
 

@@ -46,6 +46,7 @@ struct outcome_of_run {
     struct deviation deviation;
     struct extent extent;
     const char *folder; /* in `runs`, of the plan */
+    int timed;          /* alone on the machine */
     char reason[REASON_SIZE];
 };
 
@@ -76,6 +77,7 @@ static int read_run(struct plan *plan, const struct field *field, const struct l
     const char *reason = json_string_value(json_object_get(run.json, "reason"));
     result->outcome = run.outcome;
     result->cost = run_cost(&run);
+    result->timed = one->run.settings.timings > 0;
     cost_count(&result->cost, scene, (enum wisp_treatment)field->treatment, configuration);
     result->deviation.rms = result->deviation.history_diverged = NAN;
     result->folder = strrchr(one->run.folder, '/') + 1;
@@ -99,23 +101,26 @@ static int ascending(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* The point of a set of runs, all finished: the one with the median error stands for it. The CPU
- * time of jittered runs is spread over them; that of a single one is its own. */
+/* The point of a set of runs, all finished: the one with the median error stands for it, the first
+ * one for how far it went. The CPU time of jittered runs is spread over those that are timed; that
+ * of a single one is its own. */
 static void summarise(struct point *p, struct outcome_of_run *runs, int count) {
     double cpu[JITTERS];
+    int timed = 0;
+    p->extent = runs[0].extent;
     qsort(runs, (size_t)count, sizeof *runs, by_error);
     p->cost = runs[count / 2].cost;
     p->deviation = runs[count / 2].deviation;
-    p->extent = runs[count / 2].extent;
     p->run = runs[count / 2].folder;
     p->error_least = runs[0].deviation.rms;
     p->error_greatest = runs[count - 1].deviation.rms;
     if (count == 1)
         return;
     for (int i = 0; i < count; i++)
-        cpu[i] = runs[i].cost.cpu.median;
-    qsort(cpu, (size_t)count, sizeof *cpu, ascending);
-    p->cost.cpu = (struct spread){cpu[count / 2], cpu[0], cpu[count - 1]};
+        if (runs[i].timed)
+            cpu[timed++] = runs[i].cost.cpu.median;
+    qsort(cpu, (size_t)timed, sizeof *cpu, ascending);
+    p->cost.cpu = (struct spread){cpu[timed / 2], cpu[0], cpu[timed - 1]};
 }
 
 /* Nothing is dropped: a point of which some run failed is a failure, and says of how many. */
@@ -124,7 +129,7 @@ static void record_failure(struct point *p, const struct outcome_of_run *runs, i
     while (runs[first].outcome == FINISHED)
         first++;
     p->cost = runs[first].cost;
-    p->extent = runs[first].extent;
+    p->extent = runs[0].extent;
     p->run = runs[first].folder;
     p->status = outcome_name(runs[first].outcome);
     if (count == 1)

@@ -68,13 +68,12 @@ int race_jitters(const struct plan *plan, const struct field *field, const struc
 }
 
 int race_timings(const struct plan *plan, const struct field *field, const struct entry *entry,
-                 int k) {
+                 int k, int j) {
     const double cost = race_predicted(field, entry, k);
-    return configuration_is_adaptive(entry->configuration) || cost > expensive
-               ? 1 /* jittered ones repeat it */
-           : plan->quick ? 2
-           : cost < 0.2  ? 5
-                         : 2;
+    return configuration_is_adaptive(entry->configuration) ? j < JITTERS_TIMED
+           : cost > expensive                              ? 1
+           : plan->quick || cost > 0.2                     ? 2
+                                                           : 3;
 }
 
 /* --- the largest stable step --- */

@@ -131,7 +131,7 @@ static const struct table_form table_kinds[TABLES] = {
          "rms, m, and of runs at jittered tolerances rtol (1 + j 1e-12) the median, the least and "
          "the greatest; of the median one: largest, m; relative = rms over length; end = rms at "
          "the end, m; velocity = rms, m/s; radius = rms of the samples' distance from their node, "
-         "m; mescd at the end; CPU time, s: of repeated, or of the jittered runs, alone on the "
+         "m; mescd at the end; CPU time, s: of repeated, or of three jittered runs, alone on the "
          "machine; equivalents: CPU time over that of a force evaluation in the longest run of the "
          "explicit method with fixed steps of highest order; setting: "
          "step, s, or rtol; reference_limited: within ten times the reference's bound, and so on "
