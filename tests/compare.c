@@ -240,6 +240,22 @@ Test(compare, what_vanished_is_told, .init = set_up, .fini = clean_up) {
 
 /* Exit code 4 where something is worse and only there; the other program's file is well-formed and
  * counts the tables. */
+/* A longest stable step is found, not asked for, and the longer the better. */
+Test(compare, a_shorter_stable_step_is_worse, .init = set_up, .fini = clean_up) {
+    static const char columns[] = "scene\tstepper\tstep\trate\tunstable_step\tmm_step\n";
+    char old[200], new[200];
+    struct comparison c;
+    snprintf(old, sizeof old, "%sswing\trk4\t4e-4\t2500\t5e-4\t2e-4\n", columns);
+    snprintf(new, sizeof new, "%sswing\trk4\t2e-4\t5000\t3e-4\t3e-4\n", columns);
+    put(older, "stability", "largest-step.tsv", old);
+    put(newer, "stability", "largest-step.tsv", new);
+    compare(&c, 0.05, 1);
+    cr_expect(has(&c, CHANGE_WORSE, "swing, rk4", "step 0.0002 s, was 0.0004"));
+    cr_expect(has(&c, CHANGE_BETTER, "swing, rk4", "mm_step 0.0003 s, was 0.0002"));
+    cr_expect_eq(c.count, 2);
+    compare_free(&c);
+}
+
 Test(compare, exit_code_and_junit_say_it, .init = set_up, .fini = clean_up) {
     struct finished f;
     char path[PATH_SIZE];

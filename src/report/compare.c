@@ -12,18 +12,23 @@
 
 /* --- what is looked at --- */
 
-/* Columns of numbers of which less is better; between the other two repeats of it lie. (A sweep's
- * CPU times have none: a run that took longer once tells nothing.) */
+/* Columns of numbers, between the other two of which repeats of it lie. (A sweep's CPU times have
+ * none: a run that took longer once tells nothing.) Less is better, but of the longest steps that
+ * are stable or near the truth. */
 static const struct measure {
     const char *name, *least, *greatest, *unit;
-    int is_time;
-} measures[] = {{"error", "error_least", "error_greatest", " m", 0},
-                {"error_rms", NULL, NULL, " m", 0},
-                {"error_largest", NULL, NULL, " m", 0},
-                {"error_end", NULL, NULL, " m", 0},
-                {"force_evaluations", NULL, NULL, " evaluations", 0},
-                {"evaluations", NULL, NULL, " evaluations", 0},
-                {"cpu_median", "cpu_least", "cpu_greatest", " s of CPU time", 1}};
+    int is_time, more_is_better;
+    const char *beside; /* the column that tells such a table; NULL: in every table */
+} measures[] = {{"error", "error_least", "error_greatest", " m", 0, 0, NULL},
+                {"error_rms", NULL, NULL, " m", 0, 0, NULL},
+                {"error_largest", NULL, NULL, " m", 0, 0, NULL},
+                {"error_end", NULL, NULL, " m", 0, 0, NULL},
+                {"force_evaluations", NULL, NULL, " evaluations", 0, 0, NULL},
+                {"evaluations", NULL, NULL, " evaluations", 0, 0, NULL},
+                {"step", NULL, NULL, " s", 0, 1, "unstable_step"},
+                {"near_step", NULL, NULL, " s", 0, 1, NULL},
+                {"mm_step", NULL, NULL, " s", 0, 1, NULL},
+                {"cpu_median", "cpu_least", "cpu_greatest", " s of CPU time", 1, 0, NULL}};
 enum { MEASURES = sizeof measures / sizeof *measures };
 
 /* Columns of words of which one is good. (Verdicts are of statements; other tables have their own.)
@@ -36,7 +41,10 @@ static const struct {
 enum { WORDS = sizeof words / sizeof *words };
 
 static int has_measure(const struct text_table *table, int m, int with_times) {
-    return (with_times || !measures[m].is_time) && text_table_column(table, measures[m].name) >= 0;
+    const char *beside = measures[m].beside;
+    return (with_times || !measures[m].is_time) &&
+           text_table_column(table, measures[m].name) >= 0 &&
+           (!beside || text_table_column(table, beside) >= 0);
 }
 
 static int has_word(const struct text_table *table, int w) {
@@ -101,15 +109,18 @@ static struct number read_number(const struct text_table *table, int row, const 
     return n;
 }
 
-/* Less is better, and what is no number is worst. */
-static enum change judge(struct number was, struct number is, double tolerance) {
+/* What is no number is worst. */
+static enum change judge(const struct measure *measure, struct number was, struct number is,
+                         double tolerance) {
     if (isnan(was.value) || isnan(is.value))
         return isnan(was.value) && isnan(is.value) ? CHANGE_NONE
                : isnan(is.value)                   ? CHANGE_WORSE
                                                    : CHANGE_BETTER;
-    if (is.least > was.greatest * (1 + tolerance))
+    const struct number bad = measure->more_is_better ? was : is,
+                        good = measure->more_is_better ? is : was; /* where that one is larger */
+    if (bad.least > good.greatest * (1 + tolerance))
         return CHANGE_WORSE;
-    return is.greatest * (1 + tolerance) < was.least ? CHANGE_BETTER : CHANGE_NONE;
+    return good.least > bad.greatest * (1 + tolerance) ? CHANGE_BETTER : CHANGE_NONE;
 }
 
 /* A word of which one value is good: a status that was finished, a verdict that held. */
@@ -139,7 +150,7 @@ static int compare_measures(struct pair *pair, int i, int k, struct difference *
             continue;
         const struct number was = read_number(pair->table[0], i, &measures[m]),
                             is = read_number(pair->table[1], k, &measures[m]);
-        d->change = judge(was, is, pair->request->tolerance);
+        d->change = judge(&measures[m], was, is, pair->request->tolerance);
         snprintf(d->what, sizeof d->what, "%s %.4g%s, was %.4g", measures[m].name, is.value,
                  measures[m].unit, was.value);
         if (d->change && add(pair->found, *d, reason))
@@ -192,7 +203,7 @@ static int counts(const struct text_table *table, int column, int with_times) {
             return 1;
     for (int m = 0; m < MEASURES; m++)
         if (strcmp(table->name[column], measures[m].name) == 0)
-            return with_times || !measures[m].is_time;
+            return has_measure(table, m, with_times);
     return row_join_is_key(table, column);
 }
 

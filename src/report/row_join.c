@@ -26,6 +26,8 @@ int row_join_is_key(const struct text_table *table, int column) {
     const char *name = table->name[column];
     if (text_table_column(table, "verdict") >= 0 && text_table_column(table, "key") >= 0)
         return strcmp(name, "key") == 0;
+    if (text_table_column(table, "unstable_step") >= 0 && strcmp(name, "rate") == 0)
+        return 0; /* of the longest stable step: it was found */
     for (int k = 0; k < KEYS; k++)
         if (strcmp(name, keys[k]) == 0)
             return 1;
