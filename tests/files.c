@@ -35,6 +35,33 @@ Test(files, are_on_the_disk_before_they_have_their_name) {
     folder_remove(folder);
 }
 
+/* Files that belong together: all have their names, or none. */
+Test(files, that_belong_together_get_their_names_together) {
+    char folder[PATH_SIZE], path[PATH_SIZE], reason[REASON_SIZE];
+    for (int fails = 0; fails < 2; fails++) {
+        struct atomic_file files[3] = {0};
+        folder_make(folder);
+        disk_noting = 0;
+        for (int i = 0; i < 3; i++) {
+            path_format(path, "%s/%d", folder, i);
+            if (i == 1) /* was not opened */
+                continue;
+            cr_assert_eq(atomic_open(&files[i], path, reason), 0, "%s", reason);
+            fputs("all of it\n", files[i].stream);
+            cr_assert_eq(atomic_close(&files[i], 1, reason), 0, "%s", reason);
+        }
+        cr_assert_eq(count_files(folder, ".part"), 2);
+        memset(disk_done, 0, sizeof disk_done);
+        disk_noting = 1;
+        if (fails)
+            cr_assert_eq(mkdir(path, 0777), 0); /* where the last one should be */
+        cr_assert_eq(atomic_name(files, 3, reason), fails ? -1 : 0, "%s", reason);
+        cr_assert_eq(count_files(folder, ""), fails ? 0 : 2, "%s", reason);
+        cr_assert_str_eq(disk_done, fails ? "rr" : "rrd");
+        folder_remove(folder);
+    }
+}
+
 Test(files, have_temporary_names_that_nobody_foresees) {
     char folder[PATH_SIZE], path[PATH_SIZE], reason[REASON_SIZE];
     struct atomic_file one, two;

@@ -575,3 +575,20 @@ Test(library, readmes_python_runs) {
 Test(library, what_python_writes_is_a_file_of_states) {
     python("trajectories");
 }
+
+/* What C would crash at, or take for something else. */
+Test(library, texts_that_are_none_are_exceptions_in_python) {
+    python("wrong_texts");
+}
+
+Test(library, numbers_that_are_none_are_exceptions_in_python) {
+    python("wrong_numbers");
+}
+
+Test(library, a_scene_that_is_closed_or_at_work_is_an_exception_in_python) {
+    python("closed");
+}
+
+Test(library, python_writes_no_file_that_is_refused) {
+    python("written");
+}

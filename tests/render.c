@@ -295,6 +295,29 @@ static const struct {
     {{"--error", "nowhere.tsv"}, "nowhere.tsv: no such file"},
 };
 
+/* And the size that is named fits. */
+Test(render, a_page_that_is_no_png_is_refused_with_what_would_do) {
+    char folder[PATH_SIZE], out[PATH_SIZE], size[32] = "8192x8192";
+    struct scene *scene = scene_of(two_wisps);
+    struct stat status;
+    struct finished f;
+    write_frames(folder, scene, 6, 0.01);
+    path_format(out, "%s/out", folder);
+    PROGRAM(&f, NULL, "render", folder, "--strip", "--bodies", "--size", size, "--out", out);
+    cr_assert(f.code == 1 && count_lines(f.err) == 1 && strstr(f.err, "49188 x 8252 pixels"), "%s",
+              f.err);
+    cr_assert(stat(out, &status) != 0, "something was written");
+    const char *named = strstr(f.err, "--size ");
+    cr_assert(named && sscanf(named, "--size %31[0-9x]", size) == 1 &&
+                  strcmp(size, "8192x8192") != 0,
+              "%s", f.err);
+    PROGRAM(&f, NULL, "render", folder, "--strip", "--bodies", "--frames", "1-6", "--size", size,
+            "--columns", "6", "--out", out);
+    cr_assert_eq(f.code, 0, "%s", f.err);
+    folder_remove(folder);
+    scene_free(scene);
+}
+
 Test(render, wrong_commands_are_refused_in_one_line) {
     char folder[PATH_SIZE], out[PATH_SIZE];
     struct scene *scene = scene_of(two_wisps);

@@ -1,12 +1,15 @@
 /* The user's word ends the program wherever it is, and what it has started; what it leaves is whole
  * or not there. */
 #include "base/owner.h"
+#include "run/case.h"
+#include "run/seal.h"
 #include "support.h"
 
 #include <criterion/criterion.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -57,6 +60,43 @@ Test(signals, work_that_does_not_look_is_left, .init = open_folder, .fini = clos
         program_wait(&process, &f);
         cr_expect_eq(f.code, 3, "exit code %d", f.code);
         cr_expect_str_eq(f.err, "wisplab: interrupted\n");
+    }
+}
+
+/* --- a run with a long table --- */
+
+static void add_size(const char *path, void *ctx) {
+    struct stat status;
+    *(off_t *)ctx += stat(path, &status) == 0 ? status.st_size : 0;
+}
+
+/* What a run has written for seconds takes longer than its grace to be read again. The folder then
+ * has a run that is sealed, or none; and so it has where the run had its last frame and was on its
+ * way to the end. */
+Test(signals, slow_a_long_table_is_there_whole_or_not, .init = open_folder, .fini = close_folder) {
+    static const char *const formats[] = {"text", "binary"};
+    static struct finished f;
+    char reason[REASON_SIZE];
+    for (int i = 0; i < 2; i++) {
+        off_t size = 0;
+        const struct process process =
+            program_start(NULL, (const char *const[]){"run", "swing", "--duration", "3", "--set",
+                                                      "frame_rate=1e6", "--states", formats[i],
+                                                      "--out", folder, "--no-progress", NULL});
+        for (; size < 300000000; wait_a_little()) {
+            size = 0;
+            each_file(folder, add_size, &size);
+            cr_assert_eq(kill(process.pid, 0), 0);
+        }
+        kill(process.pid, SIGINT);
+        program_wait(&process, &f);
+        cr_expect_eq(f.code, 3, "exit code %d: %s", f.code, f.err);
+        const int named =
+            count_files(folder, "") - count_files(folder, ".part") - count_files(folder, ".lock");
+        cr_expect(named == 0 || (named == 2 && seal_holds(folder, reason)), "%s: %d files: %s",
+                  formats[i], named, reason);
+        cr_expect(named == 2 || i == 1, "what was hashed on the way was not kept");
+        run_remove(folder);
     }
 }
 

@@ -1,8 +1,15 @@
 /* Formats of a run's states: the binary file holds the numbers of the text to the bit and is read
  * wherever that is; a run that leaves none has the same result, and who needs some is told. */
 #include "base/npy.h"
+#include "disk.h"
 #include "model/trajectory.h"
+#include "run/case.h"
+#include "run/record.h"
+#include "run/seal.h"
+#include "run/warnings.h"
+#include "scene/scene_load.h"
 #include "support.h"
+#include "wisp_support.h"
 
 #include <criterion/criterion.h>
 #include <math.h>
@@ -110,6 +117,81 @@ Test(states, a_wrong_numpy_file_is_refused, .init = open_folder, .fini = close_f
         fwrite(numbers, sizeof *numbers, 9, file);
         fclose(file);
         check_refused("is no array of named columns");
+    }
+}
+
+/* --- what a run writes, and when --- */
+
+/* Nothing has its name before all is on the disk, run.json too, whatever the run still does after
+ * its last frame, as the cross-check of a reference; and what is hashed on the way is what is
+ * there. */
+Test(states, have_their_names_when_all_of_the_run_is_there, .init = open_folder,
+     .fini = close_folder) {
+    static const struct {
+        struct run_request request;
+        const char *done;
+    } cases[] = {{{.states = STATES_TEXT}, "ffrrd"},
+                 {{.states = STATES_BINARY}, "ffrrd"},
+                 {{.states = STATES_NONE}, "frd"},
+                 {{.states = STATES_TEXT, .diagnostics = 1}, "fffrrrd"},
+                 {{.stepper = "reference"}, "ffrrd"}};
+    struct scene *scene = LAB_LOAD("swing", "duration=0.1");
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct settings settings;
+        cr_assert_eq(settings_resolve(scene, &cases[i].request, &settings, reason), 0, "%s",
+                     reason);
+        memset(disk_done, 0, sizeof disk_done);
+        disk_noting = 1;
+        cr_assert_eq(record_run(scene, &settings, folder, NULL, NULL, reason), FINISHED, "%s",
+                     reason);
+        disk_noting = 0;
+        cr_expect_str_eq(disk_done, cases[i].done, "case %zu: %s", i, disk_done);
+        cr_expect(seal_holds(folder, reason), "case %zu: %s", i, reason);
+        cr_expect_eq(count_files(folder, ".part"), 0);
+        run_remove(folder);
+    }
+    scene_free(scene);
+}
+
+/* Who dies between two names has no half run either. */
+Test(states, of_a_run_that_died_at_its_names_are_sealed, .init = open_folder,
+     .fini = close_folder) {
+    const struct run_request request = {0};
+    struct scene *scene = LAB_LOAD("swing", "duration=0.1");
+    struct settings settings;
+    cr_assert_eq(settings_resolve(scene, &request, &settings, reason), 0, "%s", reason);
+    cr_assert_eq(record_run(scene, &settings, folder, NULL, NULL, reason), FINISHED, "%s", reason);
+    path_format(path, "%s/run.json", folder);
+    cr_assert_eq(unlink(path), 0);
+    cr_assert_eq(record_death(scene, &settings, folder, CRASHED, "it died", 0.1, reason), 0, "%s",
+                 reason);
+    cr_assert(seal_holds(folder, reason), "%s", reason);
+    char *json = file_read(path);
+    cr_assert(json && strstr(json, "\"states.tsv\": \""), "%s", json);
+    free(json);
+    scene_free(scene);
+}
+
+/* What nothing here reads back is said before it is written. */
+Test(states, that_are_too_large_are_warned_of) {
+    static const struct {
+        const char *rate;
+        enum states_format format;
+        int warned;
+    } cases[] = {{"frame_rate=30", STATES_TEXT, 0},
+                 {"frame_rate=2e6", STATES_TEXT, 1},
+                 {"frame_rate=2e6", STATES_BINARY, 1},
+                 {"frame_rate=2e6", STATES_NONE, 0}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const struct run_request request = {.states = cases[i].format};
+        struct scene *scene = LAB_LOAD("swing", cases[i].rate);
+        struct settings settings;
+        cr_assert_eq(settings_resolve(scene, &request, &settings, reason), 0, "%s", reason);
+        json_t *warnings = scene_warnings(scene, &settings);
+        const char *one = json_string_value(json_array_get(warnings, 0));
+        cr_expect_eq(one && strstr(one, "gibibyte"), cases[i].warned, "%zu: %s", i, one);
+        json_decref(warnings);
+        scene_free(scene);
     }
 }
 

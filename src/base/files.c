@@ -9,6 +9,7 @@
 #include <fcntl.h>
 #include <ftw.h>
 #include <pthread.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -294,15 +295,48 @@ static int put(const char *from, const char *to) {
     return 0;
 }
 
-int atomic_commit(struct atomic_file *file, char *reason) {
-    const int bad = fflush(file->stream) || ferror(file->stream) || sync_file(fileno(file->stream));
+int atomic_close(struct atomic_file *file, int on_disk, char *reason) {
+    const int bad = fflush(file->stream) || ferror(file->stream) ||
+                    (on_disk && sync_file(fileno(file->stream)));
     if (bad)
         return fail(file, reason);
     const int unclosed = fclose(file->stream);
     file->stream = NULL;
-    if (unclosed || put(file->temporary, file->path))
-        return fail(file, reason);
-    return 0;
+    return unclosed ? fail(file, reason) : 0;
+}
+
+/* Returns how many of the files have their names; if not all, errno is of the first that has not.
+ */
+static int rename_some(const struct atomic_file *files, int count) {
+    int named = 0;
+    while (named < count &&
+           (!*files[named].temporary || rename(files[named].temporary, files[named].path) == 0))
+        named++;
+    return named;
+}
+
+int atomic_name(struct atomic_file *files, int count, char *reason) {
+    sigset_t all, before;
+    sigfillset(&all);
+    pthread_sigmask(SIG_BLOCK, &all, &before);
+    const int named = rename_some(files, count), error = errno;
+    for (int i = 0; i < named && named < count; i++)
+        if (*files[i].temporary)
+            unlink(files[i].path);
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    if (named == count) {
+        sync_folder_of(files[count - 1].path);
+        return 0;
+    }
+    errno = error;
+    fail(&files[named], reason);
+    for (int i = named; i < count; i++)
+        atomic_discard(&files[i]);
+    return -1;
+}
+
+int atomic_commit(struct atomic_file *file, char *reason) {
+    return atomic_close(file, 1, reason) || atomic_name(file, 1, reason) ? -1 : 0;
 }
 
 int file_put(const char *from, const char *to) {

@@ -48,6 +48,15 @@ int atomic_open(struct atomic_file *file, const char *path, char *reason);
 /* Closes and renames; returns 0, or -1 with one line in `reason` and nothing left behind. */
 int atomic_commit(struct atomic_file *file, char *reason);
 
+/* The two halves of it, for files of one folder that belong together. Closes a file, which is
+ * complete then, and on the disk if so asked, but has no name yet; the same returns. */
+int atomic_close(struct atomic_file *file, int on_disk, char *reason);
+
+/* Gives closed files their names, in this order: no time passes between them, and no signal comes
+ * but SIGKILL. Where one cannot have its name, none has, and nothing is left behind. One that was
+ * not opened, or has its name, is no harm. */
+int atomic_name(struct atomic_file *files, int count, char *reason);
+
 /* Closes and removes; harmless after commit. */
 void atomic_discard(struct atomic_file *file);
 

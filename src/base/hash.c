@@ -13,17 +13,30 @@ uint64_t hash_add(uint64_t hash, const void *bytes, size_t count) {
     return hash;
 }
 
-static void print_hash(uint64_t hash, char text[HASH_SIZE]) {
+void hash_text(uint64_t hash, char text[HASH_SIZE]) {
     snprintf(text, HASH_SIZE, "%016llx", (unsigned long long)hash);
 }
 
+static ssize_t write_hashed(void *cookie, const char *bytes, size_t count) {
+    struct hashed *hashed = cookie;
+    const size_t written = fwrite(bytes, 1, count, hashed->to);
+    hashed->hash = hash_add(hashed->hash, bytes, written);
+    return (ssize_t)written;
+}
+
+FILE *hashed_open(struct hashed *hashed, FILE *to) {
+    *hashed = (struct hashed){to, HASH_START};
+    setvbuf(to, NULL, _IONBF, 0); /* it gets blocks */
+    return fopencookie(hashed, "w", (cookie_io_functions_t){.write = write_hashed});
+}
+
 void hash_bytes(const void *bytes, size_t count, char hash[HASH_SIZE]) {
-    print_hash(hash_add(HASH_START, bytes, count), hash);
+    hash_text(hash_add(HASH_START, bytes, count), hash);
 }
 
 void hash_json(const json_t *json, char hash[HASH_SIZE]) {
     char *text = json_dumps(json, JSON_COMPACT | JSON_SORT_KEYS | JSON_REAL_PRECISION(17));
-    print_hash(text ? hash_add(HASH_START, text, strlen(text)) : 0, hash);
+    hash_text(text ? hash_add(HASH_START, text, strlen(text)) : 0, hash);
     free(text);
 }
 
@@ -37,7 +50,7 @@ int hash_file(const char *path, char hash[HASH_SIZE]) {
         sum = hash_add(sum, block, n);
     const int failed = ferror(file);
     fclose(file);
-    print_hash(sum, hash);
+    hash_text(sum, hash);
     return failed ? -1 : 0;
 }
 

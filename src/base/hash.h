@@ -5,12 +5,26 @@
 #include <jansson.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 
 enum { HASH_SIZE = 17 }; /* 16 hexadecimal digits and a zero */
 
 /* FNV-1a of bytes, as a number that more bytes may be added to; it begins with HASH_START. */
 #define HASH_START 0xcbf29ce484222325u
 uint64_t hash_add(uint64_t hash, const void *bytes, size_t count);
+
+/* Such a number as text. */
+void hash_text(uint64_t hash, char text[HASH_SIZE]);
+
+/* What is written to the stream goes on to another one, and into the hash. */
+struct hashed {
+    FILE *to; /* not written to otherwise; errors are its, too */
+    uint64_t hash;
+};
+
+/* The stream, to be closed before the other one, which nothing was written to as yet and which
+ * stays open. NULL where memory cannot be had. */
+FILE *hashed_open(struct hashed *hashed, FILE *to);
 
 /* FNV-1a of bytes in memory. */
 void hash_bytes(const void *bytes, size_t count, char hash[HASH_SIZE]);

@@ -15,6 +15,10 @@ static int table_fail(const char *path, int line, const char *what, char *reason
     return -1;
 }
 
+/* What others write between columns. */
+static const char separators[] = " ,;",
+                  by_tabs[] = "columns must be separated by tabs, not by blanks or commas";
+
 /* The cell as it stands, in one line. */
 static int table_fail_cell(const char *path, int line, int column, const char *word, char *reason) {
     char what[100];
@@ -34,7 +38,9 @@ static int read_names(struct table *table, char *line, const char *path, int num
         if (!table->name[table->column_count++])
             return table_fail(path, number, "out of memory", reason);
     }
-    return 0;
+    return table->column_count == 1 && strpbrk(line, separators)
+               ? table_fail(path, number, by_tabs, reason)
+               : 0;
 }
 
 static int read_row(struct table *table, char *line, size_t *capacity, const char *path, int number,
@@ -54,6 +60,8 @@ static int read_row(struct table *table, char *line, size_t *capacity, const cha
         if (column == table->column_count)
             return table_fail(path, number, "more numbers than columns", reason);
         table->value[used + (size_t)column] = strtod(word, &end);
+        if ((end == word || *end) && column == 0 && !at && strpbrk(word, separators))
+            return table_fail(path, number, by_tabs, reason);
         if (end == word || *end)
             return table_fail_cell(path, number, column, word, reason);
     }

@@ -387,7 +387,9 @@ static int draw(struct task *task) {
     if (code)
         return code;
     plain_name(strip_name(task->strip), task->name, sizeof task->name);
-    if (make_folder(task->out, task->reason))
+    code =
+        strip_check_size(task->strip, task->as_strip ? task->count : 1, task->format, task->reason);
+    if (!code && make_folder(task->out, task->reason))
         code = 2;
     if (!code)
         code = task->as_strip ? write_strip(task) : write_pictures(task);

@@ -6,16 +6,21 @@
 
 wisplab.h, which is installed beside, says what each function means: shapes, units, errors, sources.
 Here vectors are arrays of numpy, a state is (t, q, v) or (t, y) with y = (q, v) in one array of
-2 n numbers, and a function that fails raises wisplab.Error with the library's text. Energy and frames are those of
-the scene's own state where none is given.
+2 n numbers, and a function that fails raises wisplab.Error with the library's text. What cannot be an
+argument, as a text for a number, an array of another shape, or a number that is not finite, raises
+TypeError or ValueError. Energy and frames are those of the scene's own state where none is given.
 
 The library is looked for where WISPLAB_LIBRARY says, then beside this file's installation or in
 the build of its source tree, then where the system has it.
 """
 
+import contextlib
 import ctypes
 import glob
+import math
+import operator
 import os
+import secrets
 from ctypes import byref, c_char_p, c_double, c_int, c_longlong, c_uint, c_void_p
 
 import numpy as np
@@ -109,24 +114,171 @@ _ENERGIES = [_lib.wisplab_energy_name(i).decode() for i in range(_lib.wisplab_en
 _COUNTERS = [_lib.wisplab_counter_name(i).decode() for i in range(_lib.wisplab_counters())]
 
 
-def _texts(values):
+# ---- what arguments may be: C does not ask
+
+
+def _text(name, text):
+    if not isinstance(text, str):
+        raise TypeError(f"{name}: a text is wanted, not {type(text).__name__}")
+    return _whole(name, text.encode())
+
+
+def _whole(name, text):
+    """A text that C does not take for a shorter one."""
+    if b"\0" in text:
+        raise ValueError(f"{name}: has a zero in it, where C would end it: {text!r}")
+    return text
+
+
+def _text_or_none(name, text):
+    return None if text is None else _text(name, text)
+
+
+def _texts(name, values):
     """A list that ends with NULL; of a dictionary, "key=value"."""
+    if isinstance(values, (str, bytes)):
+        raise TypeError(f"{name}: a dictionary or a list of texts is wanted, not one text")
     if isinstance(values, dict):
-        values = [f"{key}={str(value).lower() if isinstance(value, bool) else value}"
-                  for key, value in values.items()]
-    values = [value.encode() for value in values or []]
+        values = [f"{_text(name, key).decode()}={_value(value)}" for key, value in values.items()]
+    values = [_text(name, value) for value in ([] if values is None else values)]
     return (c_char_p * (len(values) + 1))(*values, None)
 
 
-def _encoded(text):
-    return None if text is None else os.fspath(text).encode()
+def _value(value):
+    return str(value).lower() if isinstance(value, (bool, np.bool_)) else str(value)
 
 
-def _numbers(x, shape):
-    x = np.ascontiguousarray(x, dtype=float)
-    if x.shape != shape:
-        raise ValueError(f"an array of shape {shape} is wanted, not {x.shape}")
+def _number(name, x):
+    if not isinstance(x, float):
+        array = np.asarray(x)
+        if array.dtype.kind not in "biuf" or array.shape:
+            raise TypeError(f"{name}: a real number is wanted, not {type(x).__name__}")
+        x = float(array)
+    if not math.isfinite(x):
+        raise ValueError(f"{name}: must be finite, not {x}")
     return x
+
+
+def _positive(name, x):
+    x = _number(name, x)
+    if x <= 0:
+        raise ValueError(f"{name}: must be positive, not {x}")
+    return x
+
+
+def _vector(name, x, shape):
+    """An array of real numbers, whatever it was, of that shape."""
+    x = np.asarray(x)
+    if x.dtype.kind not in "biuf":
+        raise TypeError(f"{name}: real numbers are wanted, not {x.dtype}")
+    if x.shape != shape:
+        raise ValueError(f"{name}: an array of shape {shape} is wanted, not {x.shape}")
+    return x
+
+
+def _must_be_finite(name, x):
+    if not math.isfinite(x.dot(x)) and not np.isfinite(x).all():  # the first takes no time
+        i = int(np.argmin(np.isfinite(x)))
+        raise ValueError(f"{name}: number {i} is {x[i]}; all must be finite")
+
+
+def _numbers(name, x, n):
+    """n finite numbers as C wants them."""
+    x = np.ascontiguousarray(_vector(name, x, (n,)), dtype=float)
+    _must_be_finite(name, x)
+    return x
+
+
+# ---- what a scene holds
+
+
+class _Handle:
+    """The library's handle, which a call takes and gives back: another one meanwhile, of another
+    thread or of a function that the call calls, would find the model half changed."""
+
+    def __init__(self, at=None):
+        self._at = at
+        self._free = [] if at is None else [at]
+
+    def __enter__(self):
+        try:
+            return self._free.pop()  # at once, whatever threads there are
+        except IndexError:
+            pass
+        if self._at is None:
+            raise ValueError("the scene is closed")
+        raise Error(REFUSED, "the scene is at work: it is for one thread at a time, and not for the "
+                             "frame function of its own run")
+
+    def __exit__(self, *_):
+        self._free.append(self._at)
+
+    def close(self):
+        if self._at is not None:
+            at = self.__enter__()
+            self._at = None
+            _lib.wisplab_close(at)
+
+    def __del__(self):
+        if self._at is not None:
+            _lib.wisplab_close(self._at)
+
+
+class _Room:
+    """Places for q, v and a result, whose addresses are asked for once: that would take as long as an
+    evaluation."""
+
+    def __init__(self, n):
+        self.n = n
+        self.q, self.v, self.a = (np.zeros(n) for _ in range(3))
+        self.at = tuple(x.ctypes.data for x in (self.q, self.v, self.a))
+
+    def take(self, q, v):
+        self.q[:] = _vector("q", q, self.q.shape)
+        self.v[:] = _vector("v", v, self.v.shape)
+        _must_be_finite("q", self.q)
+        _must_be_finite("v", self.v)
+
+
+@contextlib.contextmanager
+def _new_file(path):
+    """A file that has its name when it is complete; before that, and where it never is, what was
+    there stays."""
+    path = os.fsdecode(path)
+    if os.path.exists(path) and not os.path.isfile(path):
+        raise ValueError(f"{path}: cannot be written: there is something, and no file")
+    part = f"{path}.{os.getpid()}-{secrets.token_hex(4)}.part"
+    try:
+        with open(part, "x", encoding="utf-8") as file:
+            yield file
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(part, path)
+    except BaseException:
+        with contextlib.suppress(OSError, ValueError):
+            os.unlink(part)
+        raise
+
+
+def _head_line(key, value):
+    """What the head of a states file says of it, as `wisplab experiment` reads it."""
+    if key in ("evaluations", "cpu_seconds", "setting"):
+        value = repr(_positive(key, value)).removesuffix(".0")
+    line = f"# {key}: {value}"
+    if not key.isidentifier() or not line.isprintable():
+        raise ValueError(f"{key!r}: {value!r}: must be a name and one line of printable text")
+    return line + "\n"
+
+
+def _method_value(name, value):
+    if name == "linear":
+        return _text_or_none(name, value)
+    if name != "threads":
+        return _positive(name, value)
+    threads = operator.index(value)
+    if not 1 <= threads <= 1024:
+        raise ValueError(f"threads: must be from 1 to 1024, not {threads}")
+    return threads
 
 
 class Scene:
@@ -138,72 +290,100 @@ class Scene:
     "projection", "penalty".
     """
 
+    _handle = _Handle()  # until one is opened
+    _room = None         # of type _Room; None: to be made, for n may be another one
+
     def __init__(self, scene="scene.cfg", sets=None, treatment=None, text=None):
-        self._handle = None
         handle, error = c_void_p(), ctypes.create_string_buffer(400)
-        rest = (_texts(sets), _encoded(treatment), error, len(error))
+        path = _whole("scene", os.fsencode(scene))
+        rest = (_texts("sets", sets), _text_or_none("treatment", treatment), error, len(error))
         if text is None:
-            code = _lib.wisplab_open(byref(handle), _encoded(scene), *rest)
+            code = _lib.wisplab_open(byref(handle), path, *rest)
         else:
-            code = _lib.wisplab_open_text(byref(handle), text.encode(), _encoded(scene), *rest)
+            code = _lib.wisplab_open_text(byref(handle), _text("text", text), path, *rest)
         if code:
-            raise Error(code, error.value.decode())
-        self._handle = handle
+            raise Error(code, error.value.decode(errors="replace"))
+        self._handle = _Handle(handle)
         times = [c_double() for _ in range(3)]
         _lib.wisplab_times(handle, *map(byref, times))
         self.begin, self.end, self.frame_rate = (time.value for time in times)
-        self.name = _lib.wisplab_scene(handle).decode()
+        self.name = _lib.wisplab_scene(handle).decode(errors="replace")
         self.treatment = _lib.wisplab_treatment(handle).decode()
-        self.columns = [_lib.wisplab_column(handle, i).decode()
-                        for i in range(_lib.wisplab_columns(handle))]
-        self._make_room()
+        self._columns = tuple(_lib.wisplab_column(handle, i).decode()
+                              for i in range(_lib.wisplab_columns(handle)))
 
-    def __del__(self):
-        if self._handle:
-            _lib.wisplab_close(self._handle)
+    def close(self):
+        """Frees what the scene holds, which otherwise goes with it; nothing can be asked of it then."""
+        self._handle.close()
 
-    def _make_room(self):
-        """Places for q, v and a result, whose addresses are asked for once: that would take as long
-        as an evaluation."""
-        self.n = _lib.wisplab_unknowns(self._handle)
-        self._q, self._v, self._a = (np.zeros(self.n) for _ in range(3))
-        self._at = tuple(x.ctypes.data for x in (self._q, self._v, self._a))
+    def __enter__(self):
+        return self
 
-    def _check(self, code):
+    def __exit__(self, *_):
+        self.close()
+
+    def __reduce__(self):
+        raise TypeError("a scene cannot be copied or pickled; open it again")
+
+    def _take_room(self, handle):
+        if self._room is None:
+            self._room = _Room(_lib.wisplab_unknowns(handle))
+        return self._room
+
+    def _room_with(self, handle, q, v):
+        room = self._take_room(handle)
+        room.take(q, v)
+        return room
+
+    def _room_with_own(self, handle, t, q, v):
+        """With the state that is given, or the scene's own; returns its time, too."""
+        if t is not None and q is not None and v is not None:
+            return _number("t", t), self._room_with(handle, q, v)
+        if t is not None or q is not None or v is not None:
+            raise TypeError("t, q and v go together: give all of them, or none for the scene's own")
+        own, room = c_double(), self._take_room(handle)
+        _lib.wisplab_state(handle, byref(own), *room.at[:2])
+        return own.value, room
+
+    def _must_be_done(self, handle, code):
         if code:
-            raise Error(code, _lib.wisplab_error(self._handle).decode())
-
-    def _take(self, q, v):
-        if len(q) != self.n or len(v) != self.n:
-            raise ValueError(f"q and v have {self.n} numbers each, not {len(q)} and {len(v)}")
-        self._q[:] = q
-        self._v[:] = v
-
-    def _take_or_own(self, t, q, v):
-        """The state that is given, or the scene's own; returns its time."""
-        if t is None:
-            t, q, v = self.t, self.q, self.v
-        self._take(q, v)
-        return t
+            raise Error(code, _lib.wisplab_error(handle).decode(errors="replace"))
 
     # ---- what there is
 
     @property
+    def n(self):
+        """How many numbers q, v and a have each; a tick may make them more."""
+        room = self._room
+        if room is None:
+            with self._handle as handle:
+                room = self._take_room(handle)
+        return room.n
+
+    @property
+    def columns(self):
+        """The names of a frame's columns."""
+        return list(self._columns)
+
+    @property
     def wisps(self):
-        return _lib.wisplab_wisps(self._handle)
+        with self._handle as handle:
+            return _lib.wisplab_wisps(handle)
 
     @property
     def nodes(self):
-        return _lib.wisplab_nodes(self._handle)
+        with self._handle as handle:
+            return _lib.wisplab_nodes(handle)
 
     @property
     def unknowns(self):
         """A list of (wisp, node, name, unit): what q[i], v[i] and a[i] belong to."""
         one = _Unknown()
         result = []
-        for i in range(self.n):
-            _lib.wisplab_unknown(self._handle, i, byref(one))
-            result.append((one.wisp, one.node, one.name.decode(), one.unit.decode()))
+        with self._handle as handle:
+            for i in range(self._take_room(handle).n):
+                _lib.wisplab_unknown(handle, i, byref(one))
+                result.append((one.wisp, one.node, one.name.decode(), one.unit.decode()))
         return result
 
     @property
@@ -219,7 +399,8 @@ class Scene:
     def counters(self):
         """A dictionary of what was counted since the scene was opened."""
         counts = (c_longlong * len(_COUNTERS))()
-        _lib.wisplab_counts(self._handle, counts)
+        with self._handle as handle:
+            _lib.wisplab_counts(handle, counts)
         return dict(zip(_COUNTERS, counts))
 
     # ---- the state
@@ -227,103 +408,142 @@ class Scene:
     @property
     def t(self):
         t = c_double()
-        _lib.wisplab_state(self._handle, byref(t), None, None)
+        with self._handle as handle:
+            _lib.wisplab_state(handle, byref(t), None, None)
         return t.value
 
     @property
     def y(self):
         """q and v in one array of 2 n numbers."""
-        y = np.empty(2 * self.n)
-        at = y.ctypes.data
-        _lib.wisplab_state(self._handle, None, at, at + self.n * y.itemsize)
+        with self._handle as handle:
+            n = self._take_room(handle).n
+            y = np.empty(2 * n)
+            at = y.ctypes.data
+            _lib.wisplab_state(handle, None, at, at + n * y.itemsize)
         return y
 
     @property
     def q(self):
-        return self.y[:self.n]
+        return self._halves("y", self.y)[0]
 
     @property
     def v(self):
-        return self.y[self.n:]
+        return self._halves("y", self.y)[1]
+
+    def _halves(self, name, y):
+        n = self.n
+        y = _vector(name, y, (2 * n,))
+        return y[:n], y[n:]
 
     def set_state(self, t, y):
-        self._take(y[:self.n], y[self.n:])
-        self._check(_lib.wisplab_set_state(self._handle, t, *self._at[:2]))
+        t, (q, v) = _number("t", t), self._halves("y", y)
+        with self._handle as handle:
+            room = self._room_with(handle, q, v)
+            self._must_be_done(handle, _lib.wisplab_set_state(handle, t, *room.at[:2]))
 
     # ---- forces and energy
 
     def acceleration(self, t, q, v):
-        self._take(q, v)
-        self._check(_lib.wisplab_acceleration(self._handle, t, *self._at))
-        return self._a.copy()
+        t = _number("t", t)
+        with self._handle as handle:
+            room = self._room_with(handle, q, v)
+            self._must_be_done(handle, _lib.wisplab_acceleration(handle, t, *room.at))
+            return room.a.copy()
 
     def time_rate(self, t, q, v):
-        self._take(q, v)
-        self._check(_lib.wisplab_time_rate(self._handle, t, *self._at))
-        return self._a.copy()
+        t = _number("t", t)
+        with self._handle as handle:
+            room = self._room_with(handle, q, v)
+            self._must_be_done(handle, _lib.wisplab_time_rate(handle, t, *room.at))
+            return room.a.copy()
 
     def project(self, t, q, v):
-        self._take(q, v)
-        self._check(_lib.wisplab_project(self._handle, t, *self._at[:2]))
-        return self._q.copy(), self._v.copy()
+        t = _number("t", t)
+        with self._handle as handle:
+            room = self._room_with(handle, q, v)
+            self._must_be_done(handle, _lib.wisplab_project(handle, t, *room.at[:2]))
+            return room.q.copy(), room.v.copy()
 
     def energy(self, t=None, q=None, v=None):
         """A dictionary, J; its values add up to all of it."""
-        t = self._take_or_own(t, q, v)
         energies = (c_double * len(_ENERGIES))()
-        self._check(_lib.wisplab_energy(self._handle, t, *self._at[:2], energies))
+        with self._handle as handle:
+            t, room = self._room_with_own(handle, t, q, v)
+            self._must_be_done(handle, _lib.wisplab_energy(handle, t, *room.at[:2], energies))
         return dict(zip(_ENERGIES, energies))
 
     def rhs(self, t, y):
         """dy/dt: (v, a), for methods of first order."""
-        return np.concatenate((y[self.n:], self.acceleration(t, y[:self.n], y[self.n:])))
+        q, v = self._halves("y", y)
+        return np.concatenate((v, self.acceleration(t, q, v)))
 
     # ---- matrices
 
     def linearise(self, t, q, v, kind=EXACT):
-        self._take(q, v)
-        self._check(_lib.wisplab_linearise(self._handle, kind, t, *self._at[:2]))
+        t, kind = _number("t", t), operator.index(kind)
+        if kind not in (EXACT, SPD):
+            raise ValueError(f"kind: must be EXACT or SPD, not {kind}")
+        with self._handle as handle:
+            room = self._room_with(handle, q, v)
+            self._must_be_done(handle, _lib.wisplab_linearise(handle, kind, t, *room.at[:2]))
 
     def product(self, m, d, k, x):
-        x, y = _numbers(x, (self.n,)), np.empty(self.n)
-        self._check(_lib.wisplab_product(self._handle, m, d, k, x.ctypes.data, y.ctypes.data))
+        factors = _number("m", m), _number("d", d), _number("k", k)
+        with self._handle as handle:
+            n = self._take_room(handle).n
+            x, y = _numbers("x", x, n), np.empty(n)
+            self._must_be_done(handle, _lib.wisplab_product(handle, *factors, x.ctypes.data,
+                                                            y.ctypes.data))
         return y
 
     def dense(self, m=0.0, d=0.0, k=0.0):
         """m M + d D + k K of the last linearisation."""
-        matrix = np.empty((self.n, self.n), order="F")
-        self._check(_lib.wisplab_dense(self._handle, m, d, k, matrix.ctypes.data))
+        factors = _number("m", m), _number("d", d), _number("k", k)
+        with self._handle as handle:
+            n = self._take_room(handle).n
+            matrix = np.empty((n, n), order="F")
+            self._must_be_done(handle, _lib.wisplab_dense(handle, *factors, matrix.ctypes.data))
         return matrix
 
     def sparse(self, m=0.0, d=0.0, k=0.0):
         """The same as a scipy.sparse.csc_matrix."""
         from scipy.sparse import csc_matrix
-        entries = _lib.wisplab_entries(self._handle)
-        start, row = np.empty(self.n + 1, dtype=np.intc), np.empty(entries, dtype=np.intc)
-        values = np.empty(entries)
-        self._check(_lib.wisplab_pattern(self._handle, start.ctypes.data, row.ctypes.data))
-        self._check(_lib.wisplab_sparse(self._handle, m, d, k, values.ctypes.data))
-        return csc_matrix((values, row, start), shape=(self.n, self.n))
+        factors = _number("m", m), _number("d", d), _number("k", k)
+        with self._handle as handle:
+            n, entries = self._take_room(handle).n, _lib.wisplab_entries(handle)
+            start, row = np.empty(n + 1, dtype=np.intc), np.empty(entries, dtype=np.intc)
+            values = np.empty(entries)
+            self._must_be_done(handle, _lib.wisplab_pattern(handle, start.ctypes.data,
+                                                            row.ctypes.data))
+            self._must_be_done(handle, _lib.wisplab_sparse(handle, *factors, values.ctypes.data))
+        return csc_matrix((values, row, start), shape=(n, n))
 
     def factor(self, alpha, beta):
-        self._check(_lib.wisplab_factor(self._handle, alpha, beta))
+        alpha, beta = _number("alpha", alpha), _number("beta", beta)
+        with self._handle as handle:
+            self._must_be_done(handle, _lib.wisplab_factor(handle, alpha, beta))
 
     def solve(self, b):
-        b, x = _numbers(b, (self.n,)), np.empty(self.n)
-        self._check(_lib.wisplab_solve(self._handle, b.ctypes.data, x.ctypes.data))
+        with self._handle as handle:
+            n = self._take_room(handle).n
+            b, x = _numbers("b", b, n), np.empty(n)
+            self._must_be_done(handle, _lib.wisplab_solve(handle, b.ctypes.data, x.ctypes.data))
         return x
 
     def mass_solve(self, t, q, v, b):
-        self._take(q, v)
-        b, x = _numbers(b, (self.n,)), np.empty(self.n)
-        self._check(_lib.wisplab_mass_solve(self._handle, t, *self._at[:2], b.ctypes.data,
-                                            x.ctypes.data))
+        t = _number("t", t)
+        with self._handle as handle:
+            room = self._room_with(handle, q, v)
+            b, x = _numbers("b", b, room.n), np.empty(room.n)
+            self._must_be_done(handle, _lib.wisplab_mass_solve(handle, t, *room.at[:2],
+                                                               b.ctypes.data, x.ctypes.data))
         return x
 
     def jacobian(self, t, y):
         """The derivative of rhs by y, with the frames of samples held: 2 n by 2 n."""
-        n = self.n
-        self.linearise(t, y[:n], y[n:])
+        q, v = self._halves("y", y)
+        n = len(q)
+        self.linearise(t, q, v)
         matrix = np.zeros((2 * n, 2 * n))
         matrix[:n, n:] = np.eye(n)
         matrix[n:] = np.linalg.solve(self.dense(m=1), np.hstack((self.dense(k=1), self.dense(d=1))))
@@ -333,63 +553,88 @@ class Scene:
 
     def frame(self, t=None, q=None, v=None):
         """The rows of states.tsv without time: nodes by columns."""
-        t = self._take_or_own(t, q, v)
-        rows = np.empty((self.nodes, len(self.columns)))
-        self._check(_lib.wisplab_frame(self._handle, t, *self._at[:2], rows.ctypes.data))
+        with self._handle as handle:
+            t, room = self._room_with_own(handle, t, q, v)
+            rows = np.empty((_lib.wisplab_nodes(handle), len(self._columns)))
+            self._must_be_done(handle, _lib.wisplab_frame(handle, t, *room.at[:2],
+                                                          rows.ctypes.data))
         return rows
 
     def positions(self, t=None, q=None, v=None):
         """Of all nodes in space, m: nodes by 3."""
-        t = self._take_or_own(t, q, v)
-        xyz = np.empty((self.nodes, 3))
-        self._check(_lib.wisplab_positions(self._handle, t, *self._at[:2], xyz.ctypes.data))
+        with self._handle as handle:
+            t, room = self._room_with_own(handle, t, q, v)
+            xyz = np.empty((_lib.wisplab_nodes(handle), 3))
+            self._must_be_done(handle, _lib.wisplab_positions(handle, t, *room.at[:2],
+                                                              xyz.ctypes.data))
         return xyz
 
     def tips(self, t=None, q=None, v=None):
         """Of the last node of each wisp, m: wisps by 3."""
-        t = self._take_or_own(t, q, v)
-        xyz = np.empty((self.wisps, 3))
-        self._check(_lib.wisplab_tips(self._handle, t, *self._at[:2], xyz.ctypes.data))
+        with self._handle as handle:
+            t, room = self._room_with_own(handle, t, q, v)
+            xyz = np.empty((_lib.wisplab_wisps(handle), 3))
+            self._must_be_done(handle, _lib.wisplab_tips(handle, t, *room.at[:2], xyz.ctypes.data))
         return xyz
 
     def write_states(self, path, times, states, **said):
         """A states.tsv of these times and states y, for `wisplab experiment work-precision
         --states NAME=FILE`. said: what its head says of how it came about, as evaluations=5210,
-        cpu_seconds=1.3, setting=1e-6."""
-        head = {"treatment": self.treatment, **said}
-        with open(path, "w", encoding="utf-8") as file:
+        cpu_seconds=1.3, setting=1e-6. The file is there when it is complete: where something is
+        wrong, as with a state that is not finite, that is raised and `path` is as it was."""
+        times = _numbers("times", times, len(times))
+        if len(times) == 0 or (np.diff(times) <= 0).any():
+            raise ValueError("times: must be one or more, each after the one before")
+        if "treatment" in said:
+            raise TypeError("treatment: is the scene's")
+        head = [_head_line(key, value) for key, value in said.items()]
+        with self._handle as handle:
+            parents = [_lib.wisplab_parent(handle, i) for i in range(_lib.wisplab_wisps(handle))]
+        left, none = iter(states), object()
+        with _new_file(path) as file:
             file.write("# states at the frames: s, m, m/s\n")
-            file.writelines(f"# {key}: {value}\n" for key, value in head.items())
-            file.write("\t".join(["t"] + self.columns + ["parent"]) + "\n")
-            for t, y in zip(times, states):
-                for row in self.frame(t, y[:self.n], y[self.n:]):
+            file.writelines([_head_line("treatment", self.treatment), *head])
+            file.write("\t".join(("t", *self._columns, "parent")) + "\n")
+            for i, t in enumerate(times):
+                y = next(left, none)
+                if y is none:
+                    raise ValueError(f"states: {i} of them for {len(times)} times")
+                for row in self.frame(t, *self._halves(f"states: that at t = {float(t)!r}", y)):
                     wisp, node = int(row[0]), int(row[1])
-                    parent = _lib.wisplab_parent(self._handle, wisp)
                     numbers = "\t".join(repr(float(x)) for x in row[2:])
-                    file.write(f"{float(t)!r}\t{wisp}\t{node}\t{numbers}\t{parent}\n")
+                    file.write(f"{float(t)!r}\t{wisp}\t{node}\t{numbers}\t{parents[wisp]}\n")
+            if next(left, none) is not none:
+                raise ValueError(f"states: more of them than the {len(times)} times")
 
     # ---- the clock, and the program's own methods
 
     def next_stop(self):
         """(time, events): beyond it nothing is smooth; (inf, 0) where there is none."""
         t, events = c_double(), c_uint()
-        _lib.wisplab_next_stop(self._handle, byref(t), byref(events))
+        with self._handle as handle:
+            _lib.wisplab_next_stop(handle, byref(t), byref(events))
         return t.value, events.value
 
     def tick(self):
         """What is due at the next stop, where the state must be; whether that changed it."""
         changed = c_int()
-        code = _lib.wisplab_tick(self._handle, byref(changed))
-        self._make_room()
-        self._check(code)
+        with self._handle as handle:
+            self._room = None
+            self._must_be_done(handle, _lib.wisplab_tick(handle, byref(changed)))
         return bool(changed.value)
 
     def advance(self, to, smooth):
         """Takes the state to time `to`, ticks included. smooth(t, stop, y) is your method: the
         state at `stop` of the smooth motion from (t, y)."""
+        to = _number("to", to)
+        if not callable(smooth):
+            raise TypeError(f"smooth: a function is wanted, not {type(smooth).__name__}")
+        begin, rounding = self.t, 1e-12 * max(1, abs(to))
+        if to < begin - rounding:
+            raise ValueError(f"to: {to} s is before the state's time, {begin} s")
         while self.t < to:
             stop, _ = self.next_stop()
-            last = stop > to + 1e-12 * max(1, abs(to))
+            last = stop > to + rounding
             at = to if last else stop
             self.set_state(at, smooth(self.t, at, self.y))
             if not last:
@@ -397,25 +642,31 @@ class Scene:
 
     def run(self, to, stepper=None, frame=None, options=None, **method):
         """Takes the state to time `to` by a stepper of the program. method: linear, step, rtol,
-        atol, strain_limit, threads. frame(t, rows) is called with each frame; True ends the run."""
+        atol, strain_limit, threads. frame(t, rows) is called with each frame, and may not ask the
+        scene; True ends the run."""
         raised = []
+        to = _number("to", to)
+        if frame is not None and not callable(frame):
+            raise TypeError(f"frame: a function is wanted, not {type(frame).__name__}")
 
         def show(_, t, rows, nodes):
             try:
-                shape = (nodes, len(self.columns))
+                shape = (nodes, len(self._columns))
                 return bool(frame(t, np.ctypeslib.as_array(rows, shape).copy()))
             except BaseException as error:  # nothing may pass through C
                 raised.append(error)
                 return True
 
-        request = _Method(stepper=_encoded(stepper), options=_texts(options),
-                          frame=_FRAME(show) if frame else _FRAME())
+        request = _Method(stepper=_text_or_none("stepper", stepper),
+                          options=_texts("options", options),
+                          frame=_FRAME() if frame is None else _FRAME(show))
         for name, value in method.items():
             if name not in ("linear", "step", "rtol", "atol", "strain_limit", "threads"):
                 raise TypeError(f"run has no argument {name}")
-            setattr(request, name, _encoded(value) if name == "linear" else value)
-        code = _lib.wisplab_run(self._handle, byref(request), to)
-        self._make_room()
-        if raised:
-            raise raised[0]
-        self._check(code)
+            setattr(request, name, _method_value(name, value))
+        with self._handle as handle:
+            self._room = None
+            code = _lib.wisplab_run(handle, byref(request), to)
+            if raised:
+                raise raised[0]
+            self._must_be_done(handle, code)

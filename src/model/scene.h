@@ -67,6 +67,17 @@ struct scene {
     json_t *source; /* all settings as they were given, numbers as reals: what is hashed */
 };
 
+/* Rows of states, one for each frame and node, that a run may write: as text some 15 gigabytes. */
+#define SCENE_ROWS_MOST 1e8
+
+/* Rows of a frame: nodes, or the particle. */
+static inline double scene_nodes(const struct scene *scene) {
+    double nodes = scene->wisp_count == 0;
+    for (int i = 0; i < scene->wisp_count; i++)
+        nodes += scene->wisps[i].nodes;
+    return nodes;
+}
+
 /* How many bodies act at ticks: the first ones. */
 static inline int scene_tick_bodies(const struct scene *scene) {
     return scene->body_count - scene->around.pushing_count;

@@ -6,6 +6,8 @@
 
 struct canvas;
 
+enum { CANVAS_SIDE_MOST = 32767 }; /* pixels of a PNG: cairo's */
+
 /* A white page of so many pixels; NULL where memory cannot be had. */
 struct canvas *canvas_create(int width, int height, int as_svg);
 void canvas_free(struct canvas *canvas);

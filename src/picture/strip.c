@@ -497,6 +497,21 @@ static int check_frames(const struct strip *strip, const int *frames, int count,
     return 1;
 }
 
+int strip_check_size(const struct strip *strip, int count, const char *format, char *reason) {
+    const struct layout page = layout_of(strip, count);
+    const int most = MAX(page.page_width, page.page_height);
+    if (strcmp(format, "svg") == 0 || most <= CANVAS_SIDE_MOST)
+        return 0;
+    const double part = 0.99 * CANVAS_SIDE_MOST / most; /* gaps and words do not become less */
+    snprintf(
+        reason, REASON_SIZE,
+        "a page of %d x %d pixels is larger than a PNG can be, %d each way: pictures of --size "
+        "%dx%d, fewer --frames, other --columns or --format svg would do",
+        page.page_width, page.page_height, CANVAS_SIDE_MOST, (int)(part * strip->width),
+        (int)(part * strip->height));
+    return 1;
+}
+
 int strip_write(const struct strip *strip, const int *frames, int count, const char *folder,
                 const char *name, const char *format, char *reason) {
     char file[PATH_SIZE];
@@ -508,7 +523,10 @@ int strip_write(const struct strip *strip, const int *frames, int count, const c
         canvas_create(page.page_width, page.page_height, strcmp(format, "svg") == 0);
     path_format(file, "%s/%s.%s", folder, name, format);
     if (!canvas || draw_page(strip, &page, frames, count, canvas)) {
-        snprintf(reason, REASON_SIZE, "out of memory");
+        snprintf(
+            reason, REASON_SIZE,
+            "no memory for a page of %d x %d pixels: a smaller --size or fewer --frames need less",
+            page.page_width, page.page_height);
         code = 2;
     } else if (canvas_write(canvas, file, reason)) {
         code = 2;

@@ -47,6 +47,10 @@ const char *strip_name(const struct strip *strip);
 /* Pixels of a page of so many frames. */
 void strip_size(const struct strip *strip, int count, int *width, int *height);
 
+/* Whether a page of so many frames can be written. Returns 0, or 1 with one line in `reason`: what
+ * is too large, and what would do. */
+int strip_check_size(const struct strip *strip, int count, const char *format, char *reason);
+
 /* Writes a page with these frames (numbered from 1) as folder/name.png or .svg, by `format` "png"
  * or "svg"; it appears whole or not at all. Returns 0 or the exit code, with one line in `reason`.
  * Several threads may write pages of one strip. */

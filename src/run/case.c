@@ -66,9 +66,11 @@ static void remove_like(const char *folder, const char *const *patterns) {
 }
 
 void run_remove(const char *folder) {
-    static const char *const others[] = {"run.json", "*.part", ".lock-*", NULL};
+    static const char *const first[] = {"run.json", NULL}, /* without it there is no run */
+        *const others[] = {"*.part", ".lock-*", NULL};
     if (!*folder)
         return;
+    remove_like(folder, first);
     remove_like(folder, run_tables);
     remove_like(folder, others);
 }

@@ -35,15 +35,68 @@ void write_provenance(FILE *stream, const char *what, const struct scene *scene)
     }
 }
 
+/* --- tables --- */
+
+/* A table of the run. It gets its name when all of the run is there: who ends the program before
+ * that, while hundreds of megabytes go to the disk or a cross-check goes on, leaves no half run. */
+struct run_table {
+    const char *name; /* in the folder; NULL: there is none */
+    struct atomic_file file;
+    FILE *stream;         /* to write to; hashes what is written, if it is written but once */
+    struct hashed hashed; /* where it does */
+    char hash[HASH_SIZE]; /* once it is closed */
+};
+
+static int open_table(struct run_table *table, const char *folder, const char *name, int hashing,
+                      char *reason) {
+    char path[PATH_SIZE];
+    path_format(path, "%s/%s", folder, name);
+    if (atomic_open(&table->file, path, reason))
+        return -1;
+    table->name = name;
+    table->stream = hashing ? hashed_open(&table->hashed, table->file.stream) : table->file.stream;
+    if (table->stream)
+        return 0;
+    atomic_discard(&table->file);
+    return fail_with(reason, "%.150s: cannot write: out of memory", path);
+}
+
+static int is_hashing(const struct run_table *table) {
+    return table->stream && table->stream != table->file.stream;
+}
+
+static void discard_table(struct run_table *table) {
+    if (is_hashing(table))
+        fclose(table->stream);
+    table->stream = NULL;
+    atomic_discard(&table->file);
+}
+
+/* Returns 0, or -1 with a reason and nothing left of it. What a user has interrupted need not
+ * outlive the machine, and has no time for the disk. */
+static int close_table(struct run_table *table, enum outcome outcome, char *reason) {
+    const int hashing = is_hashing(table);
+    if (!table->name)
+        return 0;
+    if (hashing)
+        fclose(table->stream); /* an error is one of the file's */
+    table->stream = NULL;
+    if (atomic_close(&table->file, outcome != INTERRUPTED, reason))
+        return -1;
+    if (hashing)
+        hash_text(table->hashed.hash, table->hash);
+    else if (hash_file(table->file.temporary, table->hash))
+        return fail_with(reason, "%.150s: cannot read: %s", table->file.path, strerror(errno));
+    return 0;
+}
+
 /* --- frames --- */
 
 struct frame_writer {
-    struct atomic_file file; /* of the states, where there is to be one */
+    struct run_table states, diagnoses;
     enum states_format format;
     long long rows;
     struct frame_text text;
-    struct atomic_file diagnoses; /* open where the settings ask for them */
-    int diagnosing;
     int named; /* the column names are written, with the first frame */
     int error; /* errno of the first failure, or 0 */
 };
@@ -57,7 +110,7 @@ static void write_diagnosis(struct frame_writer *writer, const struct diagnosis 
 /* Returns 0, or an errno. */
 static int write_text(struct frame_writer *writer, const struct model *model, double t,
                       const double *rows) {
-    FILE *stream = writer->file.stream;
+    FILE *stream = writer->states.stream;
     if (!writer->named)
         state_write_columns(stream, model);
     return frame_text_write(&writer->text, stream, model, t, rows) ? ENOMEM : 0;
@@ -65,7 +118,7 @@ static int write_text(struct frame_writer *writer, const struct model *model, do
 
 static int write_binary(struct frame_writer *writer, const struct model *model, double t,
                         const double *rows) {
-    FILE *stream = writer->file.stream;
+    FILE *stream = writer->states.stream;
     if (!writer->named && frame_binary_begin(stream, model))
         return ENOMEM;
     frame_binary_write(stream, model, t, rows);
@@ -80,28 +133,26 @@ static int write_frame(void *ctx, const struct model *model, double t, const dou
                                                       : write_binary(writer, model, t, rows);
         writer->named = 1;
         /* now, so that a killed run keeps its frames and a full disk shows */
-        if (fflush(writer->file.stream))
+        if (fflush(writer->states.stream))
             writer->error = errno;
     }
-    if (writer->diagnosing)
+    if (writer->diagnoses.name)
         write_diagnosis(writer, model->diagnosis);
     return writer->error ? OUTPUT_FAILED : 0;
 }
 
 /* Opens a table of a run and writes where it comes from. */
-static int open_table_of_run(struct atomic_file *file, const char *folder, const char *name,
-                             const char *what, const struct scene *scene,
-                             const struct settings *settings, char *reason) {
-    char path[PATH_SIZE];
-    path_format(path, "%s/%s", folder, name);
-    if (atomic_open(file, path, reason))
+static int open_text_table(struct run_table *table, const char *folder, const char *name,
+                           const char *what, const struct scene *scene,
+                           const struct settings *settings, char *reason) {
+    if (open_table(table, folder, name, 1, reason))
         return -1;
     json_t *json = settings_to_json(scene, settings);
     json_object_del(json, "diagnostics"); /* with them or without, states.tsv is the same */
     json_object_del(json, "states");      /* and so are diagnoses */
     char *text = json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(6));
-    write_provenance(file->stream, what, scene);
-    fprintf(file->stream, "# settings %s\n", text);
+    write_provenance(table->stream, what, scene);
+    fprintf(table->stream, "# settings %s\n", text);
     free(text);
     json_decref(json);
     return 0;
@@ -109,27 +160,24 @@ static int open_table_of_run(struct atomic_file *file, const char *folder, const
 
 static int open_states(struct frame_writer *writer, const struct scene *scene,
                        const struct settings *settings, const char *folder, char *reason) {
-    char path[PATH_SIZE];
     if (writer->format == STATES_NONE)
         return 0;
     if (writer->format == STATES_TEXT)
-        return open_table_of_run(&writer->file, folder, "states.tsv",
-                                 "states at the frames: s, m, m/s", scene, settings, reason);
-    path_format(path, "%s/states.npy", folder);
-    return atomic_open(&writer->file, path, reason);
+        return open_text_table(&writer->states, folder, "states.tsv",
+                               "states at the frames: s, m, m/s", scene, settings, reason);
+    return open_table(&writer->states, folder, "states.npy", 0, reason);
 }
 
 static int open_frames(struct frame_writer *writer, const struct scene *scene,
                        const struct settings *settings, const char *folder, char *reason) {
-    *writer =
-        (struct frame_writer){.diagnosing = settings->diagnostics, .format = settings->states};
+    *writer = (struct frame_writer){.format = settings->states};
     if (open_states(writer, scene, settings, folder, reason))
         return -1;
-    if (!writer->diagnosing)
+    if (!settings->diagnostics)
         return 0;
-    if (open_table_of_run(&writer->diagnoses, folder, "diagnostics.tsv", "diagnoses of the frames",
-                          scene, settings, reason)) {
-        atomic_discard(&writer->file);
+    if (open_text_table(&writer->diagnoses, folder, "diagnostics.tsv", "diagnoses of the frames",
+                        scene, settings, reason)) {
+        discard_table(&writer->states);
         return -1;
     }
     diagnosis_write_head(writer->diagnoses.stream);
@@ -141,19 +189,19 @@ static int close_frames(struct frame_writer *writer, const struct run_result *re
     int code = -1;
     frame_text_free(&writer->text);
     if (writer->format == STATES_BINARY && writer->named)
-        npy_set_rows(writer->file.stream, writer->rows);
+        npy_set_rows(writer->states.stream, writer->rows);
     if (result->outcome != OUTPUT_FAILED)
-        code = (writer->diagnosing && atomic_commit(&writer->diagnoses, reason)) ||
-                       (writer->file.stream && atomic_commit(&writer->file, reason))
+        code = close_table(&writer->diagnoses, result->outcome, reason) ||
+                       close_table(&writer->states, result->outcome, reason)
                    ? -1
                    : 0;
     else
-        snprintf(reason, REASON_SIZE, "%.120s: cannot write: %.100s", writer->file.path,
+        snprintf(reason, REASON_SIZE, "%.120s: cannot write: %.100s", writer->states.file.path,
                  writer->error ? strerror(writer->error) : result->reason);
-    if (code && writer->diagnosing)
-        atomic_discard(&writer->diagnoses);
-    if (code)
-        atomic_discard(&writer->file);
+    if (code) {
+        discard_table(&writer->diagnoses);
+        discard_table(&writer->states);
+    }
     return code;
 }
 
@@ -264,21 +312,43 @@ static json_t *result_to_json(const struct scene *scene, const struct settings *
         build_to_json(), "machine", machine_to_json());
 }
 
-/* The tables of the run are there. */
-static int write_json(json_t *json, const char *folder, char *reason) {
+/* Writes what goes into run.json, without a name as yet. */
+static int write_json(struct atomic_file *file, json_t *json, enum outcome outcome,
+                      const char *folder, char *reason) {
     char path[PATH_SIZE];
-    struct atomic_file file;
     path_format(path, "%s/run.json", folder);
-    if (json && seal_add(json, folder, reason))
+    if (atomic_open(file, path, reason))
         return -1;
-    if (atomic_open(&file, path, reason))
-        return -1;
-    if (!json || json_dumpf(json, file.stream, JSON_INDENT(2) | JSON_REAL_PRECISION(17))) {
-        atomic_discard(&file);
+    if (!json || json_dumpf(json, file->stream, JSON_INDENT(2) | JSON_REAL_PRECISION(17))) {
+        atomic_discard(file);
         return fail_with(reason, "%.150s: cannot write: %s", path, strerror(errno));
     }
-    fputc('\n', file.stream);
-    return atomic_commit(&file, reason);
+    fputc('\n', file->stream);
+    return atomic_close(file, outcome != INTERRUPTED, reason);
+}
+
+enum { TABLES = 3 }; /* that a run has at most */
+
+/* Seals run.json, with the hashes of the closed tables, and gives it and them their names. Returns
+ * 0, or -1 with a reason and nothing left. */
+static int publish(json_t *json, struct run_table *const *tables, int count, enum outcome outcome,
+                   const char *folder, char *reason) {
+    struct atomic_file all[TABLES + 1];
+    json_t *files = json_object();
+    for (int i = 0; i < count; i++) {
+        all[i] = tables[i]->file;
+        if (tables[i]->name)
+            json_object_set_new(files, tables[i]->name, json_string(tables[i]->hash));
+    }
+    if (json)
+        seal_add(json, files);
+    else
+        json_decref(files);
+    if (write_json(&all[count], json, outcome, folder, reason) == 0)
+        return atomic_name(all, count + 1, reason);
+    for (int i = 0; i < count; i++)
+        atomic_discard(&all[i]);
+    return -1;
 }
 
 void lift_memory_limit(void) {
@@ -316,49 +386,62 @@ enum outcome record_run(const struct scene *scene, const struct settings *settin
     if (settings->timings > 0 && result.outcome == FINISHED)
         json_object_set_new(json, "cpu_seconds_repeated", time_run(scene, settings, watch));
     kept_frames_free(&kept);
-    const int failed = write_json(json, folder, reason);
+    struct run_table *const tables[] = {&writer.diagnoses, &writer.states};
+    const int failed = publish(json, tables, 2, result.outcome, folder, reason);
     json_decref(json);
     return failed ? OUTPUT_FAILED : result.outcome;
 }
 
-/* Cuts a file behind its last complete line. Returns 0, or -1. */
+/* --- the dead --- */
+
+/* Cuts a file behind its last complete line, which is looked for from the end: it may be long.
+ * Returns 0, or -1. */
 static int cut_text(FILE *file) {
-    long end = 0, at = 0;
-    for (int c; (c = fgetc(file)) != EOF;) {
-        at++;
-        if (c == '\n')
-            end = at;
-    }
-    return ftruncate(fileno(file), end);
+    long end = fseek(file, 0, SEEK_END) ? -1 : ftell(file);
+    while (end > 0 && fseek(file, end - 1, SEEK_SET) == 0 && fgetc(file) != '\n')
+        end--;
+    return end < 0 ? -1 : ftruncate(fileno(file), end);
 }
 
-/* Gives a table of a dead process its name, with what is complete of it. */
-static void keep_complete(const char *folder, const char *name, int (*cut)(FILE *file)) {
-    char path[PATH_SIZE], pattern[64];
+/* Takes over a table of a dead process, with what is complete of it, or one that it was just naming
+ * when it died. */
+static void keep_complete(struct run_table *table, enum outcome outcome, const char *folder,
+                          const char *name, int (*cut)(FILE *file)) {
+    char pattern[64], reason[REASON_SIZE];
     glob_t found;
-    path_format(path, "%s/%s", folder, name);
+    struct atomic_file *file = &table->file;
+    path_format(file->path, "%s/%s", folder, name);
     snprintf(pattern, sizeof pattern, "%s.*.part", name);
     files_like(folder, pattern, &found);
-    const char *partial = found.gl_pathc > 0 ? found.gl_pathv[0] : "";
-    const int descriptor = open(partial, O_RDWR | O_NOFOLLOW | O_CLOEXEC);
-    FILE *file = descriptor >= 0 ? fdopen(descriptor, "r+") : NULL;
-    if (file && (cut(file) || file_put(partial, path)))
-        unlink(partial);
-    if (file)
-        fclose(file);
+    if (found.gl_pathc > 0) {
+        const int descriptor = open(found.gl_pathv[0], O_RDWR | O_NOFOLLOW | O_CLOEXEC);
+        table->stream = file->stream = descriptor >= 0 ? fdopen(descriptor, "r+") : NULL;
+    }
+    if (file->stream) {
+        snprintf(file->temporary, sizeof file->temporary, "%s", found.gl_pathv[0]);
+        table->name = name;
+        if (cut(file->stream) || close_table(table, outcome, reason)) {
+            discard_table(table);
+            table->name = NULL;
+        }
+    } else if (hash_file(file->path, table->hash) == 0) {
+        table->name = name;
+    }
     globfree(&found);
 }
 
 int record_death(const struct scene *scene, const struct settings *settings, const char *folder,
                  enum outcome outcome, const char *why, double reached, char *reason) {
     struct run_result result = {.outcome = outcome, .time = reached};
+    struct run_table text = {.name = NULL}, binary = {.name = NULL}, diagnoses = {.name = NULL},
+                     *const tables[TABLES] = {&diagnoses, &text, &binary};
     snprintf(result.reason, REASON_SIZE, "%s", why);
-    keep_complete(folder, "states.tsv", cut_text);
-    keep_complete(folder, "states.npy", npy_mend);
+    keep_complete(&text, outcome, folder, "states.tsv", cut_text);
+    keep_complete(&binary, outcome, folder, "states.npy", npy_mend);
     if (settings->diagnostics)
-        keep_complete(folder, "diagnostics.tsv", cut_text);
+        keep_complete(&diagnoses, outcome, folder, "diagnostics.tsv", cut_text);
     json_t *json = result_to_json(scene, settings, &result);
-    const int code = write_json(json, folder, reason);
+    const int code = publish(json, tables, TABLES, outcome, folder, reason);
     json_decref(json);
     return code;
 }

@@ -1,15 +1,15 @@
 /* What a run leaves: states.tsv or states.npy (or no states) and, where the settings ask for it,
- * diagnostics.tsv, both written frame by frame, and run.json, which appears last. */
+ * diagnostics.tsv, both written frame by frame, and run.json. */
 #ifndef WISPLAB_RECORD_H
 #define WISPLAB_RECORD_H
 
 #include "simulation.h"
 
-/* Runs a case in this process and writes its tables and `folder`/run.json, each complete or not at
- * all. With settings->timings, the run is then repeated for its CPU time, without output or
- * diagnoses; with a cross-check, the other method runs too and the largest difference is
- * recorded. Returns how the run ended, and in `how`, which may be NULL, what it took; the reason of
- * a REFUSED or OUTPUT_FAILED is in `reason` (REASON_SIZE). */
+/* Runs a case in this process and writes its tables and `folder`/run.json, which get their names
+ * together, run.json last, when all are complete. With settings->timings, the run is then repeated
+ * for its CPU time, without output or diagnoses; with a cross-check, the other method runs too and
+ * the largest difference is recorded. Returns how the run ended, and in `how`, which may be NULL,
+ * what it took; the reason of a REFUSED or OUTPUT_FAILED is in `reason` (REASON_SIZE). */
 enum outcome record_run(const struct scene *scene, const struct settings *settings,
                         const char *folder, const struct watch *watch, struct run_result *how,
                         char *reason);
@@ -19,8 +19,8 @@ enum outcome record_run(const struct scene *scene, const struct settings *settin
 void lift_memory_limit(void);
 
 /* Writes run.json for a run whose process died or was ended after `reached` seconds, and keeps the
- * complete frames that it had written: the folder's only temporary files are its. Returns 0, or -1
- * with a reason. */
+ * complete frames that it had written: the folder's only temporary files are its. Names appear as
+ * record_run's. Returns 0, or -1 with a reason. */
 int record_death(const struct scene *scene, const struct settings *settings, const char *folder,
                  enum outcome outcome, const char *why, double reached, char *reason);
 

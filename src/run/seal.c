@@ -2,7 +2,6 @@
 
 #include "base/hash.h"
 
-#include <errno.h>
 #include <string.h>
 
 const char *const run_tables[] = {"states.tsv", "states.npy", "diagnostics.tsv", NULL};
@@ -15,24 +14,11 @@ static void hash_of(json_t *json, char hash[HASH_SIZE]) {
     json_decref(others);
 }
 
-int seal_add(json_t *json, const char *folder, char *reason) {
-    json_t *files = json_object();
+void seal_add(json_t *json, json_t *files) {
     char hash[HASH_SIZE];
-    for (size_t i = 0; run_tables[i]; i++) {
-        char path[PATH_SIZE];
-        path_format(path, "%s/%s", folder, run_tables[i]);
-        if (hash_file(path, hash) == 0) {
-            json_object_set_new(files, run_tables[i], json_string(hash));
-        } else if (errno != ENOENT) {
-            snprintf(reason, REASON_SIZE, "%.150s: cannot read: %s", path, strerror(errno));
-            json_decref(files);
-            return -1;
-        }
-    }
     json_object_set_new(json, "files", files);
     hash_of(json, hash);
     json_object_set_new(json, "seal", json_string(hash));
-    return 0;
 }
 
 static int is_table(const char *name) {

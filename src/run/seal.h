@@ -11,9 +11,9 @@
 /* The tables that a run may leave; ends with NULL. */
 extern const char *const run_tables[];
 
-/* Adds the hashes of the tables in `folder` to a run.json that is otherwise complete, and last its
- * own. Returns 0, or -1 with one line in `reason`. */
-int seal_add(json_t *json, const char *folder, char *reason);
+/* Adds the hashes of the run's tables, an object of names and hashes that it takes over, to a
+ * run.json that is otherwise complete, and last its own. */
+void seal_add(json_t *json, json_t *files);
 
 /* Whether run.json and the tables that it names are as they were; else what is wrong in `reason`.
  */

@@ -101,6 +101,25 @@ static int resolve_steps(const struct scene *scene, const struct run_request *re
     return 0;
 }
 
+double settings_frames(const struct scene *scene, const struct settings *settings) {
+    return scene->frame_rate > 0          ? scene->duration * scene->frame_rate
+           : settings->frame_interval > 0 ? scene->duration / settings->frame_interval
+                                          : 0;
+}
+
+/* A scene with a frame rate has been asked when it was read. */
+static int check_rows(const struct scene *scene, const struct settings *settings, char *reason) {
+    const double rows = settings_frames(scene, settings) * settings->rows;
+    if (scene->frame_rate > 0 || settings->states == STATES_NONE || !(rows > SCENE_ROWS_MOST))
+        return 0;
+    return fail_with(
+        reason,
+        "steps of %g s, each of them a frame, are %.3g rows of states, and a run has up "
+        "to %g; --set frame_rate=HZ says how many frames there are, --states none "
+        "writes none",
+        settings->frame_interval, rows, SCENE_ROWS_MOST);
+}
+
 /* Asks the stepper itself, on a model that is thrown away. */
 static int refuse_combination(const struct scene *scene, struct settings *settings, char *reason) {
     struct model *model =
@@ -123,8 +142,10 @@ static int refuse_combination(const struct scene *scene, struct settings *settin
                  "scene %s needs a frame_rate: its parts choose their own steps", scene->name);
         code = REFUSED;
     }
+    settings->rows = model->row_count;
+    settings->columns = model->column_count + 2; /* time, and parent */
     scene->problem->free(model);
-    return code ? REFUSED : 0;
+    return code || check_rows(scene, settings, reason) ? REFUSED : 0;
 }
 
 /* Steps of one-step methods are projected, those of multistep ones would make less of their

@@ -44,7 +44,8 @@ struct settings {
     int lanes;       /* of parts, where method and solver can; nor on this */
     int diagnostics; /* states do not depend on it; times do */
     enum states_format states;
-    int unknowns; /* of the whole model: coordinates, not counting velocities */
+    int unknowns;      /* of the whole model: coordinates, not counting velocities */
+    int rows, columns; /* of its first frame in a file of states */
 };
 
 /* Completes a request for a scene. Returns 0, or with one line in `reason` (REASON_SIZE) REFUSED
@@ -59,6 +60,9 @@ int settings_cross_check(const struct scene *scene, const struct settings *setti
 
 /* Beyond which strain runs of a scene have diverged where nothing else is said. */
 double scene_strain_limit(const struct scene *scene);
+
+/* About how many frames a run has, if it is known beforehand, else 0. */
+double settings_frames(const struct scene *scene, const struct settings *settings);
 
 /* How many wisps one part may hold under these settings. */
 int settings_lanes(const struct settings *settings);

@@ -146,13 +146,32 @@ static void look_at_springs(const struct scene *scene, const struct settings *se
         look_at_spring(method, settings->step, &scene->around.pushing[i], warnings);
 }
 
+/* --- files that are too large to be read back --- */
+
+static void look_at_size(const struct scene *scene, const struct settings *settings,
+                         json_t *warnings) {
+    const double number = settings->states == STATES_TEXT     ? 16 /* bytes, on the average */
+                          : settings->states == STATES_BINARY ? 8
+                                                              : 0;
+    const double bytes =
+        settings_frames(scene, settings) * settings->rows * settings->columns * number;
+    if (bytes > 1 << 30)
+        warn(warnings,
+             "the states will take about %.2g GB, and files of more than a gibibyte are read back "
+             "by "
+             "nothing here: fewer frames a second (frame_rate) or --states none take less",
+             1e-9 * bytes);
+}
+
 json_t *scene_warnings(const struct scene *scene, const struct settings *settings) {
     json_t *warnings = json_array();
     look_at_clock(scene, warnings);
     look_at_head(scene, warnings);
     for (int i = 0; i < scene_tick_bodies(scene) && scene->collision_rate > 0; i++)
         look_at_body(scene, &scene->bodies[i], warnings);
-    if (settings)
+    if (settings) {
         look_at_springs(scene, settings, warnings);
+        look_at_size(scene, settings, warnings);
+    }
     return warnings;
 }

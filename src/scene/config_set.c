@@ -4,6 +4,7 @@
 #include "scene_settings.h"
 
 #include <ctype.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { SET_MAX = 4096 }; /* letters of a value */
@@ -44,6 +45,44 @@ static bool keeps_others(const config_setting_t *parent, const char *name,
            config_setting_length(value) > 0;
 }
 
+/* Where a path begins with an entry that its list has not, or that is written otherwise. Returns
+ * whether it does. */
+static bool fail_entry(struct config_reader *reader, const char *set) {
+    char list[256], entry[300];
+    const size_t length = strcspn(set, ".[:/=");
+    const char *digits = set + length + strspn(set + length, ".[");
+    snprintf(list, sizeof list, "%.*s", (int)length, set);
+    const config_setting_t *entries = config_lookup(&reader->config, list);
+    const int count =
+        entries && config_setting_is_list(entries) ? config_setting_length(entries) : 0;
+    if (count == 0 || !isdigit((unsigned char)*digits))
+        return false;
+    char *rest;
+    const long asked = strtol(digits, &rest, 10), last = count - 1;
+    snprintf(entry, sizeof entry, "%s.[%ld]", list, asked < last ? asked : last);
+    if (strncmp(set, entry, strlen(entry)) == 0)
+        return false;
+    config_fail(reader, NULL, "--set %.100s: the last entry of %.40s is [%ld]; write %.60s%.100s",
+                set, list, last, entry, rest + (*rest == ']'));
+    return true;
+}
+
+/* Where a path leaves what the scene has. */
+static void fail_path(struct config_reader *reader, const char *set, const char *path,
+                      const config_setting_t *found) {
+    const struct scene_setting *nearest = setting_nearest("", path, OF_ALL);
+    if (found && config_setting_is_aggregate(found))
+        config_fail(reader, NULL,
+                    "--set %.100s: the scene has no group %.60s but a list; its first entry is "
+                    "[0], as in wisps.[0].nodes=5",
+                    set, path);
+    else if (nearest && strcmp(nearest->name, path) != 0)
+        config_fail(reader, NULL, "--set %.100s: there is no group %.60s; did you mean %s?", set,
+                    path, nearest->name);
+    else
+        config_fail(reader, NULL, "--set %.100s: the scene has no group %.60s", set, path);
+}
+
 /* Puts the value in the place of the setting, which is made if its group exists. */
 static void put_value(struct config_reader *reader, const char *set, char *path,
                       const config_setting_t *value) {
@@ -54,17 +93,8 @@ static void put_value(struct config_reader *reader, const char *set, char *path,
     config_setting_t *parent =
         dot ? config_lookup(&reader->config, path) : config_root_setting(&reader->config);
     if (!parent || !config_setting_is_group(parent)) {
-        const struct scene_setting *nearest = setting_nearest("", path, OF_ALL);
-        if (parent && config_setting_is_aggregate(parent))
-            config_fail(reader, NULL,
-                        "--set %.100s: the scene has no group %.60s but a list; its first entry is "
-                        "[0], as in wisps.[0].nodes=5",
-                        set, path);
-        else if (nearest && strcmp(nearest->name, path) != 0)
-            config_fail(reader, NULL, "--set %.100s: there is no group %.60s; did you mean %s?",
-                        set, path, nearest->name);
-        else
-            config_fail(reader, NULL, "--set %.100s: the scene has no group %.60s", set, path);
+        if (!fail_entry(reader, set))
+            fail_path(reader, set, path, parent);
         return;
     }
     config_setting_t *there = config_setting_get_member(parent, name);

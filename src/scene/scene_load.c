@@ -11,6 +11,7 @@
 #include "setting_read.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -49,6 +50,21 @@ static void check_rates(struct config_reader *reader, config_setting_t *top,
                         "%s: %g Hz up to %g s: is more than 1e15 times", rates[i].name,
                         rates[i].rate, end);
     }
+}
+
+/* More frames than anybody could want fill the disk before that shows. */
+static void check_frames(struct config_reader *reader, config_setting_t *top,
+                         const struct scene *scene) {
+    const double nodes = scene_nodes(scene), most = SCENE_ROWS_MOST / nodes / scene->duration;
+    if (!(scene->frame_rate > most))
+        return;
+    const double digit = pow(10, floor(log10(most)) - 1); /* the second, so that it is not more */
+    config_fail(
+        reader, config_setting_get_member(top, "frame_rate"),
+        "frame_rate: %g Hz for %g s are %.3g rows of states, of %g nodes, and a run has up to "
+        "%g; at most %g Hz would do, or a shorter duration",
+        scene->frame_rate, scene->duration, scene->frame_rate * scene->duration * nodes, nodes,
+        SCENE_ROWS_MOST, floor(most / digit) * digit);
 }
 
 /* What a setting cannot change is refused. */
@@ -92,6 +108,7 @@ static void read_scene(struct config_reader *reader, struct scene *scene) {
         scene_read_wisps(reader, top, scene);
     check_projection(reader, scene);
     check_rates(reader, top, scene);
+    check_frames(reader, top, scene);
     scene->source = config_to_json(top);
     scene_note_start(scene);
 }
