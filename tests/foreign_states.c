@@ -212,7 +212,7 @@ Test(foreign_states, what_is_wrong_on_the_command_line_is_said_in_a_line, IN_FOL
                                            {"one=", "must be NAME=FILE"},
                                            {"\"one\"=a", "must be NAME=FILE"},
                                            {"one=none.tsv", "none.tsv: No such file"}};
-    char given[2 * PATH_SIZE];
+    char given[2 * PATH_SIZE], other[2 * PATH_SIZE], same_name[2 * PATH_SIZE];
     struct finished f;
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         RACE(&f, names[i][0]);
@@ -221,6 +221,11 @@ Test(foreign_states, what_is_wrong_on_the_command_line_is_said_in_a_line, IN_FOL
     }
     write_states("good", "", 0, 0, given);
     RACE(&f, given, given);
+    cr_expect(f.code == 1 && count_lines(f.err) == 1 && strstr(f.err, "is given twice"), "%d: %s",
+              f.code, f.err);
+    write_states("other", "", 0, 0, other);
+    snprintf(same_name, sizeof same_name, "good%s", strchr(other, '='));
+    RACE(&f, given, same_name);
     cr_expect(f.code == 1 && count_lines(f.err) == 1 && strstr(f.err, "told apart by '# setting"),
               "%d: %s", f.code, f.err);
     PROGRAM(&f, NULL, "experiment", "work-precision", "--quick", "--scene", scene, "--scene",
