@@ -49,8 +49,10 @@ if (SHOWN) { plot for [e = 1:count] table('recipes') using (is(e) && strcol(STAT
         with points pt int(word(marks, e)) ps 2 lc rgb word(INK, e), \
      for [e = 1:count] '' using (is(e) && column(OWN) == 1 && strcol(STATUS) ne 'finished' ? column(MEDIAN) : NaN):(top(e)) \
         with points pt FAILED ps 2 lc rgb word(INK, e) lw 2.4, \
-     for [e = 1:count] '' using (is(e) && column(OWN) == 1 ? column(MEDIAN) : NaN):(strcol(STATUS) eq 'finished' ? mm(column(ERROR)) : top(e)):(sprintf('%.0f Hz', column(RATE))) \
+     for [e = 1:count] '' using (is(e) && column(OWN) == 1 && strcol(STATUS) eq 'finished' ? column(MEDIAN) : NaN):(mm(column(ERROR))):(sprintf('%.0f Hz', column(RATE))) \
         with labels left offset 1.2, 0.5 font ',11' textcolor rgb word(INK, e), \
+     for [e = 1:count] '' using (is(e) && column(OWN) == 1 && strcol(STATUS) ne 'finished' ? column(MEDIAN) : NaN):(top(e)):(sprintf('%.0f Hz', column(RATE))) \
+        with labels left offset 0.4, 1.05 font ',11' textcolor rgb word(INK, e), \
      for [n = 1:has_tips] for [e = 1:count] '' using (is(e) ? column(MEDIAN) : NaN) \
         :(strcol(STATUS) eq 'finished' ? mm(column(ERROR)) : top(e)):(tip_of(told)) @TIP }
 set output
