@@ -156,7 +156,7 @@ do for [s = 1:words(scene_files)] {
             failures = 0; kinds = ''
             stats table(scene) using (strcol(1) eq word(in_band, i) && strcol(2) eq treatment \
                 && is_failed(strcol(STATUS)) ? count_failure(0) : 0, 0) nooutput
-            if (failures && (paper eq '' || !many)) { # on paper there is no room for it beside others
+            if (failures && (paper eq '' || (!many && !in_column))) { # elsewhere it has no room
                 remark = word(in_band, i).', '.(failures == 1 ? kinds : sprintf('%d: %s', failures, kinds))
                 set label 20 + i remark \
                     at graph 0.99, first row_of(word(in_band, i)) right font ',11' \

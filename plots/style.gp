@@ -207,5 +207,6 @@ leftmost(here) = paper eq 'draw' ? item(5) == 1 : here
 lowest(here) = paper eq 'draw' ? item(6) == 1 : here
 PAPER_FIGURE = 0; PAPER_ITEM = 0; SHOWN = 1
 if (paper ne '') { load layout }
+in_column = paper eq 'draw' ? PAPER_WIDTH < 500 : 0
 
 powers(axis) = sprintf('set logscale %s; set format %s "10^{%%T}"; set m%stics default', axis, axis, axis)
