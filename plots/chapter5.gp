@@ -23,7 +23,7 @@ n = 0
 name_rows = ''
 stats table('figures') using (strcol(1) eq 'figure' ? 0 : (n = n + 1, \
     name_rows = name_rows.sprintf("%s'%s' %d", n > 1 ? ', ' : '', strcol(1), -n), 0), 0) nooutput
-eval 'set ytics ('.name_rows.') noenhanced font ",11"'
+eval 'set ytics nomirror out scale 0.6 ('.name_rows.') noenhanced font ",11"'
 set arrow 1 from first 1, graph 0 to first 1, graph 1 nohead lt 2
 told = told_of('figures', 'figure ours thesis cpu:s evaluations contacts')
 m = 0

@@ -18,6 +18,8 @@ take(k) = (title_of[k] = strcol(2), stepper_of[k] = strcol(3), step_of[k] = $4, 
 read_panels(name) = 'do for [k = 1:PANELS] { rows_of[k] = 0; worst[k] = 0; reach[k] = 0; ' \
     .'stats table("'.name.'") using (strcol(1) eq sprintf("%d", k) ? take(k) : 0, 0) nooutput }'
 after_comma(title) = strstrt(title, ', ') ? ' '.title[strstrt(title, ', ') + 2:*] : ''
+before_comma(title) = strstrt(title, ', ') ? title[1:strstrt(title, ', ') - 1] : title
+variant_of(title) = strstrt(title, ', ') ? title[strstrt(title, ', ') + 2:*].', ' : ''
 style_name(k) = stepper_of[k].after_comma(title_of[k])
 
 # --- figures 2.4 and 2.5 ---
@@ -31,6 +33,7 @@ do for [end in "30 160"] {
     common = RADIUS
     do for [k = 1:DRAWN] { common = rows_of[k] && reach[k] < 3 * RADIUS ? larger(common, reach[k]) : common }
     common = 1.12 * common
+    NARROWEST = 0.5 # two are side by side in a column
     set multiplot
     eval heading(sprintf('A particle on a circle, after %s s', end), \
         'positions from step to step, joined by straight lines; clockwise from (0.9, 0) at 0.2 m/s')
@@ -42,16 +45,22 @@ do for [end in "30 160"] {
         own = reach[k] >= 3 * RADIUS
         limit = own ? 1.08 * reach[k] : common
         set xrange [-limit:limit]; set yrange [-limit:limit]
-        if (own) { set xtics 10; set ytics 10 } else { set xtics 1; set ytics 1 }
+        is_narrow = paper_width(0) < 200
+        apart = own ? (is_narrow ? 20 : 10) : 1
+        set xtics apart; set ytics own ? 10 : 1
         set mxtics 2; set mytics 2; set xtics offset 0, 0.3
-        set label 3 sprintf('{/:Bold %s}, h = %g s', title_of[k], step_of[k]) \
-            at graph 0, graph 1 offset character 0, 1.75 left textcolor rgb ink_of(stepper_of[k])
-        set label 4 end_error[k] < 1e-9 ? 'at the end: no error but rounding' \
+        # Over a narrow panel are three lines in place of two.
+        set label 3 is_narrow ? sprintf('{/:Bold %s}', before_comma(title_of[k])) \
+            : sprintf('{/:Bold %s}, h = %g s', title_of[k], step_of[k]) \
+            at graph 0, graph 1 offset character 0, (is_narrow ? 2.7 : 1.75) left textcolor rgb ink_of(stepper_of[k])
+        set label 6 is_narrow ? sprintf('%sh = %g s', variant_of(title_of[k]), step_of[k]) : '' \
+            at graph 0, graph 1 offset character 0, 1.7 left font ',11' textcolor rgb ink_of(stepper_of[k])
+        set label 4 end_error[k] < 1e-9 ? (is_narrow ? '' : 'at the end: ').'no error but rounding' \
             : sprintf(paper eq '' ? 'at the end: %.2g m from the exact position' : 'at the end %.2g m off', end_error[k]) \
             at graph 0, graph 1 offset character 0, 0.7 left font ',11' textcolor rgb GREY
         if (own) {
-            set label 5 sprintf('own scale, %.0f times the others''', limit / common) \
-                at graph 0.5, graph 0.04 center font ',11' front
+            set label 5 sprintf(is_narrow ? 'scale: %.0f times' : 'own scale, %.0f times the others''', limit / common) \
+                at graph 0.5, graph (is_narrow ? 0.055 : 0.04) center font ',11' front
         }
         set xlabel lowest(row == 1 || (k + 3 <= DRAWN && rows_of[k + 3] == 0)) ? 'x (m)' : '' offset 0, 0.4
         set ylabel leftmost(column == 0 || rows_of[k - 1] == 0) ? 'y (m)' : '' offset 1, 0
@@ -268,15 +277,15 @@ do for [p = 1:2] {
         set ylabel 'radius (m)'
         drawn(r) = r > 0 ? r : NaN
     } else {
-        set yrange [1e-13:1e10]; set ytics 1e-12, 100
+        set yrange [3e-14:1e10]; set ytics 1e-11, 100, 1e9; set ytics add ('≤ 10^{−13}' 1e-13)
         set ylabel 'distance from 0.9 m, over 0.9 m'
         drawn(r) = larger(abs(r / RADIUS - 1), 1e-13)
     }
     if (p == 1) { set arrow 1 from graph 0, first RADIUS to graph 1, first RADIUS nohead lt 2 } \
     else { unset arrow 1; unset label 3 }
     if (p == 1 && off == off) {
-        set label 3 sprintf("newton at %g s: what deviates from\nthe spiral grows %.2g-fold a step, so\n" \
-            ."rounding (2^{−53}) is as large as it\nafter %.0f steps of %.0f", off, off_growth, \
+        set label 3 sprintf("newton at %g s: what\ndeviates from the spiral\ngrows %.2g-fold a step, so\n" \
+            ."rounding (2^{−53}) is as\nlarge as it after %.0f\nsteps of %.0f", off, off_growth, \
             53 * log(2) / log(off_growth), off_steps) at graph 0.02, graph 0.27 left font ',11' \
             textcolor rgb ink_of('implicit-euler')
     }

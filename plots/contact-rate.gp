@@ -155,6 +155,9 @@ if (there > 0) {
     row_of(k) = place(scenes, strcol(1)) + 0.2 * (k - 2.5)
     told = told_of('sources', 'scene source error:m whole:m span:s compared:s')
     is(k) = strcol(2) eq word(sources, k) && !($3 < 1e-12) # none, where there are no bodies
+    drawn = ''
+    stats table('sources') using (drawn = $3 < 1e-12 ? drawn : with_name(drawn, strcol(2)), 0) nooutput
+    when(k, words) = place(drawn, word(sources, k)) ? words : ''
     if (SHOWN) { plot for [k = 1:4] table('sources') using (is(k) ? mm($3) : NaN):(row_of(k)):(mm($5) - mm($3)):(0) \
             with vectors nohead lt 60 + k lw 1, \
          for [k = 1:4] '' using (is(k) ? mm($5) : NaN):(row_of(k)) with points lt 60 + k pt hollow_of(k), \
@@ -163,10 +166,10 @@ if (there > 0) {
             using (is(k) ? mm(column(int(c))) : NaN):(row_of(k)):(tip_of(told)) @TIP }
     eval heading_done
     eval legend(0, HEIGHT - 55, WIDTH, 40, 1)
-    plot @BLANK, keyentry with points lt 61 title 'integrator (Euler, 9000 Hz)', \
-         keyentry with points lt 62 title 'treatment (projection)', \
-         keyentry with points lt 63 title 'ticks of wisps', \
-         keyentry with points lt 64 title 'ticks of bodies'
+    plot @BLANK, keyentry with points lt 61 title when(1, 'integrator (Euler, 9000 Hz)'), \
+         keyentry with points lt 62 title when(2, 'treatment (projection)'), \
+         keyentry with points lt 63 title when(3, 'ticks of wisps'), \
+         keyentry with points lt 64 title when(4, 'ticks of bodies')
     unset multiplot
     set output
 }

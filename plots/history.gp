@@ -40,17 +40,25 @@ set label 4 'exact motion of Anjyo''s hair' at graph 0.99, first apart_2 right o
 set label 5 'exact motion of Rosenblum''s' at 0.6, first apart_1 right offset 0, -0.6 font ',11' textcolor rgb GREY
 eval own_key(count, 36, \
     'set key at screen 0.5, screen 0.075 center center horizontal Left reverse maxrows 3 samplen 3 width 2')
+# Who never finishes has crosses alone, in the legend too.
+array finishes[count]
+do for [e = 1:count] {
+    finishes[e] = 0
+    stats table('recipes') using (is(e) && strcol(STATUS) eq 'finished' ? (finishes[e] = 1, 0) : 0, 0) nooutput
+}
 told = told_of('recipes', 'method stepper rate:Hz status failure_time:s error:m cpu_median:s evaluations')
 if (SHOWN) { plot for [e = 1:count] table('recipes') using (is(e) && strcol(STATUS) eq 'finished' ? column(MEDIAN) : NaN):(mm(column(ERROR))) \
-        with linespoints lt 30 + e title word(said, e), \
+        with linespoints lt 30 + e title finishes[e] ? word(said, e) : '', \
      for [e = 1:count] '' using (is(e) && strcol(STATUS) ne 'finished' ? column(MEDIAN) : NaN):(top(e)) \
-        with points pt FAILED ps 0.9 lc rgb word(INK, e) lw 1.6, \
+        with points pt FAILED ps 0.9 lc rgb word(INK, e) lw 1.6 title finishes[e] ? '' : word(said, e), \
      for [e = 1:count] '' using (is(e) && column(OWN) == 1 && strcol(STATUS) eq 'finished' ? column(MEDIAN) : NaN):(mm(column(ERROR))) \
         with points pt int(word(marks, e)) ps 2 lc rgb word(INK, e), \
      for [e = 1:count] '' using (is(e) && column(OWN) == 1 && strcol(STATUS) ne 'finished' ? column(MEDIAN) : NaN):(top(e)) \
         with points pt FAILED ps 2 lc rgb word(INK, e) lw 2.4, \
-     for [e = 1:count] '' using (is(e) && column(OWN) == 1 ? column(MEDIAN) : NaN):(strcol(STATUS) eq 'finished' ? mm(column(ERROR)) : top(e)):(sprintf('%.0f Hz', column(RATE))) \
+     for [e = 1:count] '' using (is(e) && column(OWN) == 1 && strcol(STATUS) eq 'finished' ? column(MEDIAN) : NaN):(mm(column(ERROR))):(sprintf('%.0f Hz', column(RATE))) \
         with labels left offset 1.2, 0.5 font ',11' textcolor rgb word(INK, e), \
+     for [e = 1:count] '' using (is(e) && column(OWN) == 1 && strcol(STATUS) ne 'finished' ? column(MEDIAN) : NaN):(top(e)):(sprintf('%.0f Hz', column(RATE))) \
+        with labels left offset 0.4, 1.05 font ',11' textcolor rgb word(INK, e), \
      for [n = 1:has_tips] for [e = 1:count] '' using (is(e) ? column(MEDIAN) : NaN) \
         :(strcol(STATUS) eq 'finished' ? mm(column(ERROR)) : top(e)):(tip_of(told)) @TIP }
 set output

@@ -121,11 +121,14 @@ do for [s = 1:words(scenes)] {
         eval heading_done
     }
     unset object; unset label; unset arrow
+    drawn = '' # the legend has the marks that are there
+    do for [i = 1:n] { drawn = with_name(drawn, sprintf('%d', mark_for(verdict[i]))) }
+    when(mark, words) = place(drawn, sprintf('%d', mark)) ? words : ''
     eval legend(0, height - 42, WIDTH, 30, 1)
-    plot @BLANK, keyentry with points pt 7 ps 1.1 lc rgb NEEDED title 'needed: changes more than 1 mm', \
-         keyentry with points pt 6 ps 1.1 lw 1.6 lc rgb ENOUGH title 'not needed', \
-         keyentry with points pt 4 ps 1.1 lw 1.6 lc rgb UNKNOWN title 'no more than perturbed starts (grey)', \
-         keyentry with points pt FAILED ps 1.1 lw 1.6 lc rgb NEEDED title 'fails'
+    plot @BLANK, keyentry with points pt 7 ps 1.1 lc rgb NEEDED title when(7, 'needed: changes more than 1 mm'), \
+         keyentry with points pt 6 ps 1.1 lw 1.6 lc rgb ENOUGH title when(6, 'not needed'), \
+         keyentry with points pt 4 ps 1.1 lw 1.6 lc rgb UNKNOWN title when(4, 'no more than perturbed starts (grey)'), \
+         keyentry with points pt FAILED ps 1.1 lw 1.6 lc rgb NEEDED title when(FAILED, 'fails')
     unset multiplot
 }
 set output

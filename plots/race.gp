@@ -121,8 +121,12 @@ do for [s = 1:words(scene_files)] {
         titles = titles.quoted(word(names, m).(some ? slopes : silent))
     }
     is_named(x) = place(names, strcol(1)) && strcol(STATUS) eq 'finished'
-    has_jitter = 0; has_limited = 0
-    stats table(scene) using (is_named(0) ? (has_jitter = column(RUNS) > 1 ? 1 : has_jitter, \
+    jittered = ''; has_limited = 0
+    # A band that is no higher than a mark is hidden by it, and that of the reference, whose curve is
+    # steep, by its line.
+    is_wide(x) = strcol(1) ne 'reference' && column(RUNS) > 1 \
+        && column(ERROR_GREATEST) > 3 * larger(column(ERROR_LEAST), bottom)
+    stats table(scene) using (is_named(0) ? (jittered = jittered eq '' && is_wide(0) ? strcol(1) : jittered, \
         has_limited = column(LIMITED) == 1 ? 1 : has_limited, 0) : 0, 0) nooutput
     has_bound = 0; has_inexact = 0 # drawn somewhere: then in the legend, where no data are under it
     set multiplot
@@ -152,7 +156,7 @@ do for [s = 1:words(scene_files)] {
             failures = 0; kinds = ''
             stats table(scene) using (strcol(1) eq word(in_band, i) && strcol(2) eq treatment \
                 && is_failed(strcol(STATUS)) ? count_failure(0) : 0, 0) nooutput
-            if (failures && (paper eq '' || !many)) { # on paper there is no room for it beside others
+            if (failures && (paper eq '' || (!many && !in_column))) { # elsewhere it has no room
                 remark = word(in_band, i).', '.(failures == 1 ? kinds : sprintf('%d: %s', failures, kinds))
                 set label 20 + i remark \
                     at graph 0.99, first row_of(word(in_band, i)) right font ',11' \
@@ -233,8 +237,8 @@ do for [s = 1:words(scene_files)] {
         (words(names) + 6 + legend_columns - 1) / legend_columns)
     plot @BLANK, for [m = 1:words(names)] keyentry with linespoints lt look_of(word(names, m)) \
             title word(titles, m), \
-         keyentry with boxes fs solid 0.25 noborder lc rgb (words(ADAPTIVE) ? colour_of(word(ADAPTIVE, 1)) : GREY) \
-            title has_jitter ? 'jittered tolerances' : '', \
+         keyentry with boxes fs solid 0.25 noborder lc rgb colour_of(jittered) \
+            title jittered eq '' ? '' : 'jittered tolerances', \
          keyentry with lines lw 7 lc rgb '#D9D9D9' dt solid title 'Pareto front', \
          keyentry with points pt 7 ps 0.85 lc rgb '#BBBBBB' title has_limited ? 'within ten times the bound' : '', \
          keyentry with lines lt REST title rest_title(rest), \

@@ -122,7 +122,7 @@ figure(name, width, height) = sprintf('reset; unset multiplot; WIDTH = %d; HEIGH
       : paper_terminal(PAPER_WIDTH, PAPER_HEIGHTS[PAPER_FIGURE + 1])) \
     .(paper eq 'survey' ? sprintf('print "figure %d %d %s"; ', width, height, name) : '') \
     .sprintf('set output out."/%s.%s"; ', name, format) \
-    .'PAPER_FIGURE = PAPER_FIGURE + 1; PAPER_ITEM = 0; '.page
+    .'PAPER_FIGURE = PAPER_FIGURE + 1; PAPER_ITEM = 0; NARROWEST = 0; '.page
 screen_terminal(width, height) = format eq 'svg' \
     ? sprintf('set terminal svg size %d,%d fixed enhanced font "%s,13" background "white"; ', \
               width, height, FONT) \
@@ -142,7 +142,7 @@ heading(title, subtitle) = (TITLE = title, SUBTITLE = subtitle, paper ne '' ? ''
     .'set label 2 SUBTITLE at screen 12./WIDTH, screen 1 - 43./HEIGHT left textcolor rgb GREY')
 heading_done = 'unset label 1; unset label 2' # in a multiplot, after the first panel
 panel(left, top, width, height) = paper eq '' ? framed(left, top, width, height) \
-    : paper eq 'survey' ? 'SHOWN = 0; '.survey('panel', left, top, width, height, 0) \
+    : paper eq 'survey' ? 'SHOWN = 0; '.survey('panel', left, top, width, height, NARROWEST) \
     : (PAPER_ITEM = PAPER_ITEM + 1, SHOWN = item(3) > 0, SHOWN ? framed(item(1), item(2), item(3), item(4)) : '')
 framed(left, top, width, height) = sprintf( \
     'set lmargin at screen %.6f; set rmargin at screen %.6f; ' \
@@ -179,7 +179,7 @@ own_key(names, longest, screen) = paper eq '' ? screen \
 PAPER_UNIT = 7 / 11. / 72 # inch
 survey_terminal = sprintf('set terminal svg size 4000,60000 fixed enhanced font "%s,13"; ', FONT)
 survey(what, left, top, width, height, rows) = (PAPER_ITEM = PAPER_ITEM + 1, \
-    sprintf('print "%s %g %g %g %g %d"', what, left, top, width, height, rows) \
+    sprintf('print "%s %g %g %g %g %g"', what, left, top, width, height, rows) \
     .(what eq 'legend' ? sprintf('; set key at screen 0.5, %.6f center top Left reverse maxrows 99', \
                                  1 - (1500. * PAPER_ITEM + 100) / 60000) : ''))
 item(k) = real(word(PAPER_PLACES[PAPER_FIGURE], 6 * (PAPER_ITEM - 1) + k))
@@ -196,6 +196,9 @@ paper_terminal(width, height) = format eq 'svg' \
               300 * width * PAPER_UNIT, 300 * height * PAPER_UNIT, FONT, 0.75 * 300 * PAPER_UNIT, 300 * PAPER_UNIT, 300 * PAPER_UNIT, \
               1.5 * 300 * PAPER_UNIT)
 PDF_LINE = 2 * PAPER_UNIT * 72; PDF_POINT = 1.5 * PAPER_UNIT * 72
+# NARROWEST is what part of their width panels can do with, with their shape kept; 0: what is usual. How
+# wide the panel is on paper, and on the screen without end:
+paper_width(any) = paper eq 'draw' ? item(3) : 1e6
 # A place between titles and panels, so many pixels below the top; on paper there are no titles.
 below(pixels) = 1 - (pixels - (paper eq '' ? 0. : 52.)) / HEIGHT
 SPREAD = paper eq '' ? ': median, least to greatest' : '' # the caption's task on paper
@@ -204,5 +207,6 @@ leftmost(here) = paper eq 'draw' ? item(5) == 1 : here
 lowest(here) = paper eq 'draw' ? item(6) == 1 : here
 PAPER_FIGURE = 0; PAPER_ITEM = 0; SHOWN = 1
 if (paper ne '') { load layout }
+in_column = paper eq 'draw' ? PAPER_WIDTH < 500 : 0
 
 powers(axis) = sprintf('set logscale %s; set format %s "10^{%%T}"; set m%stics default', axis, axis, axis)

@@ -566,3 +566,19 @@ Test(chapter5, hair_along_a_line_is_drawn) {
     cr_assert_eq(count_files(path, "hair.png"), 1, "no picture of it");
     folder_remove(folder);
 }
+
+/* What the thesis took is of its own scenes: beside one of a user's there is nothing of it. */
+Test(chapter5, a_users_scene_is_not_compared_with_the_thesiss_times) {
+    struct answer answer;
+    char path[PATH_SIZE];
+    ask(&answer, "radii", "euler", radii);
+    for (int row = 0; row < answer.table.row_count; row++)
+        cr_expect(text_cell_is_empty(text_table_cell(&answer.table, row, "thesis_per_frame")));
+    path_format(path, "%s/radii/cost.svg", answer.folder);
+    char *svg = file_read(path);
+    cr_assert(svg, "no %s", path);
+    cr_expect(strstr(svg, "What it costs") && !strstr(svg, "thesis"), "%s speaks of the thesis",
+              path);
+    free(svg);
+    forget(&answer);
+}

@@ -2,6 +2,7 @@
 #include "picture/layout.h"
 
 #include <criterion/criterion.h>
+#include <stdlib.h>
 
 /* Whether two panels, with what is above them, have a pixel in common. */
 static int meet(const struct layout *l, const struct panel *a, const struct panel *b) {
@@ -93,4 +94,26 @@ Test(layout, one_may_be_large) {
     lay_out(&l);
     cr_assert_eq(l.large, 2);
     check_panels(&l);
+}
+
+/* Nothing is white beside a large one, of whatever size: up to three rows are as high as it. */
+Test(layout, a_large_one_is_as_high_as_up_to_three_rows) {
+    for (int i = 0; i < 3 * 7 * 2 * 2; i++) {
+        struct layout l = {.runs = 1 + i % 3,
+                           .frames = 1 + i / 3 % 7,
+                           .width = i / 42 ? 640 : 320,
+                           .height = i / 42 ? 480 : 240,
+                           .beside = i / 21 % 2,
+                           .has_large = 1};
+        lay_out(&l);
+        check_panels(&l);
+        if (l.runs * l.frames == 1)
+            continue;
+        const struct panel large = layout_large(&l), last = layout_panel(&l, l.groups * l.each - 1);
+        cr_expect(l.groups * l.lines >= 2 && l.groups * l.lines <= 3 &&
+                      abs(large.y + (int)(large.scale * l.height) - last.y - l.height) <= 1,
+                  "%d runs of %d frames%s: %d rows, large to %g, others to %d", l.runs, l.frames,
+                  l.beside ? " beside each other" : "", l.groups * l.lines,
+                  large.y + large.scale * l.height, last.y + l.height);
+    }
 }

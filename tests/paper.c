@@ -77,6 +77,11 @@ Test(paper, figures_are_as_wide_as_a_column_or_a_page, .init = make_tables, .fin
     check_sizes("column", 86);
     plot("page", (const char *const[]){NULL});
     check_sizes("page", 178);
+    char *orbits = text_of("orbits-30s-column.svg"); /* of five panels, on a page of 297 mm */
+    double high = INFINITY;
+    sscanf(strstr(orbits, "height=\""), "height=\"%lfmm", &high);
+    cr_expect_lt(high, 240, "orbits are %g mm high", high);
+    free(orbits);
     char *png = text_of("radius-page.png");
     const unsigned char *head = (const unsigned char *)png;
     const int wide = head[18] * 256 + head[19];
@@ -101,16 +106,23 @@ Test(paper, what_is_chosen_is_drawn, .init = make_tables, .fini = remove_tables)
 
 Test(paper, what_is_not_there_is_refused, .init = make_tables, .fini = remove_tables) {
     static const struct {
-        const char *words[6], *says;
+        const char *words[7], *says;
     } wrong[] = {
         {{"--paper", "poster"}, "not one of column, page"},
         {{"--format", "pdf"}, "say --paper column or page"},
         {{"--paper", "page", "--format", "eps"}, "not one of pdf, svg, png"},
-        {{"--paper", "page", "--panel", "9"}, "with these panels"},
+        {{"--paper", "page", "--panel", "1,9"},
+         "--panel 9: no figure has so many panels: orbits-30s has 5, orbits-160s has 5, "},
+        {{"--paper", "page", "--figure", "work-precision", "--panel", "3"},
+         "so many panels: work-precision has 2\n"},
         {{"--paper", "page", "--panel", "0"}, "counted from 1"},
         {{"--paper", "page", "--panel", "1,"}, "counted from 1"},
-        {{"--paper", "page", "--figure", "none"}, "no figure 'none'"},
+        {{"--paper", "page", "--figure", "none"}, "no figure 'none'; there are orbits-30s, orbits"},
         {{"--paper", "page", "--methods", "none"}, "no table of circle has a row of method 'none'"},
+        {{"--paper", "page", "--methods", "rk4,nosuch"}, "of method 'nosuch'; there are "},
+        {{"--paper", "page", "--methods", "rk4,nosuch"}, "euler, midpoint"},
+        {{"--paper", "page", "--figure", "orbits-30s", "--methods", "rk4 x"},
+         "no table of circle/orbits-30s has a row of method 'rk4 x'; there are "},
         {{"--paper", "page", "--methods", "rk4,"}, "names with commas between"},
     };
     char path[PATH_SIZE];
@@ -118,7 +130,7 @@ Test(paper, what_is_not_there_is_refused, .init = make_tables, .fini = remove_ta
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         const char *words[20] = {"plot", "circle", "--out", folder};
         struct finished f;
-        for (int k = 0; k < 6 && wrong[i].words[k]; k++)
+        for (int k = 0; k < 7 && wrong[i].words[k]; k++)
             words[4 + k] = wrong[i].words[k];
         const struct process process = program_start(NULL, words);
         program_wait(&process, &f);

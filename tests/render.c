@@ -751,8 +751,8 @@ Test(render, a_strip_shows_runs_beside_each_other_and_one_frame_large) {
             "--large", "3", "--out", out);
     cr_assert_eq(f.code, 0, "%s", f.err);
     svg = file_read(path);
-    cr_expect(strstr(svg, "<svg width=\"1298\" height=\"540\"") != NULL, "%.300s", svg);
-    cr_expect(strstr(svg, "<svg x=\"0\" y=\"54\" width=\"640\" height=\"480\"") != NULL,
+    cr_expect(strstr(svg, "<svg width=\"1006\" height=\"566\"") != NULL, "%.300s", svg);
+    cr_expect(strstr(svg, "<svg x=\"0\" y=\"54\" width=\"674\" height=\"506\"") != NULL,
               "what is large is not");
     cr_expect_eq(count_of(svg, "frame 3, 0.067 s"), 1);
     cr_expect_eq(count_of(svg, "frame 2, 0.033 s"), 1);
@@ -763,6 +763,34 @@ Test(render, a_strip_shows_runs_beside_each_other_and_one_frame_large) {
     scene_free(scene);
     folder_remove(folder);
     folder_remove(other);
+}
+
+/* The scale of colours ends with the next power of ten, or where a run has diverged with what whole
+ * hair of 30 cm can be off. */
+Test(render, the_scale_of_errors_ends_with_a_power_of_ten) {
+    static const struct {
+        double tip;
+        const char *least, *most, *beyond;
+    } cases[] = {{0.002, "10⁻⁶", "10⁻²", "10⁻¹"}, {1e30, "10⁻⁴", "10⁰", "10³⁰"}};
+    struct scene *scene = scene_of(two_wisps);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char folder[PATH_SIZE], other[PATH_SIZE], path[PATH_SIZE];
+        struct finished f;
+        write_frames(folder, scene, 2, cases[i].tip);
+        write_frames(other, scene, 2, 0);
+        PROGRAM(&f, NULL, "render", folder, "--skeleton", "--frames", "1,2", "--strip", "--format",
+                "svg", "--error", other, "--out", folder);
+        cr_assert_eq(f.code, 0, "%s", f.err);
+        path_format(path, "%s/swing-envelope-strip.svg", folder);
+        char *svg = file_read(path);
+        cr_expect(strstr(svg, cases[i].least) && strstr(svg, cases[i].most) &&
+                      !strstr(svg, cases[i].beyond),
+                  "not from %s to %s", cases[i].least, cases[i].most);
+        free(svg);
+        folder_remove(folder);
+        folder_remove(other);
+    }
+    scene_free(scene);
 }
 
 /* The palest where the two are one, and what is far away darker. */

@@ -345,9 +345,21 @@ static void write_png(const char *folder, const char *name, int width, int heigh
     canvas_free(canvas);
 }
 
+/* The height of the n-th WebP of a page, which its bytes 28 and 29 are (RFC 9649, 2.5). */
+static int webp_height(const char *page, int n) {
+    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/",
+                      before[] = "data:image/webp;base64,";
+    for (; n > 0; n--)
+        page = strstr(page, before) + strlen(before);
+    int bits = 0;
+    for (int i = 36; i < 40; i++) /* bytes 27 to 29 */
+        bits = bits << 6 | (int)(strchr(digits, page[i]) - digits);
+    return (bits >> 8 & 0xFF) | (bits & 0x3F) << 8;
+}
+
 /* Photographs, as it were, are in the page as WebP. A film is the sheet of its frames behind a
- * window of the height of one: it moves without a script, not where motion is not wanted, and not
- * on paper. */
+ * window of the height of one: it moves without a script, not where motion is not wanted, and on
+ * paper is the last frame alone. */
 Test(report, pictures_of_hair_and_films_are_in_the_page) {
     struct report report;
     struct page page;
@@ -363,13 +375,17 @@ Test(report, pictures_of_hair_and_films_are_in_the_page) {
                NULL);
     make_page(&report, &page);
     read_page(&page);
-    cr_assert_eq(count_of(page.text, "<img "), 2);
+    cr_assert_eq(count_of(page.text, "<img "), 3);
     HAS(page.text, "<figure id=\"wind-hair\">", "<figcaption>",
         "<img style=\"--legible:49px\" alt=\"All is drawn.\" src=\"data:image/webp;base64,UklGR");
     HAS(page.text, "<figure id=\"wind-film\">", "<figcaption>",
         "alt=\"It moves.\" src=\"data:image/webp;base64,UklGR", "aspect-ratio:64/50",
         "steps(3,jump-none)", "translateY(-66.6667%)",
-        "@media screen and (prefers-reduced-motion:no-preference){\n.film img{animation:");
+        "@media screen and (prefers-reduced-motion:no-preference){\n.film .sheet img{animation:",
+        ".film>.printed{display:none}", "@media print{.film label,.film>.sheet{display:none}");
+    const char *film = strstr(page.text, "<figure id=\"wind-film\">");
+    cr_expect(webp_height(film, 1) == 150 && webp_height(film, 2) == 50,
+              "frames as high as %d and %d", webp_height(film, 1), webp_height(film, 2));
     char *style = part_of(page.text, "<figure id=\"wind-film\">", "@media");
     cr_assert(!strstr(style, "animation:"), "it moves everywhere: %s", style);
     cr_assert(!strstr(page.text, "<script"));

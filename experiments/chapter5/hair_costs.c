@@ -17,17 +17,21 @@ static struct ratio normalise(const struct spread *cpu, const struct spread *fir
                           cpu->greatest / first->least};
 }
 
+/* A variant's time in the thesis, s per frame; NaN: there is none. */
+static double thesis_time(const struct hair_study *study, int i) {
+    const double time = study->runs[i].variant->thesis;
+    return study->is_own && time > 0 ? time : NAN;
+}
+
 /* The thesis's ratio, with what the rounding of its times allows: they are printed to 0.01 s. */
-static struct ratio thesis_ratio_of(const struct hair_variant *variant,
-                                    const struct hair_variant *first) {
-    const double rounding = 0.005;
-    if (!(variant->thesis > 0 && first->thesis > 0))
+static struct ratio thesis_ratio_of(const struct hair_study *study, int i) {
+    const double rounding = 0.005, time = thesis_time(study, i), first = thesis_time(study, 0);
+    if (isnan(time) || isnan(first))
         return (struct ratio){NAN, NAN, NAN};
-    if (variant == first)
+    if (i == 0)
         return (struct ratio){1, 1, 1};
-    return (struct ratio){variant->thesis / first->thesis,
-                          (variant->thesis - rounding) / (first->thesis + rounding),
-                          (variant->thesis + rounding) / (first->thesis - rounding)};
+    return (struct ratio){time / first, (time - rounding) / (first + rounding),
+                          (time + rounding) / (first - rounding)};
 }
 
 static int is_as_in_thesis(const struct ratio *ours, const struct ratio *thesis) {
@@ -76,8 +80,8 @@ static void write_variant(FILE *stream, const struct hair_study *study, int i) {
     const struct hair_run *run = &study->runs[i];
     const struct spread first = hair_cpu_per_frame(&study->runs[0]), cpu = hair_cpu_per_frame(run);
     const struct ratio ratio = normalise(&cpu, &first, i == 0);
-    const double thesis = run->variant->thesis > 0 ? run->variant->thesis : NAN;
-    const struct ratio theirs = thesis_ratio_of(run->variant, study->runs[0].variant);
+    const double thesis = thesis_time(study, i);
+    const struct ratio theirs = thesis_ratio_of(study, i);
     const struct hair *hair = &run->hair;
     const int frames = hair->frame_count;
     char words[128];
@@ -91,7 +95,7 @@ static void state_variant(struct hair_study *study, int i) {
     const struct hair_run *run = &study->runs[i], *one = &study->runs[0];
     const struct spread first = hair_cpu_per_frame(one), cpu = hair_cpu_per_frame(run);
     const struct ratio ratio = normalise(&cpu, &first, i == 0);
-    const struct ratio theirs = thesis_ratio_of(run->variant, one->variant);
+    const struct ratio theirs = thesis_ratio_of(study, i);
     char key[80], then[64] = "";
     snprintf(key, sizeof key, "cost, %.60s", run->variant->label);
     struct statement row = {.key = key, .figure = "cost", .tables = "table", .unit = "1"};
@@ -104,8 +108,8 @@ static void state_variant(struct hair_study *study, int i) {
     } else if (i == 0) {
         row.value = 1e3 * cpu.median;
         row.unit = "ms";
-        if (run->variant->thesis > 0)
-            snprintf(then, sizeof then, ", and took %g s in the thesis", run->variant->thesis);
+        if (thesis_time(study, i) > 0)
+            snprintf(then, sizeof then, ", and took %g s in the thesis", thesis_time(study, i));
         hair_state(
             study, row, "A frame of the run '%s' takes %.3g ms of CPU time (%.3g to %.3g)%s.",
             run->variant->label, 1e3 * cpu.median, 1e3 * cpu.least, 1e3 * cpu.greatest, then);

@@ -329,8 +329,10 @@ static int write_tables(struct plan *plan, const char *folder, struct hair_study
 int hair_tabulate(struct plan *plan, const char *folder) {
     const struct hair_question *question = plan->experiment->study;
     struct statements statements;
-    struct hair_study study = {
-        .question = question, .subject = &plan->subjects[0], .statements = &statements};
+    struct hair_study study = {.question = question,
+                               .subject = &plan->subjects[0],
+                               .is_own = plan_is_own(plan),
+                               .statements = &statements};
     if (plan_open_statements(
             plan, &statements, folder, study.subject->scene,
             plan->quick

@@ -80,6 +80,7 @@ struct hair_trial {
 struct hair_study {
     const struct hair_question *question;
     const struct subject *subject;
+    int is_own; /* whether the scene is the experiment's own: the thesis's times are of that */
     struct hair_run runs[HAIR_VARIANTS];
     int count;
     const struct labelled_case *rival; /* the cheapest of the steppers that are nearer to the

@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-enum { LARGE_LEAST = 2, LARGE_MOST = 3, WIDEST = 1200 };
+enum { LARGE_LEAST = 2, LARGE_MOST = 3, LARGE_ROWS = 3, WIDEST = 1200 };
 
 int layout_is_alone(const struct layout *layout) {
     return layout->groups * layout->each == 1 && !layout->has_large;
@@ -12,18 +12,30 @@ static int rows(const struct layout *layout) {
     return layout->groups * layout->lines;
 }
 
-/* The large panel is as high as the others together, where the page does not become too wide. */
+/* The large panel is as high as the others together, of many rows where it does not become a giant
+ * or the page too wide. */
 static double enlargement(const struct layout *l, int high) {
+    const double all = (double)high / l->height;
     const int beside = l->label + l->columns * l->across;
-    const double most = fmin(LARGE_MOST, (double)(WIDEST - beside) / l->width);
-    return fmax(LARGE_LEAST, fmin(most, (double)high / l->height));
+    if (rows(l) <= LARGE_ROWS)
+        return fmax(LARGE_LEAST, all);
+    return fmax(LARGE_LEAST, fmin(all, fmin(LARGE_MOST, (double)(WIDEST - beside) / l->width)));
+}
+
+/* Beside a large panel those of one group are in as many rows as go with it; frames of several runs
+ * stay together. */
+static int columns_beside_large(const struct layout *l, int usual) {
+    const int together = l->beside && l->frames > 1 ? l->runs : 1;
+    return l->groups > 1 ? usual : together * ((l->each / together + LARGE_ROWS - 1) / LARGE_ROWS);
 }
 
 void lay_out(struct layout *l) {
     const int usual = l->beside ? l->runs : l->frames;
     l->groups = l->beside ? 1 : l->runs;
     l->each = l->beside ? l->runs * l->frames : l->frames;
-    if (l->columns == 0 || l->columns > l->each)
+    if (l->columns == 0 && l->has_large)
+        l->columns = columns_beside_large(l, usual);
+    else if (l->columns == 0 || l->columns > l->each)
         l->columns = usual;
     l->lines = (l->each + l->columns - 1) / l->columns;
     const int gap = layout_is_alone(l) ? 0 : LAYOUT_GAP,

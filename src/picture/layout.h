@@ -13,7 +13,8 @@ enum {
 struct layout {
     int runs, frames;  /* how many */
     int width, height; /* of a panel */
-    int columns;       /* panels of a group side by side; 0: all of a run, or all runs */
+    int columns;       /* panels of a group side by side; 0: all of a run, or all runs, but beside a
+                        * large one as many as make three rows at most */
     int label;         /* room left of the panels, for their rows' names */
     int beside, untitled, has_bar, has_large;
 
@@ -24,9 +25,9 @@ struct layout {
     int page_width, page_height;
 };
 
-/* Fills in what follows. A large panel, left of all, is as high as they are together, but from two
- * to three times as high as one, and no larger than two where the page would be wider than 1200
- * pixels. */
+/* Fills in what follows. A large panel, left of all, is at least twice as high as one of the
+ * others, and as high as up to three rows of them; of more rows it is at most three times as high
+ * as one, and less, down to twice, where the page would be wider than 1200 pixels. */
 void lay_out(struct layout *layout);
 
 /* Whether there is one panel alone, whose title says all. */

@@ -20,8 +20,9 @@ struct box {
 };
 
 struct item {
-    struct box screen, paper;      /* on paper without width: left out */
-    double margin;                 /* for an axis' words at the left of the first of a row */
+    struct box screen, paper; /* on paper without width: left out */
+    double least;             /* part of its width that will do, with its shape kept; 0: usual */
+    double margin;            /* for an axis' words at the left of the first of a row */
     int is_legend, names, longest; /* of a legend: how many, and of how many letters */
     int rows;
     int first, last; /* of its row, of its column: has the axes' words there */
@@ -81,8 +82,8 @@ static void read_line(struct figures *figures, const char *line) {
             figure->height = one.height;
             memcpy(figure->name, one.name, sizeof one.name);
         }
-    } else if (sscanf(line, "panel %lf %lf %lf %lf", &box->left, &box->top, &box->width,
-                      &box->height) == 4) {
+    } else if (sscanf(line, "panel %lf %lf %lf %lf %lf", &box->left, &box->top, &box->width,
+                      &box->height, &item.least) == 5) {
         add_item(figures, &item);
     } else if (sscanf(line, "legend %lf %lf %lf %lf %*d %d %d", &box->left, &box->top, &box->width,
                       &box->height, &item.names, &item.longest) >= 4) {
@@ -124,6 +125,14 @@ static void read_legends(struct figure *figure, const char *drawing) {
 /* --- where it is on paper --- */
 
 enum { BELOW = 46, LINE = 17, RIGHT = 14, TITLES = 52, PANELS_MAX = 15 };
+enum { NAMES = 150 }; /* a margin as wide as this has names in it, and not numbers */
+
+static int count_panels(const struct figure *figure) {
+    int count = 0;
+    for (int i = 0; i < figure->count; i++)
+        count += !figure->item[i].is_legend;
+    return count;
+}
 
 /* The panels of a figure that are wanted, in the order of drawing. */
 static int choose(struct figure *figure, const struct paper_request *request,
@@ -196,8 +205,8 @@ static double room_above(const struct item *panel, double end) {
 /* A chart of names has them at its left, and a line for each: it keeps its height. Others keep
  * their shape, as far as their letters have room, and become no higher. */
 static double height_on_paper(const struct item *panel, double left, double width) {
-    const double scale = width / panel->screen.width;
-    return panel->screen.height * (left >= 150 ? 0.92 : fmin(1, fmax(scale, 0.85)));
+    const double scale = width / panel->screen.width, least = panel->least > 0 ? scale : 0.85;
+    return panel->screen.height * (left >= NAMES ? 0.92 : fmin(1, fmax(scale, least)));
 }
 
 /* A row of panels on paper. */
@@ -205,13 +214,15 @@ struct row {
     struct item **panel;
     int count, places;       /* places for panels like the first: as many, or more */
     double left, top, right; /* of the first; from the edges of the paper */
+    double apart;            /* its panels; 0: as they are on the screen */
 };
 
 /* Lays it out; returns its height. */
 static double lay_row(const struct row *row, double paper_width) {
     double gap[PANELS_MAX] = {0}, gaps = 0, widths = 0, high = 0, at = row->left;
     for (int i = 0; i < row->count; i++) {
-        const double apart = i == 0 ? 0 : between(row->panel[i - 1], row->panel[i]);
+        const double apart =
+            i == 0 || row->apart > 0 ? row->apart : between(row->panel[i - 1], row->panel[i]);
         gap[i] = i == 0 ? 0 : apart > 0 && apart < 250 ? apart : 40;
         gaps += gap[i];
         widths += row->panel[i]->screen.width;
@@ -239,27 +250,33 @@ static double narrowest(const struct paper_request *request) {
 }
 
 /* Lays out the panels; returns where they end. If those of a row have no room side by side, they
- * and the following that are like them are put into shorter rows. */
+ * and the following that are like them are put into shorter rows. No row begins left of `edge`,
+ * which becomes the edge of that with the widest numbers. */
 static double lay_panels(const struct figure *figure, const struct paper_request *request,
-                         struct item **panel, int count, double width) {
+                         struct item **panel, int count, double width, double *edge) {
     double at = 0, end = 0, like = 0; /* of the row before: its end and its panels on the screen */
     int before = 0;
     for (int i = 0; i < count;) {
         const struct box *first = &panel[i]->screen;
         const int own = side_by_side(panel + i, count - i);
         const double room = width - panel[i]->margin - RIGHT,
-                     all = end_of(&panel[i + own - 1]->screen) - first->left;
+                     all = end_of(&panel[i + own - 1]->screen) - first->left,
+                     least = panel[i]->least > 0 ? panel[i]->least : 0.67;
         const int most = room >= narrowest(request) * all
                              ? own
-                             : MAX(1, MIN(own, (int)(room / (0.67 * first->width))));
+                             : MAX(1, MIN(own, (int)(room / (least * first->width))));
         const int here = most < own ? MAX(own, alike(panel + i, count - i)) : own;
         const double above = room_above(panel[i], end);
         for (int k = 0; k < here; k += most) {
-            struct row row = {panel + i + k, MIN(most, here - k), 0, 0, at + above, 0};
+            struct row row = {
+                .panel = panel + i + k, .count = MIN(most, here - k), .top = at + above};
             const double free = figure->width - end_of(&row.panel[row.count - 1]->screen);
-            row.right = fmin(fmax(free, RIGHT), 30);
+            row.right = most < own ? RIGHT : fmin(fmax(free, RIGHT), 30);
+            row.apart = most < own ? between(panel[i], panel[i + 1]) : 0;
             row.places = MAX(row.count, k > 0 ? most : first->width == like ? before : 0);
             row.left = fmin(0.62 * width, row.panel[0]->margin);
+            if (row.left < NAMES)
+                row.left = *edge = fmax(row.left, *edge);
             at += above + BELOW + lay_row(&row, width);
             before = row.places;
         }
@@ -285,7 +302,9 @@ static double lay_out(struct figure *figure, const struct paper_request *request
                       struct item **chosen) {
     find_margins(figure);
     const int count = choose(figure, request, chosen);
-    double at = lay_panels(figure, request, chosen, count, width) + 6;
+    double edge = 0;
+    lay_panels(figure, request, chosen, count, width, &edge); /* the edge is known then */
+    double at = lay_panels(figure, request, chosen, count, width, &edge) + 6;
     for (int i = 0; i < figure->count; i++)
         if (figure->item[i].is_legend) {
             lay_legend(&figure->item[i], width, at);
@@ -372,6 +391,131 @@ static int survey(struct figures *figures, const char *name, const char *tables,
     return code;
 }
 
+/* --- what there is to be chosen from --- */
+
+/* Words with commas between, as many as there is room for. */
+struct list {
+    char text[240];
+    int is_full;
+};
+
+static int list_has(const struct list *list, const char *word) {
+    const size_t length = strlen(word);
+    for (const char *at = list->text; (at = strstr(at, word)) != NULL; at++)
+        if ((at == list->text || at[-1] == ' ') && (at[length] == ',' || at[length] == '\0'))
+            return 1;
+    return 0;
+}
+
+static void list_add(struct list *list, const char *word) {
+    const size_t end = strlen(list->text);
+    if (list->is_full)
+        return;
+    list->is_full = end + strlen(word) + sizeof ", , ..." > sizeof list->text;
+    snprintf(list->text + end, sizeof list->text - end, "%s%s", end > 0 ? ", " : "",
+             list->is_full ? "..." : word);
+}
+
+/* Whether a cell, which a tab or the line's end may follow, is a method's name or begins with it as
+ * a word. */
+static int is_of_method(const char *cell, const char *method) {
+    const size_t length = strlen(method);
+    return (length == strcspn(cell, "\t\n") || length == strcspn(cell, "\t\n ")) &&
+           strncmp(cell, method, length) == 0;
+}
+
+static int is_named(const struct figure *figure, const struct paper_request *request) {
+    return !request->figure || strcmp(request->figure, figure->name) == 0;
+}
+
+/* Whether a figure that is wanted has a panel, whose number may be 0 for any; `there` tells what
+ * there is. */
+static int has_panel(const struct figures *figures, const struct paper_request *request, int panel,
+                     struct list *there) {
+    int found = 0;
+    for (int i = 0; i < figures->count; i++) {
+        const struct figure *figure = &figures->figure[i];
+        const int panels = count_panels(figure);
+        char words[sizeof figure->name + 20];
+        if (panel > 0 && !is_named(figure, request))
+            continue;
+        found |= is_named(figure, request) && panels >= panel;
+        snprintf(words, sizeof words, panel > 0 ? "%s has %d" : "%s", figure->name, panels);
+        list_add(there, words);
+    }
+    return found;
+}
+
+/* Returns 0, or 1 where a figure or panel is wanted that is not there. */
+static int check_wanted(const struct figures *figures, const struct paper_request *request,
+                        char *reason) {
+    struct list there = {.is_full = 0};
+    if (!has_panel(figures, request, 0, &there)) {
+        snprintf(reason, REASON_SIZE, "%s has no figure '%.60s'; there are %s", request->name,
+                 request->figure ? request->figure : "", there.text);
+        return 1;
+    }
+    for (int i = 0; i < request->panel_count; i++) {
+        there = (struct list){.is_full = 0};
+        if (has_panel(figures, request, request->panels[i], &there))
+            continue;
+        snprintf(reason, REASON_SIZE, "--panel %d: no figure has so many panels: %s",
+                 request->panels[i], there.text);
+        return 1;
+    }
+    return 0;
+}
+
+/* Adds to `there` the methods that a table has rows of, and marks those that are wanted. Returns
+ * whether there are any. */
+static int note_methods(const char *path, const struct paper_request *request, char *found,
+                        struct list *there) {
+    struct text_table table;
+    char none[REASON_SIZE];
+    if (text_table_read(&table, path, none))
+        return 0;
+    const char *const column = text_table_column(&table, "method") >= 0 ? "method" : "stepper";
+    const int any = text_table_column(&table, column) >= 0 && table.row_count > 0;
+    for (int row = 0; row < table.row_count && any; row++) {
+        const char *name = text_table_cell(&table, row, column);
+        for (int i = 0; i < request->method_count; i++)
+            if (is_of_method(name, request->methods[i]))
+                found[i] = 1;
+        if (!list_has(there, name))
+            list_add(there, name);
+    }
+    text_table_free(&table);
+    return any;
+}
+
+/* Returns 0, or the exit code: 1 where a method is wanted that no table has a row of, or not the
+ * table of the wanted figure, where that has methods. */
+static int check_methods(const struct paper_request *request, char *reason) {
+    struct list there = {.is_full = 0};
+    char path[PATH_SIZE], *found = calloc((size_t)request->method_count, 1);
+    glob_t tables;
+    if (!found || files_like(request->folder, "*.tsv", &tables)) {
+        free(found);
+        snprintf(reason, REASON_SIZE, "out of memory");
+        return 2;
+    }
+    path_format(path, "%s/%s.tsv", request->folder, request->figure ? request->figure : "");
+    const int has_own = request->figure && note_methods(path, request, found, &there);
+    for (size_t i = 0; i < tables.gl_pathc && !has_own; i++)
+        note_methods(tables.gl_pathv[i], request, found, &there);
+    globfree(&tables);
+    int first = 0;
+    while (first < request->method_count && found[first])
+        first++;
+    free(found);
+    if (first == request->method_count)
+        return 0;
+    snprintf(reason, REASON_SIZE, "no table of %s%s%.60s has a row of method '%.60s'; there are %s",
+             request->name, has_own ? "/" : "", has_own ? request->figure : "",
+             request->methods[first], there.text);
+    return 1;
+}
+
 /* --- chosen methods --- */
 
 /* The column whose rows are of methods, or -1. */
@@ -388,25 +532,21 @@ static int method_column(const char *heads) {
     return found;
 }
 
-/* Whether a row is of one of the chosen methods: its name, or the method that begins it. */
+/* Whether a row is of one of the chosen methods. */
 static int is_chosen(const char *row, int column, const struct paper_request *request) {
     for (; column > 0 && row; column--) {
         row = strchr(row, '\t');
         row += row != NULL;
     }
-    const size_t length = row ? strcspn(row, "\t\n") : 0, word = row ? strcspn(row, "\t\n ") : 0;
-    for (int i = 0; i < request->method_count; i++) {
-        const size_t wanted = strlen(request->methods[i]);
-        if ((wanted == length || wanted == word) && strncmp(row, request->methods[i], wanted) == 0)
+    for (int i = 0; i < request->method_count && row; i++)
+        if (is_of_method(row, request->methods[i]))
             return 1;
-    }
     return 0;
 }
 
-/* Copies a table with the rows of the chosen methods alone, or all of one that has none; adds to
- * `rows` those that were chosen. */
+/* Copies a table with the rows of the chosen methods alone, or all of one that has none. */
 static int copy_table(const char *from, const char *to, const struct paper_request *request,
-                      long *rows, char *reason) {
+                      char *reason) {
     char *text = file_text(from);
     FILE *file = text ? fopen(to, "w") : NULL;
     int column = -2; /* the heads are to come */
@@ -420,7 +560,6 @@ static int copy_table(const char *from, const char *to, const struct paper_reque
             free(heads);
         } else if (column >= 0 && *line != '#' && *line != '\n') {
             keep = is_chosen(line, column, request);
-            *rows += keep;
         }
         if (keep)
             fwrite(line, 1, length, file);
@@ -434,21 +573,17 @@ static int copy_table(const char *from, const char *to, const struct paper_reque
 
 static int choose_methods(const struct paper_request *request, const char *tables, char *reason) {
     glob_t found;
-    long rows = 0;
-    int code = 0;
+    int code = check_methods(request, reason);
+    if (code)
+        return code;
     if (make_folder(tables, reason) || files_like(request->folder, "*.tsv", &found))
         return 2;
     for (size_t i = 0; i < found.gl_pathc && !code; i++) {
         char to[PATH_SIZE];
         path_format(to, "%s/%s", tables, strrchr(found.gl_pathv[i], '/') + 1);
-        code = copy_table(found.gl_pathv[i], to, request, &rows, reason);
+        code = copy_table(found.gl_pathv[i], to, request, reason);
     }
     globfree(&found);
-    if (!code && rows == 0) {
-        snprintf(reason, REASON_SIZE, "no table of %s has a row of method '%.60s'", request->name,
-                 request->methods[0]);
-        code = 1;
-    }
     return code;
 }
 
@@ -480,7 +615,7 @@ static int set_size_of_svg(const char *path, char *reason) {
 static int is_wanted(const struct figure *figure, const struct paper_request *request) {
     for (int i = 0; i < figure->count; i++)
         if (!figure->item[i].is_legend && figure->item[i].paper.width > 0)
-            return !request->figure || strcmp(request->figure, figure->name) == 0;
+            return is_named(figure, request);
     return 0;
 }
 
@@ -520,10 +655,8 @@ static int draw_formats(struct figures *figures, const struct paper_request *req
             code = keep_wanted(figures, request, drawing, to, formats[i], &count, reason);
     }
     if (!code && count == 0) {
-        snprintf(reason, REASON_SIZE, "%s has no figure '%.60s'%s", request->name,
-                 request->figure ? request->figure : "",
-                 request->panel_count ? " with these panels" : "");
-        code = 1;
+        snprintf(reason, REASON_SIZE, "the figures of %s: gnuplot has drawn none", request->name);
+        code = 2;
     }
     return code;
 }
@@ -541,6 +674,8 @@ int paper_draw(const struct paper_request *request, const char *to, char *reason
     }
     if (!code)
         code = survey(&figures, request->name, tables, drawing, reason);
+    if (!code)
+        code = check_wanted(&figures, request, reason);
     if (!code)
         code = draw_formats(&figures, request, tables, drawing, to, reason);
     free_figures(&figures);

@@ -158,6 +158,15 @@ static void raise_most(struct strip *strip, const struct frames *frames, int fra
     }
 }
 
+/* As far as wisps that are whole can be apart, m: a run that diverged would otherwise have a scale
+ * of its own on which nothing else is seen. */
+static double farthest(const struct frames *frames) {
+    double length = 0;
+    for (int i = 0; i < frames->wisp_count; i++)
+        length = fmax(length, frames->wisps[i].length);
+    return 2 * length;
+}
+
 static int open_reference(struct strip *strip, const struct strip_request *request, char *reason) {
     const int code = frames_open(&strip->reference, request->reference, request->trajectories,
                                  request->sets, request->set_count, reason);
@@ -173,6 +182,7 @@ static int open_reference(struct strip *strip, const struct strip_request *reque
             if (request->error_frame == 0 || request->error_frame == frame)
                 raise_most(strip, &run->frames, frame);
     }
+    strip->most = code ? 0 : fmin(strip->most, farthest(&strip->reference));
     if (!code && !(strip->most > 0))
         return refuse(request->reference, "no run is different from it: no error to be shown",
                       reason);

@@ -22,7 +22,7 @@ struct strip_request {
     const char *title;       /* NULL: the scene's name, and of one run its stepper */
     int width, height;       /* of a panel, pixels; 320 x 240 */
     double scale;            /* by which both are multiplied; 0: 1 */
-    int columns;             /* panels of a run in one row; 0: all */
+    int columns;             /* panels of a run in one row; 0: as in struct layout */
     int beside;              /* runs stand beside each other, each with its label above */
     int untitled;            /* no title above all */
     int large, large_row;    /* another frame, of one run, shown large left of all; 0: none */

@@ -225,7 +225,7 @@ static int write_image(FILE *stream, const struct webp *webp, const char *label,
 
 int html_png(FILE *stream, const char *path, const char *label, char *reason) {
     struct webp webp;
-    if (webp_of_png(&webp, path, picture_quality, reason))
+    if (webp_of_png(&webp, path, 1, picture_quality, reason))
         return -1;
     fputs("<div class=\"wide\">", stream);
     const int code = write_image(stream, &webp, label, reason);
@@ -235,34 +235,44 @@ int html_png(FILE *stream, const char *path, const char *label, char *reason) {
 }
 
 /* Behind a window of one frame's height the sheet moves up by steps; it rests with the last frame
- * in the window, which is also what is printed. */
+ * in the window. Printed is that frame alone, without the sheet, which a file for a printer would
+ * have as a whole. */
 static void write_film_style(FILE *stream, int frames) {
     const double play = (frames - 1) / 15., rest = 0.7; /* s */
     const double last = 100. * (frames - 1) / frames;
     fprintf(stream,
             "<style>\n"
-            ".film>div{overflow:hidden}\n"
-            ".film img{display:block;width:100%%;height:auto;transform:translateY(-%.6g%%)}\n"
+            ".film>div{overflow:hidden}.film>.printed{display:none}\n"
+            ".film img{display:block;width:100%%;height:auto}\n"
+            ".film .sheet img{transform:translateY(-%.6g%%)}\n"
             ".film label{color:#666;font-size:.85em}\n"
-            "@media print{.film label{display:none}}\n"
+            "@media print{.film label,.film>.sheet{display:none}.film>.printed{display:block}}\n"
             "@keyframes film{0%%{transform:none;animation-timing-function:steps(%d,jump-none)}\n"
             "%.6g%%,100%%{transform:translateY(-%.6g%%)}}\n"
             "@media screen and (prefers-reduced-motion:no-preference){\n"
-            ".film img{animation:film %.6gs infinite}\n"
-            ".film:has(:checked) img{animation-play-state:paused}}\n"
+            ".film .sheet img{animation:film %.6gs infinite}\n"
+            ".film:has(:checked) .sheet img{animation-play-state:paused}}\n"
             "</style>\n",
             last, frames, 100 * play / (play + rest), last, play + rest);
 }
 
 int html_film(FILE *stream, const char *path, int frames, const char *label, char *reason) {
-    struct webp webp;
-    if (webp_of_png(&webp, path, film_quality, reason))
+    struct webp sheet, last = {.bytes = NULL};
+    if (webp_of_png(&sheet, path, 1, film_quality, reason))
         return -1;
+    int code = webp_of_png(&last, path, frames, picture_quality, reason);
     write_film_style(stream, frames);
-    fprintf(stream, "<div class=\"film\"><div style=\"aspect-ratio:%d/%d;max-width:%dpx\">",
-            webp.width, webp.height / frames, webp.width);
-    const int code = write_image(stream, &webp, label, reason);
+    fprintf(stream,
+            "<div class=\"film\"><div class=\"sheet\" "
+            "style=\"aspect-ratio:%d/%d;max-width:%dpx\">",
+            sheet.width, sheet.height / frames, sheet.width);
+    if (!code)
+        code = write_image(stream, &sheet, label, reason);
+    fputs("</div>\n<div class=\"printed\">", stream);
+    if (!code)
+        code = write_image(stream, &last, label, reason);
     fputs("</div>\n<label><input type=\"checkbox\"/> hold</label></div>\n", stream);
-    webp_free(&webp);
+    webp_free(&sheet);
+    webp_free(&last);
     return code;
 }

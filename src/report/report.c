@@ -57,7 +57,7 @@ static const char style[] =
     "nav,.here{display:none}.first{display:grid}"
     "h2,h3,summary{break-after:avoid}figure,tr{break-inside:avoid}thead{display:table-header-group}"
     ".wide{overflow:visible}.wide svg,.wide img{min-width:0;max-width:100%;max-height:19cm}"
-    ".wide:has(svg)::before{content:none}"
+    ".wide:has(svg,img)::before{content:none}.wide:has(table){background:none}"
     "table{font-size:7pt}th,td{padding:1pt 3pt}}\n";
 
 /* --- the page --- */

@@ -10,9 +10,10 @@ struct webp {
     int width, height; /* pixels */
 };
 
-/* The picture of a .png file, coded with a quality from 0 to 100; to be freed if that went well.
- * Returns 0, or -1 with one line in `reason`. */
-int webp_of_png(struct webp *webp, const char *path, double quality, char *reason);
+/* The picture of a .png file, or where it is a sheet of so many frames below each other the last of
+ * them, coded with a quality from 0 to 100; to be freed if that went well. Returns 0, or -1 with
+ * one line in `reason`. */
+int webp_of_png(struct webp *webp, const char *path, int frames, double quality, char *reason);
 void webp_free(struct webp *webp);
 
 #endif
