@@ -20,16 +20,6 @@ struct chains {
     double kink; /* s: the end of a gust's hold */
 };
 
-int chains_default_treatment(const struct stepper_method *method) {
-    (void)method;
-    return 0;
-}
-
-const char *chains_default_linear(const struct stepper_method *method) {
-    (void)method;
-    return "direct";
-}
-
 /* --- frames --- */
 
 /* A vector of each node of a part into its rows, from column `column` on. */
@@ -142,7 +132,7 @@ void chains_free(struct model *model) {
         free(chain->pattern.column_start);
         free(chain->pattern.row);
         free(chain->point);
-        m->law->free(chain);
+        free(chain);
     }
     free(model->parts);
     free(m->parent);

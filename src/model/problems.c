@@ -18,6 +18,16 @@ int problem_terms(const struct scene *scene, const char **names, int most) {
     return scene->problem->terms ? scene->problem->terms(scene, names, most) : 0;
 }
 
+int first_treatment(const struct stepper_method *method) {
+    (void)method;
+    return 0;
+}
+
+const char *direct_solver(const struct stepper_method *method) {
+    (void)method;
+    return "direct";
+}
+
 int treatment_find(const struct problem *problem, const char *name) {
     for (int i = 0; problem->treatments[i].name; i++)
         if (strcmp(problem->treatments[i].name, name) == 0)

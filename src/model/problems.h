@@ -13,6 +13,10 @@ const struct problem *problem_find(const char *name);
 /* problem->terms, where there is one. */
 int problem_terms(const struct scene *scene, const char **names, int most);
 
+/* What runs on a problem that has no more to say: its first treatment, and its own solver. */
+int first_treatment(const struct stepper_method *method);
+const char *direct_solver(const struct stepper_method *method);
+
 /* Index of a treatment's name, or -1. */
 int treatment_find(const struct problem *problem, const char *name);
 

@@ -432,11 +432,6 @@ static void collide_part(const struct tick *tick, int i, double *rows) {
     account_after(part, m->model.t, JUMP_CLAMP);
 }
 
-static void collide(struct tick *tick, struct workers *workers) {
-    place_bodies(tick, tick->m->bodies);
-    do_parts(tick, workers, collide_part);
-}
-
 /* Without bodies it is the clamp alone. */
 unsigned wisps_tick_part(struct model *model, int i, double t) {
     const struct wisp_model *m = (const struct wisp_model *)model;
@@ -455,10 +450,12 @@ enum outcome wisps_tick(struct model *model, struct workers *workers, unsigned e
         head_placement(&tick.m->scene->around.head, model->t, &tick.head);
     if (events & STOP_INTERACTION && tick.m->model.interaction_rate > 0)
         outcome = meet(&tick, workers);
-    if (events & STOP_COLLISION && outcome == FINISHED)
-        collide(&tick, workers);
-    else if (events & STOP_INTERACTION && outcome == FINISHED)
+    if (events & STOP_COLLISION && outcome == FINISHED) {
+        place_bodies(&tick, tick.m->bodies);
+        do_parts(&tick, workers, collide_part);
+    } else if (events & STOP_INTERACTION && outcome == FINISHED) {
         do_parts(&tick, workers, project_part);
+    }
     return outcome == FINISHED ? look_for_trouble(tick.m) : outcome;
 }
 
