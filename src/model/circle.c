@@ -16,11 +16,7 @@ static const struct treatment treatments[] = {
     {0},
 };
 
-static const char *const rate_columns[] = {"wisp", "node", "ax", "ay", "az", NULL};
-
 static const int own_parent[] = {0};
-
-static const char *const columns[] = {"wisp", "node", "x", "y", "z", "vx", "vy", "vz", NULL};
 
 struct circle {
     struct model model;
@@ -197,10 +193,10 @@ static struct model *circle_create(const struct scene *scene, int treatment, int
                                    .part_count = 1,
                                    .row_count = 1,
                                    .parent = own_parent,
-                                   .columns = columns,
-                                   .column_count = 8,
-                                   .rate_columns = rate_columns,
-                                   .rate_column_count = 5};
+                                   .columns = node_columns,
+                                   .column_count = NODE_COLUMNS,
+                                   .rate_columns = node_rate_columns,
+                                   .rate_column_count = NODE_RATE_COLUMNS};
     if (angle) {
         circle->part.v[0] = -CIRCLE_RATE;
     } else {
@@ -224,7 +220,8 @@ static void circle_sample(const struct model *model, double *row) {
         velocity[0] = -v[0] * p[1];
         velocity[1] = v[0] * p[0];
     }
-    memcpy(row, (double[]){0, 0, p[0], p[1], 0, velocity[0], velocity[1], 0}, 8 * sizeof *row);
+    memcpy(row, (double[]){0, 0, p[0], p[1], 0, velocity[0], velocity[1], 0},
+           NODE_COLUMNS * sizeof *row);
 }
 
 /* In `generalised` the particle has the centripetal acceleration that the angle does not see. */
@@ -237,7 +234,7 @@ static void circle_sample_accelerations(const struct model *model, double *const
         x = -a[0][0] * s - v[0] * v[0] * c;
         y = a[0][0] * c - v[0] * v[0] * s;
     }
-    memcpy(row, (double[]){0, 0, x, y, 0}, 5 * sizeof *row);
+    memcpy(row, (double[]){0, 0, x, y, 0}, NODE_RATE_COLUMNS * sizeof *row);
 }
 
 static void circle_restore(struct model *model, const double *row) {
@@ -255,7 +252,7 @@ static void circle_restore(struct model *model, const double *row) {
 static struct unknown circle_unknown(const struct model *model, int i, int k) {
     const int angle = is_angle((const struct circle *)model);
     (void)i;
-    return (struct unknown){0, 0, angle ? "angle" : columns[2 + k], angle ? "rad" : "m"};
+    return (struct unknown){0, 0, angle ? "angle" : node_columns[2 + k], angle ? "rad" : "m"};
 }
 
 static int circle_terms(const struct scene *scene, const char **names, int most) {

@@ -7,6 +7,9 @@
 const struct problem *const problems[] = {&wisp_problem, &circle_problem, &rosenblum_problem,
                                           &anjyo_problem, NULL};
 
+const char *const node_columns[] = {"wisp", "node", "x", "y", "z", "vx", "vy", "vz", NULL};
+const char *const node_rate_columns[] = {"wisp", "node", "ax", "ay", "az", NULL};
+
 const struct problem *problem_find(const char *name) {
     for (int i = 0; problems[i]; i++)
         if (strcmp(problems[i]->name, name) == 0)
