@@ -28,16 +28,12 @@
 
 enum { ORDER_MOST = 3 };
 enum { MATRIX, ORDER };
-static const struct option_spec options[] = {[MATRIX] = MATRIX_OPTION_SPEC,
-                                             [ORDER] = {.name = "order",
-                                                        .help =
-                                                            "of the formula; 3 gains energy where "
-                                                            "nothing is damped",
-                                                        .kind = OPTION_COUNT,
-                                                        .initial = 2,
-                                                        .least = 2,
-                                                        .most = 3},
-                                             {0}};
+static const struct option_spec options[] = {
+    [MATRIX] = MATRIX_OPTION_SPEC,
+    [ORDER] = {"order", "of the formula; 3 gains energy where nothing is damped", OPTION_COUNT,
+               .initial = 2, .least = 2, .most = 3},
+    {.name = NULL},
+};
 
 /* The error that is aimed at, over what is allowed. */
 static const double AIM = 0.5;
@@ -56,8 +52,8 @@ struct state {
 };
 
 struct adaptive_bdf {
-    struct stepper base;
-    struct semi_implicit *matrix;
+    struct semi_implicit_stepper semi;
+    struct system *system;
     int order, lanes;
     int padded; /* unknowns, and zeros that make them whole eights */
     double rtol, atol;
@@ -90,7 +86,8 @@ static struct stepper *create(const struct stepper_settings *settings, struct sy
     const int order = (int)option_value(&settings->options, &options[ORDER]);
     const size_t padded = ((size_t)system->size + EIGHT - 1) / EIGHT * EIGHT;
     const size_t numbers = (VECTORS + 2 * (size_t)order) * padded + EIGHT; /* see squares */
-    struct adaptive_bdf *self = stepper_memory(sizeof *self + numbers * sizeof(double));
+    struct adaptive_bdf *self =
+        semi_implicit_stepper(settings, system, sizeof *self + numbers * sizeof(double));
     if (!self)
         return NULL;
     double *at = self->memory;
@@ -107,23 +104,8 @@ static struct stepper *create(const struct stepper_settings *settings, struct sy
     self->rtol = settings->rtol;
     self->atol = settings->atol;
     self->begin = ~0u;
-    self->matrix = semi_implicit_create(settings, system);
-    if (!self->matrix) {
-        free(self);
-        return NULL;
-    }
-    return &self->base;
-}
-
-static void destroy(struct stepper *stepper) {
-    struct adaptive_bdf *self = (struct adaptive_bdf *)stepper;
-    if (self)
-        semi_implicit_free(self->matrix);
-    free(self);
-}
-
-static const char *caution(const struct stepper *stepper) {
-    return semi_implicit_caution(((const struct adaptive_bdf *)stepper)->matrix);
+    self->system = system;
+    return &self->semi.base;
 }
 
 /* --- weights --- */
@@ -297,7 +279,7 @@ struct squares {
 static struct squares squares(const struct adaptive_bdf *self, const double *end,
                               const double *guess, const double *last) {
     struct squares s = {all(0), all(0), all(0)};
-    for (int i = 0; i < self->base.system->size; i += self->lanes) {
+    for (int i = 0; i < self->system->size; i += self->lanes) {
         const eight x = load(end, i), y = load(last, i), difference = x - load(guess, i);
         s.difference += difference * difference;
         s.end += x * x;
@@ -314,7 +296,7 @@ static eight root(eight x) {
 
 /* The difference's size over what is allowed. What overflows gives NaN or infinity. */
 static eight measured(const struct adaptive_bdf *self, const struct squares *s) {
-    const double each = self->lanes / (double)self->base.system->size;
+    const double each = self->lanes / (double)self->system->size;
     eight larger = s->end;
     for (int k = 0; k < EIGHT; k++)
         larger[k] = s->last[k] > larger[k] ? s->last[k] : larger[k];
@@ -355,7 +337,7 @@ static double least_step(double t) {
 
 /* The lane tries a shorter step next, if there is one. */
 static int retry(struct adaptive_bdf *self, int k, double t, double ratio, int cause) {
-    struct system *system = self->base.system;
+    struct system *system = self->system;
     system->counters.rejected_steps += k < system->wisps;
     self->next[k] = self->wanted[k] = ratio * self->used[k];
     self->rejected[k] = 1;
@@ -380,7 +362,7 @@ static int judge(struct adaptive_bdf *self, unsigned lanes, double *t) {
         if (!(lanes >> k & 1))
             continue;
         if (!(of_q[k] < INFINITY && of_v[k] < INFINITY)) {
-            const int cause = system_fail(self->base.system, NOT_FINITE,
+            const int cause = system_fail(self->system, NOT_FINITE,
                                           "bdf: a step from t = %.9g s is not finite", t[k]);
             code = retry(self, k, t[k], 0.25, cause);
         } else if (error > 1) {
@@ -400,7 +382,7 @@ static int judge(struct adaptive_bdf *self, unsigned lanes, double *t) {
 
 /* A step of the formula. */
 static int try_formula(struct adaptive_bdf *self, unsigned lanes, double *t) {
-    struct system *system = self->base.system;
+    struct system *system = self->system;
     static const double none[EIGHT] = {0};
     const struct part_equation e = {.alpha = (const double *)&self->w.beta,
                                     .beta = (const double *)&self->w.square,
@@ -418,7 +400,8 @@ static int try_formula(struct adaptive_bdf *self, unsigned lanes, double *t) {
     if (code)
         return code;
     right_side(self);
-    code = semi_implicit_solve(self->matrix, self->end[0], self->to.v, &equation, self->change);
+    code =
+        semi_implicit_solve(self->semi.matrix, self->end[0], self->to.v, &equation, self->change);
     if (code)
         return code;
     add_change(self);
@@ -427,7 +410,7 @@ static int try_formula(struct adaptive_bdf *self, unsigned lanes, double *t) {
 
 /* A beginning. */
 static int try_beginning(struct adaptive_bdf *self, unsigned lanes, double *t) {
-    struct system *system = self->base.system;
+    struct system *system = self->system;
     const struct state last = self->last, whole = self->guess, halves = self->to;
     double step[EIGHT], half[EIGHT], middle[EIGHT];
     for (int k = 0; k < self->lanes; k++) {
@@ -437,15 +420,15 @@ static int try_beginning(struct adaptive_bdf *self, unsigned lanes, double *t) {
         self->points[k] = 2;
         self->w.error[k] = 1;
     }
-    int code = semi_implicit_euler_lanes(self->matrix, self->end[0], step, last.q, last.v, whole.q,
-                                         whole.v);
+    int code = semi_implicit_euler_lanes(self->semi.matrix, self->end[0], step, last.q, last.v,
+                                         whole.q, whole.v);
     system->times = middle;
     if (!code)
-        code = semi_implicit_euler_lanes(self->matrix, middle[0], half, last.q, last.v, halves.q,
-                                         halves.v);
+        code = semi_implicit_euler_lanes(self->semi.matrix, middle[0], half, last.q, last.v,
+                                         halves.q, halves.v);
     system->times = self->end;
     if (!code)
-        code = semi_implicit_euler_lanes(self->matrix, self->end[0], half, halves.q, halves.v,
+        code = semi_implicit_euler_lanes(self->semi.matrix, self->end[0], half, halves.q, halves.v,
                                          halves.q, halves.v);
     if (code)
         return code;
@@ -466,7 +449,7 @@ typedef int attempt(struct adaptive_bdf *self, unsigned lanes, double *t);
  * alone, so that none is held back by another's failure. */
 static int let_try(struct adaptive_bdf *self, attempt *try, unsigned lanes, double *t,
                    const double *ends) {
-    struct system *system = self->base.system;
+    struct system *system = self->system;
     if (!lanes)
         return 0;
     for (int k = 0; k < self->lanes; k++)
@@ -492,7 +475,7 @@ static int let_try(struct adaptive_bdf *self, attempt *try, unsigned lanes, doub
 /* Lanes that begin anew. What a wisp has shown of beginnings holds for it, but not for another:
  * lanes are given to those that others split into. */
 static void begin_anew(struct adaptive_bdf *self) {
-    struct system *system = self->base.system;
+    struct system *system = self->system;
     for (int k = 0; k < self->lanes; k++) {
         if (!(self->begin >> k & 1))
             continue;
@@ -583,6 +566,6 @@ const struct stepper_method bdf = {
     .create = create,
     .advance = advance,
     .reset = reset,
-    .caution = caution,
-    .free = destroy,
+    .caution = semi_implicit_stepper_caution,
+    .free = semi_implicit_stepper_free,
 };

@@ -12,11 +12,9 @@
  * (w - r) / gamma. */
 #include "first_order.h"
 #include "semi_implicit.h"
-#include "stepper.h"
-#include "sundials_newton.h"
+#include "sundials_stepper.h"
 
 #include <arkode/arkode_arkstep.h>
-#include <stdlib.h>
 #include <string.h>
 
 #if SUNDIALS_VERSION_MAJOR > 7 || (SUNDIALS_VERSION_MAJOR == 7 && SUNDIALS_VERSION_MINOR >= 1)
@@ -49,39 +47,27 @@
 /* ORDER is of all, MATRIX of additive methods, the others are of implicit ones. */
 enum { ORDER, MATRIX, ITERATIONS = 1, JACOBIAN };
 
-#define ORDER_SPEC(lowest, highest)        \
-    [ORDER] = {.name = "order",            \
-               .help = "of ARKODE's pair", \
-               .kind = OPTION_COUNT,       \
-               .initial = 4,               \
-               .least = (lowest),          \
-               .most = (highest)}
+#define ORDER_SPEC(lowest, highest)                            \
+    [ORDER] = {"order",      "of ARKODE's pair", OPTION_COUNT, \
+               .initial = 4, .least = (lowest),  .most = (highest)}
 
 static const struct option_spec explicit_options[] = {ORDER_SPEC(2, 6), {0}};
 static const struct option_spec additive_options[] = {
     ORDER_SPEC(3, 5), [MATRIX] = MATRIX_OPTION_SPEC, {0}};
 static const struct option_spec implicit_options[] = {
     ORDER_SPEC(2, 5),
-    [ITERATIONS] = {.name = "newton.iterations",
-                    .help = "iterations of a stage at most, then the step is quartered; the "
-                            "first one cannot tell how well they converge",
-                    .kind = OPTION_COUNT,
-                    .initial = 3,
-                    .least = 2,
-                    .most = 100},
-    [JACOBIAN] = {.name = "jacobian",
-                  .help = "Jacobian of Newton's method",
-                  .kind = OPTION_CHOICE,
-                  .initial = JACOBIAN_AUTO,
-                  .choices = jacobian_choices},
+    [ITERATIONS] = {"newton.iterations",
+                    "iterations of a stage at most, then the step is quartered; the "
+                    "first one cannot tell how well they converge",
+                    OPTION_COUNT, .initial = 3, .least = 2, .most = 100},
+    [JACOBIAN] = {"jacobian", "Jacobian of Newton's method", OPTION_CHOICE,
+                  .initial = JACOBIAN_AUTO, .choices = jacobian_choices},
     {.name = NULL},
 };
 
 /* What is solved for of an additive method. */
 struct additive {
     struct semi_implicit *matrix;
-    SUNLinearSolver solver;
-    SUNMatrix no_matrix;
     double t;      /* of y_0 */
     double *from;  /* y_0 */
     double *stage; /* where the last solve has led to, */
@@ -90,56 +76,40 @@ struct additive {
 };
 
 struct arkode {
-    struct stepper base;
-    struct sundials sundials;
+    struct sundials_stepper base;
     void *arkode;
-    N_Vector y; /* (q, v) */
-    struct verdict verdict;
-    struct sundials_newton newton;
     struct additive additive;
-    int started, restart; /* whether it ran before; whether the next step begins anew, */
-    int failed;           /* after a failure */
+    int failed; /* the last step */
     ARKRhsFn explicit_part, implicit_part;
-    struct sundials_counts counted;
     double memory[];
 };
 
-static int rate(sunrealtype t, N_Vector y, N_Vector y_rate, void *self_) {
-    struct arkode *self = self_;
-    return sundials_rate(self->base.system, &self->verdict, t, y, y_rate);
-}
-
 /* Projects a step that is accepted: its error was estimated before. */
-static int project(sunrealtype t, N_Vector y, void *self_) {
-    struct arkode *self = self_;
+static int project(sunrealtype t, N_Vector y, void *self) {
+    struct sundials_stepper *s = self;
     double *q = N_VGetArrayPointer(y);
-    return verdict_take(&self->verdict,
-                        system_project(self->base.system, t, q, q + self->base.system->size));
+    return verdict_take(&s->verdict, system_project(s->system, t, q, q + s->system->size));
 }
 
 /* --- Newton's method --- */
 
 static int prepare(sunrealtype t, N_Vector y, N_Vector y_rate, SUNMatrix no_matrix, SUNMatrix mass,
                    sunbooleantype jacobian_holds, sunbooleantype *jacobian_is_new,
-                   sunrealtype gamma, void *self_, N_Vector work_1, N_Vector work_2,
+                   sunrealtype gamma, void *self, N_Vector work_1, N_Vector work_2,
                    N_Vector work_3) {
     (void)y_rate, (void)no_matrix, (void)mass, (void)work_1, (void)work_2, (void)work_3;
-    struct arkode *self = self_;
-    return sundials_newton_prepare(&self->newton, t, y, jacobian_holds, jacobian_is_new, gamma);
+    return sundials_prepare_newton(self, t, y, jacobian_holds, jacobian_is_new, gamma);
 }
 
 /* ARKODE by itself iterates to a tenth of the tolerance, with a system of 20 steps ago and a
  * Jacobian of 50. That error hides the order of its pair of order 5, and damps an oscillator by
  * 2.6e-6 of critical at rtol 1e-8; as it is here it is 1.2e-9, for 0.03 more iterations. */
-static int use_newton(struct arkode *self, const struct stepper_settings *settings,
-                      struct system *system) {
+static int use_newton(struct arkode *self, const struct stepper_settings *settings) {
     const struct options *options = &settings->options;
-    if (sundials_newton_open(&self->newton, settings,
-                             (int)option_value(options, &implicit_options[JACOBIAN]), system,
-                             &self->sundials, &self->verdict))
-        return -1;
+    const int jacobian = (int)option_value(options, &implicit_options[JACOBIAN]);
     const int iterations = (int)option_value(options, &implicit_options[ITERATIONS]);
-    if (ARKStepSetLinearSolver(self->arkode, self->newton.solver, self->newton.no_matrix) < 0 ||
+    if (sundials_use_newton(&self->base, settings, jacobian) ||
+        ARKStepSetLinearSolver(self->arkode, self->base.solver, self->base.no_matrix) < 0 ||
         ARKStepSetLinSysFn(self->arkode, prepare) < 0 ||
         ARKStepSetNonlinConvCoef(self->arkode, 0.01) < 0 ||
         ARKStepSetLSetupFrequency(self->arkode, 5) < 0 ||
@@ -155,7 +125,7 @@ static int use_newton(struct arkode *self, const struct stepper_settings *settin
  * first step, in sums with G, and there it may be all of f.) */
 static int explicit_rate(sunrealtype t, N_Vector y, N_Vector y_rate, void *self_) {
     struct arkode *self = self_;
-    const int sign = sundials_rate(self->base.system, &self->verdict, t, y, y_rate);
+    const int sign = sundials_rate(t, y, y_rate, self);
     const size_t n = 2 * (size_t)self->base.system->size;
     double *rates = N_VGetArrayPointer(y_rate);
     if (!sign && memcmp(N_VGetArrayPointer(y), self->additive.stage, n * sizeof(double)) == 0)
@@ -186,13 +156,8 @@ static int nothing_to_set_up(SUNLinearSolver solver, SUNMatrix no_matrix) {
     return 0;
 }
 
-static SUNLinearSolver_Type type(SUNLinearSolver solver) {
-    (void)solver;
-    return SUNLINEARSOLVER_DIRECT;
-}
-
-/* w = (dq, dv) of (1 - gamma L) w = r, as in sundials_newton.c. A part of the forces is that of the
- * last acceleration, which stages have had elsewhere. */
+/* w = (dq, dv) of (1 - gamma L) w = r, as in sundials_stepper.c. A part of the forces is that of
+ * the last acceleration, which stages have had elsewhere. */
 static int solve_stage(SUNLinearSolver solver, SUNMatrix no_matrix, N_Vector x, N_Vector b,
                        sunrealtype tolerance) {
     (void)no_matrix, (void)tolerance;
@@ -211,7 +176,7 @@ static int solve_stage(SUNLinearSolver solver, SUNMatrix no_matrix, N_Vector x, 
         code = system_acceleration(system, additive->t, q, v, additive->a);
     if (!code)
         code = semi_implicit_solve(additive->matrix, additive->t, v, &equation, w + n);
-    const int sign = verdict_take(&self->verdict, code);
+    const int sign = verdict_take(&self->base.verdict, code);
     if (sign)
         return verdict_of_solve(sign);
     for (int i = 0; i < n; i++)
@@ -223,24 +188,16 @@ static int solve_stage(SUNLinearSolver solver, SUNMatrix no_matrix, N_Vector x, 
     return 0;
 }
 
-static int use_part(struct arkode *self, const struct stepper_settings *settings,
-                    struct system *system) {
+static int use_part(struct arkode *self, const struct stepper_settings *settings) {
     struct additive *additive = &self->additive;
-    const size_t n = (size_t)system->size;
+    const size_t n = (size_t)self->base.system->size;
     additive->from = self->memory;
     additive->stage = self->memory + 2 * n;
     additive->rate = self->memory + 4 * n;
     additive->a = self->memory + 6 * n;
-    additive->matrix = semi_implicit_create(settings, system);
-    additive->solver = SUNLinSolNewEmpty(self->sundials.context);
-    additive->no_matrix = SUNMatNewEmpty(self->sundials.context);
-    if (!additive->matrix || !additive->solver || !additive->no_matrix)
-        return -1;
-    additive->solver->content = self;
-    additive->solver->ops->gettype = type;
-    additive->solver->ops->setup = nothing_to_set_up;
-    additive->solver->ops->solve = solve_stage;
-    if (ARKStepSetLinearSolver(self->arkode, additive->solver, additive->no_matrix) < 0 ||
+    additive->matrix = semi_implicit_create(settings, self->base.system);
+    if (!additive->matrix || sundials_make_solver(&self->base, nothing_to_set_up, solve_stage) ||
+        ARKStepSetLinearSolver(self->arkode, self->base.solver, self->base.no_matrix) < 0 ||
         ARKStepSetLinSysFn(self->arkode, nothing_to_prepare) < 0 ||
         ARKStepSetLinear(self->arkode, 0) < 0 ||
         ARKStepSetDeduceImplicitRhs(self->arkode, SUNTRUE) < 0)
@@ -253,32 +210,21 @@ static int use_part(struct arkode *self, const struct stepper_settings *settings
 static void arkode_free(struct stepper *stepper) {
     struct arkode *self = (struct arkode *)stepper;
     ARKStepFree(&self->arkode);
-    sundials_newton_close(&self->newton);
     semi_implicit_free(self->additive.matrix);
-    if (self->additive.solver)
-        SUNLinSolFreeEmpty(self->additive.solver);
-    if (self->additive.no_matrix)
-        SUNMatFreeEmpty(self->additive.no_matrix);
-    if (self->y)
-        N_VDestroy(self->y);
-    sundials_close(&self->sundials);
-    free(self);
+    sundials_free(&self->base);
 }
 
 /* Which of the three it is follows from the rates that are given. */
 static int set_up(struct arkode *self, const struct stepper_settings *settings,
-                  struct system *system, const struct option_spec *order, ARKRhsFn explicit_part,
-                  ARKRhsFn implicit_part) {
-    self->y = sundials_vector(&self->sundials, 2 * system->size);
-    if (!self->y)
-        return -1;
+                  const struct option_spec *order, ARKRhsFn explicit_part, ARKRhsFn implicit_part) {
+    struct sundials_stepper *base = &self->base;
     self->explicit_part = explicit_part;
     self->implicit_part = implicit_part;
-    self->arkode = ARKStepCreate(explicit_part, implicit_part, 0, self->y, self->sundials.context);
+    self->arkode = ARKStepCreate(explicit_part, implicit_part, 0, base->y, base->sundials.context);
     if (!self->arkode)
         return -1;
 #if SUNDIALS_VERSION_MAJOR < 7
-    ARKStepSetErrHandlerFn(self->arkode, sundials_keep_message, &self->sundials);
+    ARKStepSetErrHandlerFn(self->arkode, sundials_keep_message, &base->sundials);
 #endif
     /* At a stop ARKODE interpolates, a rounding from a step's end: that needs no rates of its own.
      */
@@ -288,39 +234,33 @@ static int set_up(struct arkode *self, const struct stepper_settings *settings,
         ARKStepSetInterpolantType(self->arkode, ARK_INTERP_LAGRANGE) < 0 ||
         ARKStepSetInterpolantDegree(self->arkode, 0) < 0)
         return -1;
-    if (system_has_projection(system) && ARKStepSetPostprocessStepFn(self->arkode, project) < 0)
+    if (system_has_projection(base->system) &&
+        ARKStepSetPostprocessStepFn(self->arkode, project) < 0)
         return -1;
     return !implicit_part  ? 0
-           : explicit_part ? use_part(self, settings, system)
-                           : use_newton(self, settings, system);
+           : explicit_part ? use_part(self, settings)
+                           : use_newton(self, settings);
 }
 
 static struct stepper *create(const struct stepper_settings *settings, struct system *system,
                               const struct option_spec *order, ARKRhsFn explicit_part,
                               ARKRhsFn implicit_part) {
-    struct arkode *self = calloc(1, sizeof *self + 7 * (size_t)system->size * sizeof(double));
-    if (!self)
-        return NULL;
-    if (sundials_open(&self->sundials)) {
-        free(self);
-        return NULL;
-    }
-    if (set_up(self, settings, system, order, explicit_part, implicit_part) < 0) {
-        arkode_free(&self->base);
-        return NULL;
-    }
-    self->restart = 1;
-    return &self->base;
+    struct arkode *self =
+        sundials_create(system, sizeof *self + 7 * (size_t)system->size * sizeof(double));
+    if (!self || set_up(self, settings, order, explicit_part, implicit_part) == 0)
+        return (struct stepper *)self;
+    arkode_free(&self->base.base);
+    return NULL;
 }
 
 static struct stepper *explicit_create(const struct stepper_settings *settings,
                                        struct system *system) {
-    return create(settings, system, &explicit_options[ORDER], rate, NULL);
+    return create(settings, system, &explicit_options[ORDER], sundials_rate, NULL);
 }
 
 static struct stepper *implicit_create(const struct stepper_settings *settings,
                                        struct system *system) {
-    return create(settings, system, &implicit_options[ORDER], NULL, rate);
+    return create(settings, system, &implicit_options[ORDER], NULL, sundials_rate);
 }
 
 static struct stepper *additive_create(const struct stepper_settings *settings,
@@ -334,17 +274,10 @@ static int implicit_refuse(const struct stepper_settings *settings, struct syste
                          (int)option_value(&settings->options, &implicit_options[JACOBIAN]), &kind);
 }
 
-static int arkode_reset(struct stepper *stepper, unsigned lanes) {
-    (void)lanes;
-    struct arkode *self = (struct arkode *)stepper;
-    self->restart = 1;
-    return 0;
-}
-
 /* With a first step of h, or with h = 0 of ARKODE's choice. */
 static int begin_anew(struct arkode *self, double t, double h) {
-    self->counted = (struct sundials_counts){0};
-    if (ARKStepReInit(self->arkode, self->explicit_part, self->implicit_part, t, self->y) < 0)
+    self->base.counted = (struct sundials_counts){0};
+    if (ARKStepReInit(self->arkode, self->explicit_part, self->implicit_part, t, self->base.y) < 0)
         return ARK_MEM_FAIL;
     return ARKStepSetInitStep(self->arkode, h);
 }
@@ -352,26 +285,18 @@ static int begin_anew(struct arkode *self, double t, double h) {
 /* ARKStepReset keeps the length of the next step, which the forces decide more than the state; but
  * a failure may have left one of no use. */
 static int begin(struct arkode *self, double t, const double *q, const double *v) {
-    struct system *system = self->base.system;
-    const size_t n = (size_t)system->size;
-    double *y = N_VGetArrayPointer(self->y);
-    memcpy(y, q, n * sizeof(double));
-    memcpy(y + n, v, n * sizeof(double));
-    self->restart = 0;
-    system->counters.restarts += self->started * system->wisps;
-    self->started = 1;
-    return self->failed ? begin_anew(self, t, 0) : ARKStepReset(self->arkode, t, self->y);
+    sundials_begin(&self->base, q, v);
+    return self->failed ? begin_anew(self, t, 0) : ARKStepReset(self->arkode, t, self->base.y);
 }
 
 /* Adds what ARKODE counted in the last step. */
 static void count(struct arkode *self) {
-    struct system *system = self->base.system;
     long attempts, steps, iterations = 0;
     ARKStepGetNumStepAttempts(self->arkode, &attempts);
     ARKStepGetNumSteps(self->arkode, &steps);
-    if (self->newton.solver)
+    if (self->base.newton.linear)
         ARKStepGetNumNonlinSolvIters(self->arkode, &iterations);
-    sundials_count(system, &self->counted, (struct sundials_counts){attempts - steps, iterations});
+    sundials_count(&self->base, (struct sundials_counts){attempts - steps, iterations});
 }
 
 /* What a failure means, by the last callback where that did. */
@@ -398,18 +323,19 @@ static enum outcome outcome_of(int flag, const struct verdict *verdict) {
  * in the solves of implicit stages: then it is begun anew with a quarter of the step, as it does by
  * itself in those. */
 static int step(struct arkode *self, double t, double stop, double *reached) {
+    struct verdict *verdict = &self->base.verdict;
     double h = 0;
     ARKStepGetCurrentStep(self->arkode, &h);
     if (!(h > 0 && h < stop - t))
         h = stop - t;
     for (;;) {
-        self->verdict = (struct verdict){0};
+        *verdict = (struct verdict){0};
         int flag = ARKStepSetStopTime(self->arkode, stop);
         if (flag >= 0)
-            flag = ARKStepEvolve(self->arkode, stop, self->y, reached, ARK_ONE_STEP);
+            flag = ARKStepEvolve(self->arkode, stop, self->base.y, reached, ARK_ONE_STEP);
         count(self);
         h /= 4;
-        if (flag >= 0 || self->verdict.fatal || self->verdict.cause == 0 || step_is_lost(stop, h))
+        if (flag >= 0 || verdict->fatal || verdict->cause == 0 || step_is_lost(stop, h))
             return flag;
         if (begin_anew(self, t, h) < 0)
             return ARK_MEM_FAIL;
@@ -418,35 +344,20 @@ static int step(struct arkode *self, double t, double stop, double *reached) {
 
 static int arkode_advance(struct stepper *stepper, double *t, double stop, double *q, double *v) {
     struct arkode *self = (struct arkode *)stepper;
-    struct system *system = stepper->system;
-    const char *name = stepper->method->name;
-    const size_t n = (size_t)system->size;
-    const double *y = N_VGetArrayPointer(self->y);
+    struct sundials_stepper *base = &self->base;
     double reached = *t;
-    if (self->restart && sundials_too_close(*t, stop)) {
-        *t = stop;
+    if (sundials_skip(base, t, stop))
         return 0;
-    }
-    int flag = self->restart ? begin(self, *t, q, v) : 0;
+    int flag = base->restart ? begin(self, *t, q, v) : 0;
     if (self->additive.matrix) {
         self->additive.t = *t;
-        memcpy(self->additive.from, y, 2 * n * sizeof(double));
+        memcpy(self->additive.from, N_VGetArrayPointer(base->y),
+               2 * (size_t)base->system->size * sizeof(double));
     }
     if (flag >= 0)
         flag = step(self, *t, stop, &reached);
-    self->restart = self->failed = flag < 0;
-    if (self->verdict.fatal)
-        return self->verdict.fatal;
-    if (flag < 0)
-        return sundials_failed(system, &self->verdict, outcome_of(flag, &self->verdict), name,
-                               self->sundials.message);
-    if (reached < stop && step_is_lost(*t, reached - *t))
-        return sundials_failed(system, &self->verdict, STEP_TOO_SMALL, name,
-                               "the step is lost in the rounding of the time.");
-    memcpy(q, y, n * sizeof(double));
-    memcpy(v, y + n, n * sizeof(double));
-    *t = reached;
-    return 0;
+    base->restart = self->failed = flag < 0;
+    return sundials_arrive(base, flag, outcome_of(flag, &base->verdict), reached, t, stop, q, v);
 }
 
 static const char *additive_caution(const struct stepper *stepper) {
@@ -462,7 +373,7 @@ const struct stepper_method arkode_erk = {
     .options = explicit_options,
     .create = explicit_create,
     .advance = arkode_advance,
-    .reset = arkode_reset,
+    .reset = sundials_reset,
     .free = arkode_free,
 };
 
@@ -477,7 +388,7 @@ const struct stepper_method arkode_dirk = {
     .refuse = implicit_refuse,
     .create = implicit_create,
     .advance = arkode_advance,
-    .reset = arkode_reset,
+    .reset = sundials_reset,
     .free = arkode_free,
 };
 
@@ -492,7 +403,7 @@ const struct stepper_method arkode_imex = {
     .refuse = semi_implicit_refuse,
     .create = additive_create,
     .advance = arkode_advance,
-    .reset = arkode_reset,
+    .reset = sundials_reset,
     .caution = additive_caution,
     .free = arkode_free,
 };

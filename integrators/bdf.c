@@ -15,10 +15,9 @@
  * pull beta K v* makes up for that. That costs order 2 nothing, for it is one step. Order 3 begins
  * with a step of order 2: two half steps of linear Euler, twice, less a whole one. Each lane has
  * its own number of old states, and what it does with them is its own. */
-#include "bdf.h"
+#include "semi_implicit.h"
 
-#include <stdlib.h>
-#include <string.h>
+static const struct option_spec options[] = {MATRIX_OPTION_SPEC, {0}};
 
 enum { ORDER_MOST = 3 };
 
@@ -32,8 +31,8 @@ struct weights {
 enum { WEIGHTS = 2 * ORDER_MOST + 5 };
 
 struct bdf {
-    struct stepper base;
-    struct semi_implicit *matrix;
+    struct semi_implicit_stepper semi;
+    struct system *system;
     int order;
     int lanes;
     unsigned begin;          /* lanes that were told to begin anew */
@@ -52,13 +51,13 @@ struct bdf {
     IN_LINES double memory[];
 };
 
-struct stepper *bdf_create(int order, const struct stepper_settings *settings,
-                           struct system *system) {
+static struct stepper *create(int order, const struct stepper_settings *settings,
+                              struct system *system) {
     const size_t n = (size_t)system->size, lanes = (size_t)system->lanes;
     const size_t vectors = 5 + 2 * (size_t)(order - 1) + (order > 2 ? 4 : 0);
     const size_t numbers = vectors * n + WEIGHTS * lanes;
     const size_t bytes = sizeof(struct bdf) + numbers * sizeof(double) + lanes * sizeof(int);
-    struct bdf *self = stepper_memory(bytes);
+    struct bdf *self = semi_implicit_stepper(settings, system, bytes);
     if (!self)
         return NULL;
     double *at = self->memory;
@@ -80,27 +79,20 @@ struct stepper *bdf_create(int order, const struct stepper_settings *settings,
     self->order = order;
     self->lanes = system->lanes;
     self->stale = 1;
-    self->matrix = semi_implicit_create(settings, system);
-    if (!self->matrix) {
-        free(self);
-        return NULL;
-    }
-    return &self->base;
+    self->system = system;
+    return &self->semi.base;
 }
 
-void bdf_free(struct stepper *stepper) {
-    struct bdf *self = (struct bdf *)stepper;
-    if (self)
-        semi_implicit_free(self->matrix);
-    free(self);
+static struct stepper *create_2(const struct stepper_settings *settings, struct system *system) {
+    return create(2, settings, system);
 }
 
-const char *bdf_caution(const struct stepper *stepper) {
-    return semi_implicit_caution(((const struct bdf *)stepper)->matrix);
+static struct stepper *create_3(const struct stepper_settings *settings, struct system *system) {
+    return create(3, settings, system);
 }
 
 /* A system without parts has one matrix for all its lanes, and they begin together. */
-int bdf_reset(struct stepper *stepper, unsigned lanes) {
+static int reset(struct stepper *stepper, unsigned lanes) {
     struct bdf *self = (struct bdf *)stepper;
     self->begin |= stepper->system->force_parts ? lanes : ~0u;
     return 0;
@@ -159,7 +151,7 @@ static void weigh(struct bdf *self, double h) {
 INLINED void extrapolate_velocities(struct bdf *self, int order, int lane, int stride,
                                     const double *v) {
     const struct weights *w = &self->w;
-    const int n = self->base.system->size;
+    const int n = self->system->size;
     const double *v1 = self->old_v[0], *v2 = self->old_v[1];
     double *to_v = self->v, *to_r = self->r0;
     const double s0 = w->sum[0][lane], s1 = w->sum[1][lane], s2 = w->sum[2][lane];
@@ -180,7 +172,7 @@ INLINED void extrapolate_velocities(struct bdf *self, int order, int lane, int s
 INLINED void extrapolate_positions(struct bdf *self, int order, int lane, int stride,
                                    const double *q) {
     const struct weights *w = &self->w;
-    const int n = self->base.system->size;
+    const int n = self->system->size;
     const double *q1 = self->old_q[0], *q2 = self->old_q[1], *ahead = self->v;
     double *to_q = self->q;
     const double s0 = w->sum[0][lane], s1 = w->sum[1][lane], s2 = w->sum[2][lane];
@@ -201,7 +193,7 @@ INLINED void extrapolate(struct bdf *self, int order, int lane, int stride, cons
 
 /* v0 - v* + beta a */
 INLINED void right_side(struct bdf *self, int lane, int stride) {
-    const int n = self->base.system->size;
+    const int n = self->system->size;
     const double beta = self->w.beta[lane], *r0 = self->r0;
     double *r = self->r;
     for (int i = lane; i < n; i += stride)
@@ -211,7 +203,7 @@ INLINED void right_side(struct bdf *self, int lane, int stride) {
 /* The state becomes an old one, and the end the state: q1 = q* + beta dv, and where q* had no v* in
  * it, beta v* too. */
 INLINED void arrive(struct bdf *self, int lane, int stride, double *q, double *v) {
-    const int n = self->base.system->size;
+    const int n = self->system->size;
     const double beta = self->w.beta[lane], pull = self->w.pull[lane];
     const double *change = self->change, *end_q = self->q, *end_v = self->v;
     double *last_q = self->old_q[0], *last_v = self->old_v[0];
@@ -236,7 +228,7 @@ INLINED void arrive(struct bdf *self, int lane, int stride, double *q, double *v
 
 /* dv, and all that it is added to. */
 static int differentiate(struct bdf *self, double t, double h, const double *q, const double *v) {
-    struct system *system = self->base.system;
+    struct system *system = self->system;
     struct part_equation equation = {.alpha = self->w.beta,
                                      .beta = self->w.square,
                                      .gamma = self->w.gamma,
@@ -253,7 +245,7 @@ static int differentiate(struct bdf *self, double t, double h, const double *q, 
     if (code)
         return code;
     EACH_LANE(self, right_side(self, 0, 1), right_side(self, k, self->lanes));
-    return semi_implicit_solve(self->matrix, t + h, self->v, &equation, self->change);
+    return semi_implicit_solve(self->semi.matrix, t + h, self->v, &equation, self->change);
 }
 
 /* --- a beginning of order 2 --- */
@@ -268,18 +260,18 @@ static unsigned beginners(const struct bdf *self) {
 
 /* The ends of a whole step and of two halves of linear Euler. */
 static int begin_twice(struct bdf *self, double t, double h, const double *q, const double *v) {
-    int code = semi_implicit_euler(self->matrix, t, h, q, v, self->whole_q, self->whole_v);
+    int code = semi_implicit_euler(self->semi.matrix, t, h, q, v, self->whole_q, self->whole_v);
     if (!code)
-        code = semi_implicit_euler(self->matrix, t, h / 2, q, v, self->half_q, self->half_v);
+        code = semi_implicit_euler(self->semi.matrix, t, h / 2, q, v, self->half_q, self->half_v);
     if (!code)
-        code = semi_implicit_euler(self->matrix, t + h / 2, h / 2, self->half_q, self->half_v,
+        code = semi_implicit_euler(self->semi.matrix, t + h / 2, h / 2, self->half_q, self->half_v,
                                    self->half_q, self->half_v);
     return code;
 }
 
 /* Whole and halves have errors e h^2 + ..., of which 2 (1/2) e - e is nothing. */
 static void arrive_twice(struct bdf *self, int lane, double *q, double *v) {
-    for (int i = lane; i < self->base.system->size; i += self->lanes) {
+    for (int i = lane; i < self->system->size; i += self->lanes) {
         self->old_q[0][i] = q[i];
         self->old_v[0][i] = v[i];
         q[i] = 2 * self->half_q[i] - self->whole_q[i];
@@ -291,7 +283,7 @@ static void arrive_twice(struct bdf *self, int lane, double *q, double *v) {
 
 /* Lanes that begin anew: whatever stood in their old states, the last one stands there now. */
 static void begin_anew(struct bdf *self, const double *q, const double *v) {
-    struct system *system = self->base.system;
+    struct system *system = self->system;
     for (int k = 0; k < self->lanes; k++) {
         if (!(self->begin >> k & 1))
             continue;
@@ -322,7 +314,7 @@ static void grow_older(struct bdf *self, double h) {
     self->step[0] = h;
 }
 
-int bdf_step(struct stepper *stepper, double t, double h, double *q, double *v) {
+static int step(struct stepper *stepper, double t, double h, double *q, double *v) {
     struct bdf *self = (struct bdf *)stepper;
     struct system *system = stepper->system;
     const unsigned all = ~(~0u << self->lanes);
@@ -350,3 +342,38 @@ int bdf_step(struct stepper *stepper, double t, double h, double *q, double *v) 
             arrive(self, k, self->lanes, q, v);
     return 0;
 }
+
+const struct stepper_method bdf2 = {
+    .name = "bdf2",
+    .summary = "semi-implicit BDF of order 2: one evaluation and one solve a step",
+    .reference =
+        "Choi & Ko 2002, doi:10.1145/566654.566624; Hairer, Norsett & Wanner, Solving ODEs "
+        "I, section III.5",
+    .order = 2,
+    .capabilities = STEPPER_IMPLICIT | STEPPER_MULTISTEP,
+    .options = options,
+    .usual_rate = 180, /* 1 mm on `swing` */
+    .refuse = semi_implicit_refuse,
+    .create = create_2,
+    .step = step,
+    .reset = reset,
+    .caution = semi_implicit_stepper_caution,
+    .free = semi_implicit_stepper_free,
+};
+
+const struct stepper_method bdf3 = {
+    .name = "bdf3",
+    .summary = "semi-implicit BDF of order 3: one evaluation and one solve a step",
+    .reference = "Hairer, Norsett & Wanner, Solving ODEs I, section III.5; Choi & Ko 2002, "
+                 "doi:10.1145/566654.566624",
+    .order = 3,
+    .capabilities = STEPPER_IMPLICIT | STEPPER_MULTISTEP,
+    .options = options,
+    .usual_rate = 300, /* 1 mm on `swing` */
+    .refuse = semi_implicit_refuse,
+    .create = create_3,
+    .step = step,
+    .reset = reset,
+    .caution = semi_implicit_stepper_caution,
+    .free = semi_implicit_stepper_free,
+};

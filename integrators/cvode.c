@@ -1,12 +1,9 @@
 /* CVODE: variable-order, variable-step multistep methods, of SUNDIALS. */
-#include "first_order.h"
-#include "sundials_newton.h"
+#include "sundials_stepper.h"
 
 #include <cvode/cvode.h>
 #include <cvode/cvode_ls.h>
 #include <cvode/cvode_proj.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
 
 enum {
@@ -36,53 +33,28 @@ static const char *const sharing[] = {"1", "4", NULL};
  * CVODE by itself keeps a factorised system for 20 steps and a Jacobian for 51, as suits costlier
  * ones than ours. With 5 the circle at rtol 1e-12 took 3269 steps instead of 3609. */
 static const struct option_spec options[] = {
-    [METHOD] = {.name = "method",
-                .help = "family of multistep formulas",
-                .kind = OPTION_CHOICE,
-                .initial = BDF,
+    [METHOD] = {"method", "family of multistep formulas", OPTION_CHOICE, .initial = BDF,
                 .choices = methods},
     [MAX_ORDER] =
-        {.name = "max_order",
-         .help =
-             "highest order; 0: the most there is: bdf 5, adams 12; 2 pays where damping is light",
-         .kind = OPTION_COUNT,
-         .initial = 0,
-         .least = 0,
-         .most = 12},
-    [NONLINEAR] = {.name = "nonlinear",
-                   .help = "iteration of the implicit step; auto: newton where there are Jacobians",
-                   .kind = OPTION_CHOICE,
-                   .initial = AUTO,
-                   .choices = nonlinear_solvers},
-    [ITERATIONS] = {.name = "newton.iterations",
-                    .help = "iterations of either kind at most, then the step is halved twice",
-                    .kind = OPTION_COUNT,
-                    .initial = 3,
-                    .least = 1,
-                    .most = 100},
-    [JACOBIAN] = {.name = "jacobian",
-                  .help = "Jacobian of Newton's method",
-                  .kind = OPTION_CHOICE,
-                  .initial = JACOBIAN_AUTO,
-                  .choices = jacobian_choices},
-    [SETUP_FREQUENCY] = {.name = "setup_frequency",
-                         .help = "steps for which a factorised system is kept at most",
-                         .kind = OPTION_COUNT,
-                         .initial = 5,
-                         .least = 1,
-                         .most = 1000},
-    [JACOBIAN_FREQUENCY] = {.name = "jacobian_frequency",
-                            .help = "steps for which a Jacobian is kept at most",
-                            .kind = OPTION_COUNT,
-                            .initial = 5,
-                            .least = 1,
-                            .most = 1000},
-    [LANES] = {.name = "lanes",
-               .help = "wisps that share an integrator: with 4 they share its steps and errors, "
-                       "and a wisp's bits depend on the three beside it",
-               .kind = OPTION_CHOICE,
-               .initial = 0,
-               .choices = sharing},
+        {"max_order",
+         "highest order; 0: the most there is: bdf 5, adams 12; 2 pays where damping is light",
+         OPTION_COUNT, .initial = 0, .least = 0, .most = 12},
+    [NONLINEAR] = {"nonlinear",
+                   "iteration of the implicit step; auto: newton where there are Jacobians",
+                   OPTION_CHOICE, .initial = AUTO, .choices = nonlinear_solvers},
+    [ITERATIONS] = {"newton.iterations",
+                    "iterations of either kind at most, then the step is halved twice",
+                    OPTION_COUNT, .initial = 3, .least = 1, .most = 100},
+    [JACOBIAN] = {"jacobian", "Jacobian of Newton's method", OPTION_CHOICE,
+                  .initial = JACOBIAN_AUTO, .choices = jacobian_choices},
+    [SETUP_FREQUENCY] = {"setup_frequency", "steps for which a factorised system is kept at most",
+                         OPTION_COUNT, .initial = 5, .least = 1, .most = 1000},
+    [JACOBIAN_FREQUENCY] = {"jacobian_frequency", "steps for which a Jacobian is kept at most",
+                            OPTION_COUNT, .initial = 5, .least = 1, .most = 1000},
+    [LANES] = {"lanes",
+               "wisps that share an integrator: with 4 they share its steps and errors, "
+               "and a wisp's bits depend on the three beside it",
+               OPTION_CHOICE, .initial = 0, .choices = sharing},
     {.name = NULL},
 };
 
@@ -97,28 +69,16 @@ static int is_newton(const struct stepper_settings *settings, const struct syste
 }
 
 struct multistep {
-    struct stepper base;
-    struct sundials sundials;
+    struct sundials_stepper base;
     void *cvode;
-    N_Vector y;                     /* (q, v) */
     SUNNonlinearSolver fixed_point; /* NULL: Newton's method */
-    struct sundials_newton newton;
-    struct verdict verdict; /* of the last step's callbacks */
-    int started, restart;   /* whether it ran before; whether the next step begins anew */
-    struct sundials_counts counted;
 };
-
-static int rate(sunrealtype t, N_Vector y, N_Vector y_rate, void *s_) {
-    struct multistep *s = s_;
-    return sundials_rate(s->base.system, &s->verdict, t, y, y_rate);
-}
 
 static int prepare(sunrealtype t, N_Vector y, N_Vector y_rate, SUNMatrix no_matrix,
                    sunbooleantype jacobian_holds, sunbooleantype *jacobian_is_new,
-                   sunrealtype gamma, void *s_, N_Vector work_1, N_Vector work_2, N_Vector work_3) {
+                   sunrealtype gamma, void *s, N_Vector work_1, N_Vector work_2, N_Vector work_3) {
     (void)y_rate, (void)no_matrix, (void)work_1, (void)work_2, (void)work_3;
-    struct multistep *s = s_;
-    return sundials_newton_prepare(&s->newton, t, y, jacobian_holds, jacobian_is_new, gamma);
+    return sundials_prepare_newton(s, t, y, jacobian_holds, jacobian_is_new, gamma);
 }
 
 /* correction <- what takes y onto the constraint. The model's projection is exact, so the
@@ -128,11 +88,11 @@ static int prepare(sunrealtype t, N_Vector y, N_Vector y_rate, SUNMatrix no_matr
 static int project(sunrealtype t, N_Vector y, N_Vector correction, sunrealtype tolerance,
                    N_Vector error, void *s_) {
     (void)tolerance, (void)error;
-    struct multistep *s = s_;
+    struct sundials_stepper *s = s_;
     double *q = N_VGetArrayPointer(correction);
     N_VScale(1, y, correction);
     const int sign =
-        verdict_take(&s->verdict, system_project(s->base.system, t, q, q + s->base.system->size));
+        verdict_take(&s->verdict, system_project(s->system, t, q, q + s->system->size));
     N_VLinearSum(1, correction, -1, y, correction);
     return sign;
 }
@@ -142,25 +102,18 @@ static void cvode_free(struct stepper *stepper) {
     CVodeFree(&s->cvode);
     if (s->fixed_point)
         SUNNonlinSolFree(s->fixed_point);
-    sundials_newton_close(&s->newton);
-    if (s->y)
-        N_VDestroy(s->y);
-    sundials_close(&s->sundials);
-    free(s);
+    sundials_free(&s->base);
 }
 
 static int use_fixed_point(struct multistep *s) {
-    s->fixed_point = SUNNonlinSol_FixedPoint(s->y, 0, s->sundials.context);
+    s->fixed_point = SUNNonlinSol_FixedPoint(s->base.y, 0, s->base.sundials.context);
     return s->fixed_point ? CVodeSetNonlinearSolver(s->cvode, s->fixed_point) : -1;
 }
 
 /* CVODE begins with Newton's method, and lacks its linear system. */
-static int use_newton(struct multistep *s, const struct stepper_settings *settings,
-                      struct system *system) {
-    if (sundials_newton_open(&s->newton, settings, (int)value(settings, JACOBIAN), system,
-                             &s->sundials, &s->verdict))
-        return -1;
-    if (CVodeSetLinearSolver(s->cvode, s->newton.solver, s->newton.no_matrix) < 0 ||
+static int use_newton(struct multistep *s, const struct stepper_settings *settings) {
+    if (sundials_use_newton(&s->base, settings, (int)value(settings, JACOBIAN)) ||
+        CVodeSetLinearSolver(s->cvode, s->base.solver, s->base.no_matrix) < 0 ||
         CVodeSetLinSysFn(s->cvode, prepare) < 0 ||
         CVodeSetLSetupFrequency(s->cvode, (long)value(settings, SETUP_FREQUENCY)) < 0 ||
         CVodeSetJacEvalFrequency(s->cvode, (long)value(settings, JACOBIAN_FREQUENCY)) < 0)
@@ -168,17 +121,16 @@ static int use_newton(struct multistep *s, const struct stepper_settings *settin
     return 0;
 }
 
-static int set_up(struct multistep *s, const struct stepper_settings *settings,
-                  struct system *system) {
-    s->y = sundials_vector(&s->sundials, 2 * system->size);
+static int set_up(struct multistep *s, const struct stepper_settings *settings) {
+    const struct system *system = s->base.system;
     s->cvode =
-        CVodeCreate(value(settings, METHOD) == ADAMS ? CV_ADAMS : CV_BDF, s->sundials.context);
-    if (!s->y || !s->cvode)
+        CVodeCreate(value(settings, METHOD) == ADAMS ? CV_ADAMS : CV_BDF, s->base.sundials.context);
+    if (!s->cvode)
         return -1;
 #if SUNDIALS_VERSION_MAJOR < 7
-    CVodeSetErrHandlerFn(s->cvode, sundials_keep_message, &s->sundials);
+    CVodeSetErrHandlerFn(s->cvode, sundials_keep_message, &s->base.sundials);
 #endif
-    if (CVodeInit(s->cvode, rate, 0, s->y) < 0 ||
+    if (CVodeInit(s->cvode, sundials_rate, 0, s->base.y) < 0 ||
         CVodeSStolerances(s->cvode, settings->rtol, settings->atol) < 0 ||
         CVodeSetUserData(s->cvode, s) < 0)
         return -1;
@@ -186,7 +138,7 @@ static int set_up(struct multistep *s, const struct stepper_settings *settings,
     if (max_order > 0 && CVodeSetMaxOrd(s->cvode, (int)max_order) < 0)
         return -1;
     const int nonlinear =
-        is_newton(settings, system) ? use_newton(s, settings, system) : use_fixed_point(s);
+        is_newton(settings, system) ? use_newton(s, settings) : use_fixed_point(s);
     if (nonlinear < 0 || CVodeSetMaxNonlinIters(s->cvode, (int)value(settings, ITERATIONS)) < 0)
         return -1;
     if (system_has_projection(system) &&
@@ -197,19 +149,11 @@ static int set_up(struct multistep *s, const struct stepper_settings *settings,
 
 static struct stepper *cvode_create(const struct stepper_settings *settings,
                                     struct system *system) {
-    struct multistep *s = calloc(1, sizeof *s);
-    if (!s)
-        return NULL;
-    if (sundials_open(&s->sundials)) {
-        free(s);
-        return NULL;
-    }
-    if (set_up(s, settings, system) < 0) {
-        cvode_free(&s->base);
-        return NULL;
-    }
-    s->restart = 1;
-    return &s->base;
+    struct multistep *s = sundials_create(system, sizeof *s);
+    if (!s || set_up(s, settings) == 0)
+        return (struct stepper *)s;
+    cvode_free(&s->base.base);
+    return NULL;
 }
 
 static int cvode_refuse(const struct stepper_settings *settings, struct system *system) {
@@ -230,38 +174,15 @@ static int cvode_refuse(const struct stepper_settings *settings, struct system *
     return linear_choose(settings->linear, system, (int)value(settings, JACOBIAN), &kind);
 }
 
-static int cvode_reset(struct stepper *stepper, unsigned lanes) {
-    (void)lanes;
-    struct multistep *s = (struct multistep *)stepper;
-    s->restart = 1;
-    return 0;
-}
-
-static void begin(struct multistep *s, double t, const double *q, const double *v) {
-    struct system *system = s->base.system;
-    const size_t n = (size_t)system->size;
-    double *y = N_VGetArrayPointer(s->y);
-    memcpy(y, q, n * sizeof(double));
-    memcpy(y + n, v, n * sizeof(double));
-    CVodeReInit(s->cvode, t, s->y);
-    s->counted = (struct sundials_counts){0};
-    s->restart = 0;
-    if (s->started)
-        system->counters.restarts += system->wisps;
-    s->started = 1;
-}
-
 /* Adds what CVODE counted in the last step. */
 static void count(struct multistep *s) {
-    struct system *system = s->base.system;
     long error_tests, solves, projections = 0, iterations;
     CVodeGetNumErrTestFails(s->cvode, &error_tests);
     CVodeGetNumStepSolveFails(s->cvode, &solves);
-    if (system_has_projection(system))
+    if (system_has_projection(s->base.system))
         CVodeGetNumProjFails(s->cvode, &projections);
     CVodeGetNumNonlinSolvIters(s->cvode, &iterations);
-
-    sundials_count(system, &s->counted,
+    sundials_count(&s->base,
                    (struct sundials_counts){error_tests + solves + projections, iterations});
 }
 
@@ -286,45 +207,25 @@ static enum outcome outcome_of(int flag, const struct verdict *verdict) {
     }
 }
 
-/* All lanes do. */
-static void reach(const struct stepper *stepper, double *t, double reached) {
-    for (int k = 0; k < stepper->system->lanes; k++)
-        t[k] = reached;
-}
-
 static int cvode_advance(struct stepper *stepper, double *t, double stop, double *q, double *v) {
     struct multistep *s = (struct multistep *)stepper;
-    const size_t n = (size_t)stepper->system->size;
-
-    if (s->restart) {
-        if (sundials_too_close(*t, stop)) {
-            reach(stepper, t, stop);
-            return 0;
-        }
-        begin(s, *t, q, v);
+    if (sundials_skip(&s->base, t, stop))
+        return 0;
+    if (s->base.restart) {
+        sundials_begin(&s->base, q, v);
+        CVodeReInit(s->cvode, *t, s->base.y);
+        s->base.counted = (struct sundials_counts){0};
     }
-    s->verdict = (struct verdict){0};
+    s->base.verdict = (struct verdict){0};
     double reached = *t;
     int flag = CVodeSetStopTime(s->cvode, stop);
     if (flag >= 0)
-        flag = CVode(s->cvode, stop, s->y, &reached, CV_ONE_STEP);
+        flag = CVode(s->cvode, stop, s->base.y, &reached, CV_ONE_STEP);
     count(s);
-    if (s->verdict.fatal) { /* the fixed-point solver of SUNDIALS 6 would try a smaller step */
-        s->restart = 1;
-        return s->verdict.fatal;
-    }
-    if (flag < 0)
-        return sundials_failed(stepper->system, &s->verdict, outcome_of(flag, &s->verdict), "cvode",
-                               s->sundials.message);
-    if (reached < stop && step_is_lost(*t, reached - *t))
-        return sundials_failed(stepper->system, &s->verdict, STEP_TOO_SMALL, "cvode",
-                               "the step is lost in the rounding of the time.");
-
-    const double *y = N_VGetArrayPointer(s->y);
-    memcpy(q, y, n * sizeof(double));
-    memcpy(v, y + n, n * sizeof(double));
-    reach(stepper, t, reached);
-    return 0;
+    if (s->base.verdict.fatal) /* the fixed-point solver of SUNDIALS 6 would try a smaller step */
+        s->base.restart = 1;
+    return sundials_arrive(&s->base, flag, outcome_of(flag, &s->base.verdict), reached, t, stop, q,
+                           v);
 }
 
 const struct stepper_method cvode = {
@@ -339,6 +240,6 @@ const struct stepper_method cvode = {
     .refuse = cvode_refuse,
     .create = cvode_create,
     .advance = cvode_advance,
-    .reset = cvode_reset,
+    .reset = sundials_reset,
     .free = cvode_free,
 };

@@ -6,54 +6,25 @@
  * step on `swing`, less than explicit Euler.) */
 #include "stepper.h"
 
-#include <stdlib.h>
-#include <string.h>
-
-struct drift_kick {
-    struct stepper base;
-    double *q, *a; /* half way; then q is the end's */
-    double *v;     /* of the end, before it is projected */
-    IN_LINES double memory[];
-};
-
-static struct stepper *drift_kick_create(const struct stepper_settings *settings,
-                                         struct system *system) {
+static struct stepper *create(const struct stepper_settings *settings, struct system *system) {
     (void)settings;
-    const size_t n = (size_t)system->size;
-    struct drift_kick *self = stepper_memory(sizeof *self + 3 * n * sizeof(double));
-    if (!self)
-        return NULL;
-    self->q = self->memory;
-    self->a = self->q + n;
-    self->v = self->a + n;
-    return &self->base;
+    return stepper_of_vectors(system, 3);
 }
 
-static int drift_kick_step(struct stepper *stepper, double t, double h, double *q, double *v) {
-    struct drift_kick *self = (struct drift_kick *)stepper;
+/* The state of the end is apart until it is projected, its q in the place of that half way. */
+static int step(struct stepper *stepper, double t, double h, double *q, double *v) {
     struct system *system = stepper->system;
-    for (int i = 0; i < system->size; i++)
-        self->q[i] = q[i] + h / 2 * v[i];
-    const size_t bytes = (size_t)system->size * sizeof(double);
-    const int projects = system_has_projection(system);
-    double *new_q = projects ? self->q : q, *new_v = projects ? self->v : v;
-    int code = system_acceleration(system, t + h / 2, self->q, v, self->a);
-    for (int i = 0; i < system->size && !code; i++) {
-        new_v[i] = v[i] + h * self->a[i];
-        new_q[i] = self->q[i] + h / 2 * new_v[i];
+    const int n = system->size, projects = system_has_projection(system);
+    double *middle = stepper_vectors(stepper), *a = middle + n;
+    double *new_q = projects ? middle : q, *new_v = projects ? a + n : v;
+    for (int i = 0; i < n; i++)
+        middle[i] = q[i] + h / 2 * v[i];
+    const int code = system_acceleration(system, t + h / 2, middle, v, a);
+    for (int i = 0; i < n && !code; i++) {
+        new_v[i] = v[i] + h * a[i];
+        new_q[i] = middle[i] + h / 2 * new_v[i];
     }
-    if (code || !projects)
-        return code;
-    code = system_project(system, t + h, new_q, new_v);
-    if (code)
-        return code;
-    memcpy(q, new_q, bytes);
-    memcpy(v, new_v, bytes);
-    return 0;
-}
-
-static void drift_kick_free(struct stepper *stepper) {
-    free(stepper);
+    return code ? code : stepper_arrive(stepper, t + h, new_q, new_v, q, v);
 }
 
 const struct stepper_method drift_kick = {
@@ -64,7 +35,7 @@ const struct stepper_method drift_kick = {
     .undamped_order = 2,
     .capabilities = STEPPER_PROJECTS,
     .usual_rate = 9000,
-    .create = drift_kick_create,
-    .step = drift_kick_step,
-    .free = drift_kick_free,
+    .create = create,
+    .step = step,
+    .free = stepper_free,
 };

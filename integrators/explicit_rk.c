@@ -2,25 +2,10 @@
  * Differential Equations I, 2nd ed. 1993, section II.1). */
 #include "explicit_rk.h"
 
-#include <stdlib.h>
-#include <string.h>
-
-struct explicit_rk {
-    struct stepper base;
-    double *q, *v;  /* the position of a stage; of projected systems the state of the end */
-    double *stages; /* velocity, then acceleration of each; the first's velocity is the state's */
-    IN_LINES double memory[];
-};
-
+/* Vectors: the position of a stage, or of projected systems the state of the end; then velocity and
+ * acceleration of each stage. The first's velocity is the state's. */
 struct stepper *explicit_rk_create(const struct butcher_table *table, struct system *system) {
-    const size_t n = (size_t)system->size, stages = (size_t)table->stages;
-    struct explicit_rk *rk = stepper_memory(sizeof *rk + (2 + 2 * stages) * n * sizeof(double));
-    if (!rk)
-        return NULL;
-    rk->q = rk->memory;
-    rk->v = rk->q + n;
-    rk->stages = rk->v + n;
-    return &rk->base;
+    return stepper_of_vectors(system, 2 + 2 * (size_t)table->stages);
 }
 
 /* One pass of `sum`, for a number of stages that is a constant where this is inlined. */
@@ -60,21 +45,21 @@ static void sum(int n, double h, const double *weight, int stages, double *const
 }
 
 int explicit_rk_step(struct stepper *stepper, double t, double h, double *q, double *v) {
-    struct explicit_rk *rk = (struct explicit_rk *)stepper;
     struct system *system = stepper->system;
     const struct butcher_table *table = stepper->method->table;
     const int n = system->size;
+    double *q1 = stepper_vectors(stepper), *v1 = q1 + n, *stages = v1 + n;
     double *vk[table->stages], *ak[table->stages];
 
     for (int i = 0; i < table->stages; i++) {
-        vk[i] = i > 0 ? rk->stages + 2 * i * n : v;
-        ak[i] = rk->stages + (2 * i + 1) * n;
+        vk[i] = i > 0 ? stages + 2 * i * n : v;
+        ak[i] = stages + (2 * i + 1) * n;
         if (i > 0) {
-            sum(n, h, butcher_row(table, i), i, vk, q, rk->q);
+            sum(n, h, butcher_row(table, i), i, vk, q, q1);
             sum(n, h, butcher_row(table, i), i, ak, v, vk[i]);
         }
         const int code =
-            system_acceleration(system, t + table->c[i] * h, i > 0 ? rk->q : q, vk[i], ak[i]);
+            system_acceleration(system, t + table->c[i] * h, i > 0 ? q1 : q, vk[i], ak[i]);
         if (code)
             return code;
     }
@@ -83,16 +68,11 @@ int explicit_rk_step(struct stepper *stepper, double t, double h, double *q, dou
         sum(n, h, table->b, table->stages, ak, NULL, v);
         return 0;
     }
-    sum(n, h, table->b, table->stages, vk, q, rk->q);
-    sum(n, h, table->b, table->stages, ak, v, rk->v);
-    const int code = system_project(system, t + h, rk->q, rk->v);
-    if (code)
-        return code;
-    memcpy(q, rk->q, (size_t)n * sizeof(double));
-    memcpy(v, rk->v, (size_t)n * sizeof(double));
-    return 0;
+    sum(n, h, table->b, table->stages, vk, q, q1);
+    sum(n, h, table->b, table->stages, ak, v, v1);
+    return stepper_arrive(stepper, t + h, q1, v1, q, v);
 }
 
 void explicit_rk_free(struct stepper *stepper) {
-    free(stepper);
+    stepper_free(stepper);
 }

@@ -18,12 +18,9 @@
 
 enum { TOLERANCE };
 static const struct option_spec options[] = {
-    [TOLERANCE] = {.name = "krylov.tolerance",
-                   .help = "what may lie outside of the space, relative to the step's move",
-                   .kind = OPTION_REAL,
-                   .initial = 1e-10,
-                   .least = 1e-14,
-                   .most = 0.1},
+    [TOLERANCE] = {"krylov.tolerance",
+                   "what may lie outside of the space, relative to the step's move", OPTION_REAL,
+                   .initial = 1e-10, .least = 1e-14, .most = 0.1},
     {.name = NULL},
 };
 
@@ -204,7 +201,7 @@ static int exponential_step(struct stepper *stepper, double t, double h, double 
     struct system *system = stepper->system;
     const int n = s->n;
     double phi[DIMENSION + 1], *first = basis(s, 0);
-    int code = evaluate(s, t, q, v);
+    const int code = evaluate(s, t, q, v);
     if (code)
         return code;
     memcpy(first, v, (size_t)n * sizeof(double));
@@ -228,13 +225,7 @@ static int exponential_step(struct stepper *stepper, double t, double h, double 
             s->q[i] += h * length * phi[j] * basis(s, j)[i];
             s->v[i] += h * length * phi[j] * basis(s, j)[n + i];
         }
-    if (system_has_projection(system))
-        code = system_project(system, t + h, s->q, s->v);
-    if (code)
-        return code;
-    memcpy(q, s->q, (size_t)n * sizeof(double));
-    memcpy(v, s->v, (size_t)n * sizeof(double));
-    return 0;
+    return stepper_arrive(stepper, t + h, s->q, s->v, q, v);
 }
 
 static int exponential_refuse(const struct stepper_settings *settings, struct system *system) {
@@ -248,10 +239,6 @@ static int exponential_refuse(const struct stepper_settings *settings, struct sy
 /* The exact solution of a linear equation grows as that. */
 static double complex amplification(double complex z, double complex partner) {
     return creal(partner) > creal(z) ? cexp(partner) : cexp(z);
-}
-
-static void exponential_free(struct stepper *stepper) {
-    free(stepper);
 }
 
 const struct stepper_method exponential = {
@@ -268,5 +255,5 @@ const struct stepper_method exponential = {
     .refuse = exponential_refuse,
     .create = exponential_create,
     .step = exponential_step,
-    .free = exponential_free,
+    .free = stepper_free,
 };

@@ -1,5 +1,7 @@
 #include "first_order.h"
 
+#include "base/vector.h"
+
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -11,10 +13,9 @@ int first_order_rate(struct system *system, double t, const double *y, double *r
     const int code = system_acceleration(system, t, q, v, rate + n);
     if (code)
         return code;
-    int finite = 1;
-    for (int i = 0; i < 2 * n; i++)
-        finite &= isfinite(rate[i]) != 0;
-    return finite ? 0 : system_fail(system, NOT_FINITE, "a rate is not finite at t = %.9g s", t);
+    return all_finite(rate, 2 * n)
+               ? 0
+               : system_fail(system, NOT_FINITE, "a rate is not finite at t = %.9g s", t);
 }
 
 int step_is_lost(double t, double h) {

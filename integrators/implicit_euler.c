@@ -48,22 +48,15 @@ static unsigned moved(const struct implicit_euler *self, const double *q, const 
  * makes the first linear system that of equation 2.4. */
 static int implicit_euler_step(struct stepper *stepper, double t, double h, double *q, double *v) {
     struct implicit_euler *self = (struct implicit_euler *)stepper;
-    struct system *system = stepper->system;
-    const size_t bytes = (size_t)system->size * sizeof(double);
+    const size_t bytes = (size_t)stepper->system->size * sizeof(double);
     const struct newton_equation equation = {.t = t + h, .gamma = h, .beta = h, .q0 = q, .v0 = v};
 
     if (newton_reuses(self->newton))
         newton_forget(self->newton, moved(self, q, v));
     memcpy(self->q, q, bytes);
     memcpy(self->v, v, bytes);
-    int code = newton_solve(self->newton, &equation, self->q, self->v);
-    if (!code && system_has_projection(system))
-        code = system_project(system, t + h, self->q, self->v);
-    if (code)
-        return code;
-    memcpy(q, self->q, bytes);
-    memcpy(v, self->v, bytes);
-    return 0;
+    const int code = newton_solve(self->newton, &equation, self->q, self->v);
+    return code ? code : stepper_arrive(stepper, t + h, self->q, self->v, q, v);
 }
 
 static void implicit_euler_free(struct stepper *stepper) {

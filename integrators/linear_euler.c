@@ -6,52 +6,24 @@
  * springs let go at long steps. */
 #include "semi_implicit.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 static const struct option_spec options[] = {MATRIX_OPTION_SPEC, {0}};
 
 struct linear_euler {
-    struct stepper base;
-    struct semi_implicit *matrix;
-    double *q, *v; /* of the end, where it is to be projected */
-    IN_LINES double memory[];
+    struct semi_implicit_stepper semi;
+    IN_LINES double end[]; /* q and v, where they are to be projected */
 };
 
-static struct stepper *linear_euler_create(const struct stepper_settings *settings,
-                                           struct system *system) {
-    const size_t n = (size_t)system->size;
-    struct linear_euler *self = stepper_memory(sizeof *self + 2 * n * sizeof(double));
-    if (!self)
-        return NULL;
-    self->q = self->memory;
-    self->v = self->memory + n;
-    self->matrix = semi_implicit_create(settings, system);
-    if (!self->matrix) {
-        free(self);
-        return NULL;
-    }
-    return &self->base;
+static struct stepper *create(const struct stepper_settings *settings, struct system *system) {
+    const size_t bytes = 2 * (size_t)system->size * sizeof(double);
+    return semi_implicit_stepper(settings, system, sizeof(struct linear_euler) + bytes);
 }
 
-static int linear_euler_step(struct stepper *stepper, double t, double h, double *q, double *v) {
+static int step(struct stepper *stepper, double t, double h, double *q, double *v) {
     struct linear_euler *self = (struct linear_euler *)stepper;
-    struct system *system = stepper->system;
-    const size_t bytes = (size_t)system->size * sizeof(double);
-    if (!system_has_projection(system))
-        return semi_implicit_euler(self->matrix, t, h, q, v, q, v);
-    int code = semi_implicit_euler(self->matrix, t, h, q, v, self->q, self->v);
-    if (!code)
-        code = system_project(system, t + h, self->q, self->v);
-    if (code)
-        return code;
-    memcpy(q, self->q, bytes);
-    memcpy(v, self->v, bytes);
-    return 0;
-}
-
-static const char *linear_euler_caution(const struct stepper *stepper) {
-    return semi_implicit_caution(((const struct linear_euler *)stepper)->matrix);
+    const int projects = system_has_projection(stepper->system);
+    double *q1 = projects ? self->end : q, *v1 = projects ? self->end + stepper->system->size : v;
+    const int code = semi_implicit_euler(self->semi.matrix, t, h, q, v, q1, v1);
+    return code ? code : stepper_arrive(stepper, t + h, q1, v1, q, v);
 }
 
 /* Implicit Euler's, of what is in the matrix: with `auto` that is all that bounds explicit steps.
@@ -59,13 +31,6 @@ static const char *linear_euler_caution(const struct stepper *stepper) {
 static double complex amplification(double complex z, double complex partner) {
     const double complex one = 1 / (1 - z), other = 1 / (1 - partner);
     return cabs(other) > cabs(one) ? other : one;
-}
-
-static void linear_euler_free(struct stepper *stepper) {
-    struct linear_euler *self = (struct linear_euler *)stepper;
-    if (self)
-        semi_implicit_free(self->matrix);
-    free(self);
 }
 
 const struct stepper_method linear_euler = {
@@ -79,8 +44,8 @@ const struct stepper_method linear_euler = {
     .usual_rate = 390, /* 1 mm on `swing` */
     .amplification = amplification,
     .refuse = semi_implicit_refuse,
-    .create = linear_euler_create,
-    .step = linear_euler_step,
-    .caution = linear_euler_caution,
-    .free = linear_euler_free,
+    .create = create,
+    .step = step,
+    .caution = semi_implicit_stepper_caution,
+    .free = semi_implicit_stepper_free,
 };

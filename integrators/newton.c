@@ -127,20 +127,16 @@ static int make_matrices(struct newton *self, const struct newton_equation *e, c
 static int find_change(struct newton *self, const struct newton_equation *e, const double *q,
                        const double *v) {
     struct system *system = self->system;
-    const int n = system->size;
     int code = make_matrices(self, e, q, v);
     if (!code)
         code = system_acceleration(system, e->t, q, v, self->a);
     if (code)
         return code;
-    for (int i = 0; i < n; i++)
-        self->work[i] = e->q0[i] + e->beta * v[i] - q[i];
+    find_residuals(self, e, q, v, self->rhs, self->work);
     system_product(system, 0, 0, e->gamma, self->work, self->change);
-    for (int i = 0; i < n; i++)
-        self->work[i] = e->v0[i] - v[i] + e->gamma * self->a[i];
-    system_product(system, 1, 0, 0, self->work, self->rhs);
-    for (int i = 0; i < n; i++)
-        self->rhs[i] += self->change[i];
+    system_product(system, 1, 0, 0, self->rhs, self->work);
+    for (int i = 0; i < system->size; i++)
+        self->rhs[i] = self->work[i] + self->change[i];
     return linear_solve(self->linear, self->rhs, self->change);
 }
 

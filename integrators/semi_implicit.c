@@ -84,6 +84,26 @@ const char *semi_implicit_caution(const struct semi_implicit *self) {
                  "they may be too stiff for such steps: matrix=auto does not";
 }
 
+void *semi_implicit_stepper(const struct stepper_settings *settings, struct system *system,
+                            size_t bytes) {
+    struct semi_implicit_stepper *stepper = stepper_memory(bytes);
+    if (stepper)
+        stepper->matrix = semi_implicit_create(settings, system);
+    if (stepper && stepper->matrix)
+        return stepper;
+    free(stepper);
+    return NULL;
+}
+
+void semi_implicit_stepper_free(struct stepper *stepper) {
+    semi_implicit_free(((struct semi_implicit_stepper *)stepper)->matrix);
+    free(stepper);
+}
+
+const char *semi_implicit_stepper_caution(const struct stepper *stepper) {
+    return semi_implicit_caution(((const struct semi_implicit_stepper *)stepper)->matrix);
+}
+
 /* By the whole matrix of a system without parts. */
 static int solve_whole(struct semi_implicit *self, double t, const double *v,
                        const struct part_equation *e, double *x) {

@@ -35,6 +35,17 @@ void semi_implicit_free(struct semi_implicit *self);
 /* What a run that fails should be told of the choice of matrix, or NULL. */
 const char *semi_implicit_caution(const struct semi_implicit *self);
 
+/* What steppers of such a method begin with: their base, and the matrix. One is made with `bytes`
+ * of zeroed memory, see stepper_memory; NULL where memory cannot be had. */
+struct semi_implicit_stepper {
+    struct stepper base;
+    struct semi_implicit *matrix;
+};
+void *semi_implicit_stepper(const struct stepper_settings *settings, struct system *system,
+                            size_t bytes);
+void semi_implicit_stepper_free(struct stepper *stepper);
+const char *semi_implicit_stepper_caution(const struct stepper *stepper);
+
 /* Solves at (t, equation->q, v), where the system's last acceleration has been; the equation's part
  * is set here. On a system without parts all lanes have the coefficients of the first. */
 int semi_implicit_solve(struct semi_implicit *self, double t, const double *v,

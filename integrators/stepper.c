@@ -59,6 +59,36 @@ void *stepper_memory(size_t bytes) {
     return memory ? memset(memory, 0, lines) : NULL;
 }
 
+struct stepper_of_vectors {
+    struct stepper base;
+    IN_LINES double memory[];
+};
+
+struct stepper *stepper_of_vectors(struct system *system, size_t count) {
+    const size_t numbers = count * (size_t)system->size;
+    return stepper_memory(sizeof(struct stepper_of_vectors) + numbers * sizeof(double));
+}
+
+double *stepper_vectors(struct stepper *stepper) {
+    return ((struct stepper_of_vectors *)stepper)->memory;
+}
+
+void stepper_free(struct stepper *stepper) {
+    free(stepper);
+}
+
+int stepper_arrive(struct stepper *stepper, double t1, double *q1, double *v1, double *q,
+                   double *v) {
+    struct system *system = stepper->system;
+    const size_t bytes = (size_t)system->size * sizeof(double);
+    const int code = system_has_projection(system) ? system_project(system, t1, q1, v1) : 0;
+    if (code || q1 == q)
+        return code;
+    memcpy(q, q1, bytes);
+    memcpy(v, v1, bytes);
+    return 0;
+}
+
 struct stepper *stepper_create(const struct stepper_method *method,
                                const struct stepper_settings *settings, struct system *system) {
     struct stepper *stepper = method->create(settings, system);

@@ -111,6 +111,19 @@ struct stepper_method {
 #define IN_LINES _Alignas(64)
 void *stepper_memory(size_t bytes);
 
+/* A stepper that is nothing but `count` vectors of the system's size, one behind the other from
+ * stepper_vectors on, for stepper_free; NULL where memory cannot be had. */
+struct stepper *stepper_of_vectors(struct system *system, size_t count);
+double *stepper_vectors(struct stepper *stepper);
+
+/* The `free` of steppers of one block of memory. */
+void stepper_free(struct stepper *stepper);
+
+/* Makes (q1, v1), the end of a fixed step at time t1, the state (q, v), once it is projected where
+ * that belongs to steps: only then they must be apart, for the state stays where that fails. */
+int stepper_arrive(struct stepper *stepper, double t1, double *q1, double *v1, double *q,
+                   double *v);
+
 /* All methods, in the order of lists and legends, those of plug-ins last; NULL-terminated. */
 extern const struct stepper_method *const *stepper_methods;
 

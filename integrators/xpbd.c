@@ -14,12 +14,8 @@
 
 enum { SWEEPS };
 static const struct option_spec options[] = {
-    [SWEEPS] = {.name = "sweeps",
-                .help = "Gauss-Seidel sweeps over the springs in a step; few make hair soft",
-                .kind = OPTION_COUNT,
-                .initial = 10,
-                .least = 1,
-                .most = 100000},
+    [SWEEPS] = {"sweeps", "Gauss-Seidel sweeps over the springs in a step; few make hair soft",
+                OPTION_COUNT, .initial = 10, .least = 1, .most = 100000},
     {.name = NULL},
 };
 
@@ -47,8 +43,8 @@ static int xpbd_step(struct stepper *stepper, double t, double h, double *q, dou
     struct xpbd *self = (struct xpbd *)stepper;
     struct system *system = stepper->system;
     const int n = system->size, springs = system->springs;
-    int code = springs ? system_without_springs(system, t, q, v, self->a)
-                       : system_acceleration(system, t, q, v, self->a);
+    const int code = springs ? system_without_springs(system, t, q, v, self->a)
+                             : system_acceleration(system, t, q, v, self->a);
     if (code)
         return code;
     for (int i = 0; i < n; i++)
@@ -58,17 +54,7 @@ static int xpbd_step(struct stepper *stepper, double t, double h, double *q, dou
         system_sweep_springs(system, t + h, h, q, self->x, self->multipliers);
     for (int i = 0; i < n; i++)
         self->v[i] = (self->x[i] - q[i]) / h;
-    if (system_has_projection(system))
-        code = system_project(system, t + h, self->x, self->v);
-    if (code)
-        return code;
-    memcpy(q, self->x, (size_t)n * sizeof(double));
-    memcpy(v, self->v, (size_t)n * sizeof(double));
-    return 0;
-}
-
-static void xpbd_free(struct stepper *stepper) {
-    free(stepper);
+    return stepper_arrive(stepper, t + h, self->x, self->v, q, v);
 }
 
 const struct stepper_method xpbd = {
@@ -81,5 +67,5 @@ const struct stepper_method xpbd = {
     .usual_rate = 1000,
     .create = xpbd_create,
     .step = xpbd_step,
-    .free = xpbd_free,
+    .free = stepper_free,
 };

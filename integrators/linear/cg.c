@@ -11,18 +11,10 @@
 enum { TOLERANCE, ITERATIONS };
 
 static const struct option_spec options[] = {
-    [TOLERANCE] = {.name = "cg.tolerance",
-                   .help = "residual at which to stop, over that of x = 0",
-                   .kind = OPTION_REAL,
-                   .initial = 1e-8,
-                   .least = 1e-15,
-                   .most = 0.9},
-    [ITERATIONS] = {.name = "cg.iterations",
-                    .help = "iterations at most",
-                    .kind = OPTION_COUNT,
-                    .initial = 1000,
-                    .least = 1,
-                    .most = 1e6},
+    [TOLERANCE] = {"cg.tolerance", "residual at which to stop, over that of x = 0", OPTION_REAL,
+                   .initial = 1e-8, .least = 1e-15, .most = 0.9},
+    [ITERATIONS] = {"cg.iterations", "iterations at most", OPTION_COUNT, .initial = 1000,
+                    .least = 1, .most = 1e6},
     {.name = NULL},
 };
 

@@ -177,6 +177,17 @@ static inline void vec_get(double *to, struct vec x, int which) {
     to[2] = lane_get(x.z, which);
 }
 
+static inline void vec_set(struct vec *to, int which, const double x[3]) {
+    lane_set(&to->x, which, x[0]);
+    lane_set(&to->y, which, x[1]);
+    lane_set(&to->z, which, x[2]);
+}
+
+/* The same vector in all lanes. */
+static inline struct vec vec_all(const double x[3]) {
+    return (struct vec){lane_all(x[0]), lane_all(x[1]), lane_all(x[2])};
+}
+
 static inline struct vec add(struct vec a, struct vec b) {
     return (struct vec){a.x + b.x, a.y + b.y, a.z + b.z};
 }

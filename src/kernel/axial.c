@@ -11,9 +11,8 @@
  * one number a spring, where two springs are coupled that have a free node in common. (For chains
  * that cannot be stretched, S^-1 = 0: Han & Harada 2013, doi:10.2312/PE.vriphys.vriphys13.097-105.)
  * Where S is 0, S^-1 is infinite and the tension 0. M^-1 is in tension.h. */
+#include "room.h"
 #include "tension.h"
-
-#include <stdlib.h>
 
 /* The equation of one tension, after elimination: y = solution - sum_j lower[j - 1] y_(j before),
  * read backwards: what this tension takes from those before it. */
@@ -48,7 +47,7 @@ SPECIALISED lane right_of(const struct softness *soft, int pulls, struct vec n, 
 
 SPECIALISED void solve_stretch(struct kernel_part *part, const struct part_equation *e, int coupled,
                                int pulls, double *x) {
-    struct tension *row = part->rows;
+    struct tension *row = (struct tension *)part->rows;
     const struct softness soft = softness(part->stretch_k, part->stretch_c, load(e->alpha, 0),
                                           load(e->beta, 0), load(e->gamma, 0));
     struct vec r = free_node(part, e->r, 1), g = r; /* of node i - 1 */
@@ -116,7 +115,7 @@ struct arrivals {
 
 SPECIALISED void axial_down(struct kernel_part *part, const struct part_equation *e, int coupled,
                             int pulls) {
-    struct tension *row = part->rows;
+    struct tension *row = (struct tension *)part->rows;
     const lane alpha = load(e->alpha, 0), beta = load(e->beta, 0), gamma = load(e->gamma, 0);
     const struct softness stretch = softness(part->stretch_k, part->stretch_c, alpha, beta, gamma);
     const struct softness bend = softness(part->bend_k, part->bend_c, alpha, beta, gamma);
@@ -168,7 +167,7 @@ SPECIALISED lane take(const struct tension *row, int count, lane *taken) {
 
 SPECIALISED void axial_up(struct kernel_part *part, const struct part_equation *e, int coupled,
                           double *x) {
-    const struct tension *row = part->rows;
+    const struct tension *row = (const struct tension *)part->rows;
     const lane zero = lane_all(0);
     const struct vec none = {zero, zero, zero};
     struct vec here = none, before = none; /* pulls on nodes i and i - 1 of springs that begin */
@@ -182,52 +181,34 @@ SPECIALISED void axial_up(struct kernel_part *part, const struct part_equation *
     }
 }
 
-SPECIALISED void solve_axial(struct kernel_part *part, const struct part_equation *e, int coupled,
-                             int pulls, double *x) {
+/* --- which --- */
+
+/* `coupled` and `pulls` are constants where this is inlined. */
+SPECIALISED void solve(struct kernel_part *part, const struct part_equation *e, int coupled,
+                       int pulls, double *x) {
+    if (e->part != FORCES_AXIAL || part->bending != BENDING_SKIP) {
+        solve_stretch(part, e, coupled, pulls, x);
+        return;
+    }
     axial_down(part, e, coupled, pulls);
     axial_up(part, e, coupled, x);
 }
-
-/* --- which --- */
 
 int LANED(kernel_solve_part)(void *ctx, const struct part_equation *e, double *x) {
     struct kernel_part *part = ctx;
     if (e->part >= FORCES_FULL)
         return LANED(kernel_solve_full)(part, e, x);
-    if (!part->rows) {
-        const size_t rows = 2 * (size_t)part->nodes;
-        part->rows = aligned_alloc(64, (rows * sizeof(struct tension) + 63) / 64 * 64);
-        if (!part->rows)
-            return system_fail(part->system, -OUT_OF_MEMORY, "no memory for the springs' tensions");
-        memset(part->rows, 0, rows * sizeof(struct tension));
-    }
-    const int coupled = is_coupled(part);
-    const int axial = e->part == FORCES_AXIAL && part->bending == BENDING_SKIP;
-    const int pulls = !mask_none(load(e->gamma, 0) != 0);
-    switch (4 * axial + 2 * coupled + pulls) { /* constants where they are inlined */
-    case 0:
-        solve_stretch(part, e, 0, 0, x);
-        break;
-    case 1:
-        solve_stretch(part, e, 0, 1, x);
-        break;
-    case 2:
-        solve_stretch(part, e, 1, 0, x);
-        break;
-    case 3:
-        solve_stretch(part, e, 1, 1, x);
-        break;
-    case 4:
-        solve_axial(part, e, 0, 0, x);
-        break;
-    case 5:
-        solve_axial(part, e, 0, 1, x);
-        break;
-    case 6:
-        solve_axial(part, e, 1, 0, x);
-        break;
-    default:
-        solve_axial(part, e, 1, 1, x);
-    }
+    const size_t rows = 2 * (size_t)part->nodes * sizeof(struct tension) / sizeof(lane);
+    if (!part->rows && !room_of(0, rows, &part->rows))
+        return system_fail(part->system, -OUT_OF_MEMORY, "no memory for the springs' tensions");
+    const int coupled = is_coupled(part), pulls = !mask_none(load(e->gamma, 0) != 0);
+    if (coupled && pulls)
+        solve(part, e, 1, 1, x);
+    else if (coupled)
+        solve(part, e, 1, 0, x);
+    else if (pulls)
+        solve(part, e, 0, 1, x);
+    else
+        solve(part, e, 0, 0, x);
     return 0;
 }

@@ -109,10 +109,6 @@ unsigned LANED(kernel_near)(void *ctx, const double *q, const double *hull, cons
 
 /* --- samples inside a body (section 4.2.2 of the thesis, as in body.c) --- */
 
-static inline struct vec vec_all(const double x[3]) {
-    return (struct vec){lane_all(x[0]), lane_all(x[1]), lane_all(x[2])};
-}
-
 static inline struct vec times(struct vec a, struct vec b) {
     return (struct vec){a.x * b.x, a.y * b.y, a.z * b.z};
 }
@@ -212,13 +208,6 @@ static inline struct vec surface_velocity(const struct obstacle *body, struct ve
     return sub(add(vec_all(body->velocity), cross(vec_all(body->spin), from)), v);
 }
 
-static int lanes_set(mask m, unsigned counted) {
-    int count = 0;
-    for (unsigned bits = mask_bits(m) & counted; bits; bits &= bits - 1)
-        count++;
-    return count;
-}
-
 /* Samples of one node against a body; returns how many were inside, of the lanes that count,
  * and adds those lanes to `lanes`. */
 static int pull_samples(const struct kernel_part *part, int i, const struct obstacle *body,
@@ -231,9 +220,10 @@ static int pull_samples(const struct kernel_part *part, int i, const struct obst
         return 0;
     const struct vec surface = surface_velocity(body, p, vec_load(vi, 0));
     for (int j = 0; j < part->samples; j++) {
-        const mask inside = pull_sample(part, i, j, from, surface, body, among, qi, vi);
-        pulled += lanes_set(inside, counted);
-        *lanes |= mask_bits(inside) & counted;
+        const unsigned inside =
+            counted & mask_bits(pull_sample(part, i, j, from, surface, body, among, qi, vi));
+        pulled += __builtin_popcount(inside);
+        *lanes |= inside;
     }
     return pulled;
 }
@@ -262,11 +252,11 @@ unsigned LANED(kernel_pull)(void *ctx, double *q, double *v, const struct obstac
         return mask_bits(inside);
     LANED(kernel_frames)(part, q, part->frames);
     for (int i = 2; i < part->nodes; i++) {
-        double *qi = q + (i - 2) * part->node_unknowns * LANES;
-        double *vi = v + (i - 2) * part->node_unknowns * LANES;
-        reach = largest_distance(part, qi);
+        const int at = (i - 2) * part->node_unknowns * LANES;
+        reach = largest_distance(part, q + at);
         for (int b = 0; b < near_count; b++)
-            *pulled += pull_samples(part, i, near[b], reach, among, qi, vi, counted, pulled_lanes);
+            *pulled +=
+                pull_samples(part, i, near[b], reach, among, q + at, v + at, counted, pulled_lanes);
     }
     return mask_bits(inside);
 }

@@ -89,12 +89,11 @@ void LANED(kernel_contact_points)(void *ctx, const double *q, const double *v,
     for (int i = 0; i < 2; i++)
         put_fixed(part, i, wisps);
     for (int i = 2; i < part->nodes; i++) {
-        const double *qi = q + (i - 2) * part->node_unknowns * LANES;
-        const double *vi = v + (i - 2) * part->node_unknowns * LANES;
+        const int at = (i - 2) * part->node_unknowns * LANES;
         if (part->samples == 4)
-            put_free(part, i, qi, vi, 4, wisps);
+            put_free(part, i, q + at, v + at, 4, wisps);
         else
-            put_free(part, i, qi, vi, part->samples, wisps);
+            put_free(part, i, q + at, v + at, part->samples, wisps);
     }
     for (int i = 0; i < part->nodes; i++)
         put_axes(part, i, wisps);
@@ -106,10 +105,7 @@ static inline struct vec push_of(const struct contact_wisp *wisps, int at) {
     static const double none[3] = {0, 0, 0};
     struct vec dv = {lane_all(0), lane_all(0), lane_all(0)};
     for (int k = 0; k < LANES; k++) {
-        const double *x = wisps[k].push ? wisps[k].push[at].dv : none;
-        lane_set(&dv.x, k, x[0]);
-        lane_set(&dv.y, k, x[1]);
-        lane_set(&dv.z, k, x[2]);
+        vec_set(&dv, k, wisps[k].push ? wisps[k].push[at].dv : none);
     }
     return dv;
 }

@@ -30,16 +30,11 @@
 #include "part.h"
 #include "parting.h"
 #include "push.h"
+#include "room.h"
 #include "springs.h"
-
-#include <stdlib.h>
 
 static lane square(struct vec a) {
     return dot(a, a);
-}
-
-static struct vec every(const double x[3]) {
-    return (struct vec){lane_all(x[0]), lane_all(x[1]), lane_all(x[2])};
 }
 
 /* --- a copy to work on --- */
@@ -52,20 +47,19 @@ struct copy {
 
 /* 0, or OUT_OF_MEMORY: only a part's first one takes memory. */
 static int make_copy(struct kernel_part *part, struct copy *copy) {
-    const size_t n = (size_t)part->nodes, work = n * (3 + 3 + 3 + 9);
-    const size_t lanes = work + n * (size_t)part->node_unknowns;
-    if (!part->spare)
-        part->spare = aligned_alloc(64, (lanes * sizeof(lane) + 63) / 64 * 64);
-    if (!part->spare)
+    const size_t n = (size_t)part->nodes;
+    if (!part->spare &&
+        !room_of(0, n * (3 + 3 + 3 + 9 + (size_t)part->node_unknowns), &part->spare))
         return OUT_OF_MEMORY;
+    lane *room = part->spare;
     copy->part = *part;
     copy->system = *part->system;
     copy->part.system = &copy->system;
-    copy->part.t = part->spare;
-    copy->part.force = copy->part.t + n;
-    copy->part.swing = copy->part.force + n;
-    copy->part.frames = (struct frame *)(copy->part.swing + n);
-    copy->acceleration = (double *)(copy->part.frames + n);
+    copy->part.t = room_take(&room, 3 * n);
+    copy->part.force = room_take(&room, 3 * n);
+    copy->part.swing = room_take(&room, 3 * n);
+    copy->part.frames = room_take(&room, 9 * n);
+    copy->acceleration = (double *)room;
     return 0;
 }
 
@@ -227,17 +221,23 @@ static struct sample sample_of(const struct kernel_part *part, const struct fram
     return s;
 }
 
-/* --- energies --- */
+/* --- bodies --- */
 
-static lane energy_in_bodies(struct kernel_part *part, double t, struct vec p, struct vec v) {
-    return part->push ? LANED(kernel_pushed)(part, t, p, v).energy : lane_all(0);
+static struct pushed pushed_by_bodies(struct kernel_part *part, double t, struct vec p,
+                                      struct vec v) {
+    const struct vec none = {lane_all(0), lane_all(0), lane_all(0)};
+    if (!part->push)
+        return (struct pushed){lane_all(0), none, none, lane_all(0), lane_all(0)};
+    return LANED(kernel_pushed)(part, t, p, v);
 }
+
+/* --- energies --- */
 
 static void node_energies(struct kernel_part *part, int i, double t, const double *q,
                           const double *v, struct vec gravity, struct lane_energies *sum) {
     const struct vec p = vec_load(q, 0);
     const lane mu = part->sample_mass[i];
-    sum->bodies += part->mass[i] * energy_in_bodies(part, t, p, vec_load(v, 0));
+    sum->bodies += part->mass[i] * pushed_by_bodies(part, t, p, vec_load(v, 0)).energy;
     sum->kinetic += 0.5 * part->mass[i] * square(vec_load(v, 0));
     sum->gravity -= part->mass[i] * dot(gravity, p);
     for (int j = 0; j < part->samples; j++) {
@@ -246,7 +246,7 @@ static void node_energies(struct kernel_part *part, int i, double t, const doubl
         sum->kinetic += 0.5 * mu * square(s.velocity);
         sum->gravity -= mu * dot(gravity, add(p, s.d));
         sum->envelope += 0.5 * mu * (part->spring_k * gap * gap + part->penalty_k * square(s.off));
-        sum->bodies += mu * energy_in_bodies(part, t, add(p, s.d), s.velocity);
+        sum->bodies += mu * pushed_by_bodies(part, t, add(p, s.d), s.velocity).energy;
     }
 }
 
@@ -264,7 +264,7 @@ int LANED(kernel_energies)(void *ctx, double t, const double *q, const double *v
     spring_energies(part, q, v, &sum);
     for (int i = 2; i < part->nodes; i++) {
         const int at = (i - 2) * part->node_unknowns * LANES;
-        node_energies(part, i, t, q + at, v + at, every(part->surroundings->gravity), &sum);
+        node_energies(part, i, t, q + at, v + at, vec_all(part->surroundings->gravity), &sum);
     }
 #define X(name, meaning) energies->name = sum_of_wisps(part, sum.name);
     ENERGIES(X)
@@ -284,15 +284,7 @@ static struct outside outside_of(const struct surroundings *around, double t) {
     double wind[3], style[3];
     wind_velocity(&around->wind, t, wind);
     style_acceleration(&around->style, t, style);
-    return (struct outside){every(around->gravity), every(style), every(wind)};
-}
-
-static struct pushed pushed_by_bodies(struct kernel_part *part, double t, struct vec p,
-                                      struct vec v) {
-    const struct vec none = {lane_all(0), lane_all(0), lane_all(0)};
-    if (!part->push)
-        return (struct pushed){lane_all(0), none, none, lane_all(0), lane_all(0)};
-    return LANED(kernel_pushed)(part, t, p, v);
+    return (struct outside){vec_all(around->gravity), vec_all(style), vec_all(wind)};
 }
 
 /* The treatment's power on a sample by its mass; `turning` is a', `a` the node's acceleration,

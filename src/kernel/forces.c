@@ -1,4 +1,5 @@
 /* The accelerations of a part: springs from the root to the tip, then frames and samples. */
+#include "base/vector.h"
 #include "frames.h"
 #include "part.h"
 #include "parting.h"
@@ -181,13 +182,10 @@ SPECIALISED void outside_at(const struct surroundings *around, double t, double 
 static struct outside outside_by_lane(const struct kernel_part *part) {
     double wind[3], g[3];
     struct outside out;
-    lane *const to[] = {&out.wind.x, &out.wind.y, &out.wind.z, &out.g.x, &out.g.y, &out.g.z};
     for (int k = 0; k < LANES; k++) {
         outside_at(part->surroundings, part->system->times[k], wind, g);
-        for (int c = 0; c < 3; c++) {
-            lane_set(to[c], k, wind[c]);
-            lane_set(to[3 + c], k, g[c]);
-        }
+        vec_set(&out.wind, k, wind);
+        vec_set(&out.g, k, g);
     }
     return out;
 }
@@ -197,8 +195,7 @@ SPECIALISED struct outside outside(const struct kernel_part *part, double t) {
     if (part->system->times)
         return outside_by_lane(part);
     outside_at(part->surroundings, t, wind, g);
-    return (struct outside){{lane_all(wind[0]), lane_all(wind[1]), lane_all(wind[2])},
-                            {lane_all(g[0]), lane_all(g[1]), lane_all(g[2])}};
+    return (struct outside){vec_all(wind), vec_all(g)};
 }
 
 /* Frames along the wisp, and with them the accelerations of all unknowns. */
@@ -236,10 +233,6 @@ SPECIALISED void walk_nodes(struct kernel_part *part, double t, const double *q,
     }
 }
 
-static struct vec node_at(const struct kernel_part *part, const double *q, int i) {
-    return i < 2 ? part->p[i] : vec_load(q + (i - 2) * part->node_unknowns * LANES, 0);
-}
-
 /* The first two nodes of a lane that a spring joins and that have no direction from one to the
  * other; `*from` is -1 where there are none. */
 static void find_coinciding(const struct kernel_part *part, const double *q, int k, int *from,
@@ -247,10 +240,8 @@ static void find_coinciding(const struct kernel_part *part, const double *q, int
     const int farthest = part->bending == BENDING_SKIP ? 2 : 1;
     for (*from = 0; *from < part->nodes - 1; ++*from)
         for (*to = *from + 1; *to <= *from + farthest && *to < part->nodes; ++*to) {
-            const struct vec a = node_at(part, q, *from), b = node_at(part, q, *to);
-            const lane square =
-                (a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y) + (a.z - b.z) * (a.z - b.z);
-            if (!(lane_get(square, k) > 0))
+            const struct vec d = sub(place_of(part, q, *from), place_of(part, q, *to));
+            if (!(lane_get(dot(d, d), k) > 0))
                 return;
         }
     *from = -1;
@@ -259,9 +250,8 @@ static void find_coinciding(const struct kernel_part *part, const double *q, int
 /* A segment or a spring without direction: coinciding nodes, or a state that overflowed. */
 int LANED(kernel_refuse_state)(const struct kernel_part *part, const double *q, const double *v) {
     struct system *system = part->system;
-    for (int i = 0; i < system->size; i++)
-        if (!isfinite(q[i]) || !isfinite(v[i]))
-            return system_fail(system, NOT_FINITE, "the state overflowed or became NaN");
+    if (!all_finite(q, system->size) || !all_finite(v, system->size))
+        return system_fail(system, NOT_FINITE, "the state overflowed or became NaN");
     for (int k = 0; k < LANES; k++) {
         int from, to;
         find_coinciding(part, q, k, &from, &to);
@@ -274,28 +264,18 @@ int LANED(kernel_refuse_state)(const struct kernel_part *part, const double *q, 
     return system_fail(system, NOT_FINITE, "the state overflowed");
 }
 
-static mask walk(struct kernel_part *part, const double *q, const double *v) {
-    switch ((int)part->bending + 3 * (part->rigid != NULL)) {
-    case BENDING_NONE:
-        return walk_springs(part, q, v, STRETCH_SPRING, BENDING_NONE);
-    case BENDING_SKIP:
-        return walk_springs(part, q, v, STRETCH_SPRING, BENDING_SKIP);
-    case BENDING_HINGE:
-        return walk_springs(part, q, v, STRETCH_SPRING, BENDING_HINGE);
-    case 3 + BENDING_NONE:
-        return walk_springs(part, q, v, STRETCH_RIGID, BENDING_NONE);
-    case 3 + BENDING_SKIP:
-        return walk_springs(part, q, v, STRETCH_RIGID, BENDING_SKIP);
-    default:
-        return walk_springs(part, q, v, STRETCH_RIGID, BENDING_HINGE);
-    }
+SPECIALISED mask walk(struct kernel_part *part, const double *q, const double *v,
+                      enum stretch stretch) {
+    return part->bending == BENDING_NONE   ? walk_springs(part, q, v, stretch, BENDING_NONE)
+           : part->bending == BENDING_SKIP ? walk_springs(part, q, v, stretch, BENDING_SKIP)
+                                           : walk_springs(part, q, v, stretch, BENDING_HINGE);
 }
 
 int LANED(kernel_acceleration)(void *ctx, double t, const double *q, const double *v, double *a) {
     struct kernel_part *part = ctx;
     if (part->surroundings->head.knots > 0)
         LANED(kernel_prescribe)(part, t);
-    if (!mask_all(walk(part, q, v)))
+    if (!mask_all(part->rigid ? walk(part, q, v, STRETCH_RIGID) : walk(part, q, v, STRETCH_SPRING)))
         return LANED(kernel_refuse_state)(part, q, v);
     if (part->samples == 0)
         walk_nodes(part, t, q, v, a, WISP_PROJECTION, 0);

@@ -2,9 +2,9 @@
  * written into panels, factorised and solved in one go. It may leave out the springs' transverse
  * stiffness k (1 - L0/L) P, with which BDF2 is stable to shorter steps than without. */
 #include "panel.h"
+#include "room.h"
 #include "springs.h"
-
-#include <stdlib.h>
+#include "tension.h"
 
 struct kernel_panels {
     struct panel *panel; /* by free node; two of zeros behind the last */
@@ -14,19 +14,16 @@ struct kernel_panels {
 };
 
 static struct kernel_panels *create(const struct kernel_part *part) {
-    const size_t f = (size_t)free_nodes(part) + 2;
-    const size_t head = (sizeof(struct kernel_panels) + sizeof(lane) - 1) / sizeof(lane);
-    const size_t panels = f * sizeof(struct panel) / sizeof(lane);
-    const size_t lanes = head + panels + 3 * f + 3 * f + (size_t)part->node_unknowns * f;
-    struct kernel_panels *made = aligned_alloc(64, (lanes * sizeof(lane) + 63) / 64 * 64);
+    const size_t f = (size_t)free_nodes(part) + 2, panels = f * 3 * PANEL_ROWS;
+    lane *room;
+    struct kernel_panels *made =
+        room_of(sizeof *made, panels + 3 * f + 3 * f + (size_t)part->node_unknowns * f, &room);
     if (!made)
         return NULL;
-    memset(made, 0, lanes * sizeof(lane));
-    lane *at = (lane *)made + head;
-    made->panel = (struct panel *)at;
-    made->force = (struct vec *)(at + panels);
-    made->x = at + panels + 3 * f;
-    made->right = (double *)(at + panels + 6 * f);
+    made->panel = room_take(&room, panels);
+    made->force = room_take(&room, 3 * f);
+    made->x = room_take(&room, 3 * f);
+    made->right = (double *)room;
     return made;
 }
 
@@ -36,23 +33,13 @@ struct coefficients {
     int pulls; /* gamma is not 0 in all lanes: where it is, nothing is added to forces of 0 */
 };
 
-/* The penetrations of the last acceleration, after kernel_push_penetrations. */
-static const struct penetration *penetrations_of(const struct kernel_part *part, int i) {
-    return part->push ? penetrating_node(part, &part->push->penetrations, i) : NULL;
+/* The penetrations of the last acceleration, after kernel_push_penetrations; NULL: no body pushes.
+ */
+static const struct penetrations *penetrations_of(const struct kernel_part *part) {
+    return part->push ? &part->push->penetrations : NULL;
 }
 
 /* --- the matrix, and gamma K g --- */
-
-SPECIALISED struct vec of_node(const struct kernel_part *part, const double *x, int i) {
-    if (i < 2)
-        return (struct vec){lane_all(0), lane_all(0), lane_all(0)};
-    return vec_load(x, (i - 2) * part->node_unknowns);
-}
-
-/* From the origin. */
-SPECIALISED struct vec place(const struct kernel_part *part, const double *q, int i) {
-    return i < 2 ? part->p[i] : vec_load(q, (i - 2) * part->node_unknowns);
-}
 
 /* Adds s B, symmetric, to the block of nodes row and column, row >= column: of a node's own what is
  * not above its diagonal. */
@@ -72,22 +59,20 @@ SPECIALISED void add_spring(struct kernel_part *part, const struct part_equation
     struct kernel_panels *to = part->panels;
     lane sideways = lane_all(0);
     if (transverse) {
-        const struct vec between = sub(place(part, e->q, b), place(part, e->q, a));
+        const struct vec between = sub(place_of(part, e->q, b), place_of(part, e->q, a));
         const lane longer = k * (1 - rest / lane_sqrt(dot(between, between)));
         sideways = lane_select(longer > 0, longer, sideways);
     }
     const lane across = by->beta * sideways, along = by->alpha * c + by->beta * k - across;
-    const lane x[3] = {along * n.x, along * n.y, along * n.z}, y[3] = {n.x, n.y, n.z};
-    struct block B;
-    EACH (r, 0, 3)
-        EACH (j, 0, 3)
-            B.m[r][j] = r == j && transverse ? x[r] * y[j] + across : x[r] * y[j];
+    struct block B = block_outer(along, n, n);
+    if (transverse)
+        block_add_diagonal(&B, across);
     add_to(to->panel, b, b, lane_all(1), &B);
     add_to(to->panel, a, a, lane_all(1), &B);
     add_to(to->panel, b, a, lane_all(-1), &B);
     if (!pulls)
         return;
-    const struct vec d = sub(of_node(part, e->g, b), of_node(part, e->g, a));
+    const struct vec d = sub(free_node(part, e->g, b), free_node(part, e->g, a));
     const struct vec pull =
         scale(by->gamma, add_scaled(scale(sideways, d), (k - sideways) * dot(n, d), n));
     to->force[a] = add(to->force[a], pull);
@@ -132,10 +117,7 @@ SPECIALISED void add_hinge(struct kernel_part *part, const struct part_equation 
     }
     /* edge a is node 1 - node 0, edge b node 2 - node 1 */
     const int p = first, q = first + 1, r = first + 2;
-    struct block transposed;
-    EACH (i, 0, 3)
-        EACH (j, 0, 3)
-            transposed.m[i][j] = E[0][1].m[j][i];
+    const struct block transposed = block_transpose(&E[0][1]);
     add_to(to->panel, p, p, lane_all(1), &E[0][0]);
     add_to(to->panel, q, p, lane_all(-1), &E[0][0]);
     add_to(to->panel, q, p, lane_all(1), &transposed);
@@ -150,8 +132,8 @@ SPECIALISED void add_hinge(struct kernel_part *part, const struct part_equation 
 
     if (!by->pulls)
         return;
-    const struct vec dp = of_node(part, e->g, p), dq = of_node(part, e->g, q),
-                     dr = of_node(part, e->g, r);
+    const struct vec dp = free_node(part, e->g, p), dq = free_node(part, e->g, q),
+                     dr = free_node(part, e->g, r);
     const struct vec difference =
         scale(by->gamma * part->bend_k, sub(turned_by(b, sub(dr, dq)), turned_by(a, sub(dq, dp))));
     const struct vec on_a = turned_by(a, difference), on_b = turned_by(b, difference);
@@ -188,7 +170,7 @@ static void add_pushes(struct kernel_part *part, const struct part_equation *e,
     struct kernel_panels *to = part->panels;
     const lane zero = lane_all(0);
     for (int i = 0; i < free_nodes(part) && part->push; i++) {
-        const struct penetration *penetrations = penetrations_of(part, i);
+        const struct penetration *penetrations = penetrating_node(part, penetrations_of(part), i);
         if (!penetrations)
             continue;
         const mask inside = penetrations->inside != 0;
@@ -199,8 +181,9 @@ static void add_pushes(struct kernel_part *part, const struct part_equation *e,
                 own[c][r] =
                     lane_select(inside, own[c][r] + part->mass[i + 2] * T.m[r][c], own[c][r]);
         if (by->pulls)
-            to->force[i + 2] = penetrating_node_times(part, penetrations, i + 2, zero, -by->gamma,
-                                                      of_node(part, e->g, i + 2), to->force[i + 2]);
+            to->force[i + 2] =
+                penetrating_node_times(part, penetrations, i + 2, zero, -by->gamma,
+                                       free_node(part, e->g, i + 2), to->force[i + 2]);
     }
 }
 
@@ -233,7 +216,8 @@ static void right_side(struct kernel_part *part, const struct part_equation *e,
             on = add(on, samples_times(part, frame, i + 2, one, zero, zero, r, b));
             if (by->pulls) { /* and in lanes without, to the bit as if there were none */
                 const mask pulled = by->gamma != 0;
-                const struct penetration *penetrations = penetrations_of(part, i);
+                const struct penetration *penetrations =
+                    penetrating_node(part, penetrations_of(part), i);
                 struct vec more =
                     samples_times(part, frame, i + 2, zero, zero, -by->gamma, g, pull);
                 if (penetrations)
@@ -244,26 +228,20 @@ static void right_side(struct kernel_part *part, const struct part_equation *e,
                     store(b, s, lane_select(pulled, load(b, s) + load(pull, s), load(b, s)));
             }
         }
-        to->x[3 * i] = on.x, to->x[3 * i + 1] = on.y, to->x[3 * i + 2] = on.z;
+        put_node(to->x, i, on);
     }
 }
 
 /* --- elimination --- */
 
-static mask factor(struct kernel_part *part, const struct elimination *samples, lane air) {
+static mask factor(struct kernel_part *part, const struct elimination *samples) {
     struct panel *panels = part->panels->panel;
     mask positive = lane_all(0) == 0;
     struct pending_update pending = no_pending_update();
     for (int i = 0; i < free_nodes(part); i++) {
-        struct panel ld = panels[i], l;
-        add_own(part, &part->frames[i + 2], samples, i, air, &ld);
-        add_penetrating(part, &part->frames[i + 2], samples, penetrations_of(part, i), i + 2, &ld);
-        apply_pending(&ld, &pending);
-        positive &= factor_panel(&ld, &l);
-        defer_update(&l, &ld, &pending);
-        EACH (c, 0, 3)
-            EACH (r, c, PANEL_ROWS)
-                panels[i].m[c][r] = l.m[c][r];
+        struct panel ld = panels[i];
+        add_samples(part, part->frames, samples, penetrations_of(part), i, &ld);
+        positive &= factor_panel(&ld, &pending, &panels[i]);
     }
     return positive;
 }
@@ -273,38 +251,19 @@ int LANED(kernel_solve_full)(struct kernel_part *part, const struct part_equatio
     const struct coefficients by = {load(e->alpha, 0), load(e->beta, 0), gamma,
                                     !mask_none(gamma != 0)};
     const struct elimination samples = eliminate(part, by.alpha, by.beta);
-    const int f = free_nodes(part), stride = part->node_unknowns * LANES;
     if (!part->panels)
         part->panels = create(part);
     if (!part->panels)
         return system_fail(part->system, -OUT_OF_MEMORY, "no memory for the matrix");
-    lane *nodes = part->panels->x;
-    const double *b = part->panels->right;
-
+    struct kernel_panels *panels = part->panels;
     if (part->push)
         LANED(kernel_push_penetrations)(part, e->q);
     add_springs(part, e, &by);
     add_pushes(part, e, &by);
-    if (!mask_all(factor(part, &samples, by.alpha * part->drag)))
-        return system_fail(part->system, SOLVER_STALLED,
-                           "the matrix of the implicit step is not positive definite");
+    if (!mask_all(factor(part, &samples)))
+        return refuse_matrix(part);
     right_side(part, e, &by);
-    for (int i = 0; i < f && part->samples > 0; i++) {
-        const struct vec of_samples = gather_samples(part, &samples, &part->frames[i + 2],
-                                                     penetrations_of(part, i), b + i * stride);
-        nodes[3 * i] += of_samples.x;
-        nodes[3 * i + 1] += of_samples.y;
-        nodes[3 * i + 2] += of_samples.z;
-    }
-    for (int j = 0; j < 6; j++) /* the window reaches two nodes beyond the tip */
-        nodes[3 * f + j] = lane_all(0);
-    solve_nodes(part->panels->panel, f, nodes);
-    for (int i = 0; i < f; i++) {
-        const struct vec node = {nodes[3 * i], nodes[3 * i + 1], nodes[3 * i + 2]};
-        vec_store(x + i * stride, 0, node);
-        if (part->samples > 0)
-            scatter_samples(part, &samples, &part->frames[i + 2], penetrations_of(part, i), i + 2,
-                            b + i * stride, node, x + i * stride);
-    }
+    solve_all(part, part->frames, &samples, penetrations_of(part), panels->panel, panels->right,
+              panels->x, x);
     return 0;
 }

@@ -2,33 +2,29 @@
  * velocities with the frames held still. */
 #include "matrix.h"
 #include "parting.h"
+#include "room.h"
 #include "springs.h"
-
-#include <stdlib.h>
 
 struct kernel_matrix *LANED(kernel_matrix_create)(const struct kernel_part *part) {
     const size_t f = (size_t)free_nodes(part), block = sizeof(struct block) / sizeof(lane);
     const size_t frames = (f + 2) * sizeof(struct frame) / sizeof(lane), parting = f + 3;
-    const size_t head = (sizeof(struct kernel_matrix) + sizeof(lane) - 1) / sizeof(lane);
     const size_t penetrations = part->push ? LANED(kernel_penetrations_size)(part) : 0;
     const size_t jacobians = f * block * 8 + frames + parting + penetrations;
-    const size_t lanes = head + jacobians + (f + 2) * (3 * PANEL_ROWS + 3);
-    struct kernel_matrix *matrix = aligned_alloc(64, (lanes * sizeof(lane) + 63) / 64 * 64);
+    lane *room;
+    struct kernel_matrix *matrix =
+        room_of(sizeof *matrix, jacobians + (f + 2) * (3 * PANEL_ROWS + 3), &room);
     if (!matrix)
         return NULL;
-    memset(matrix, 0, lanes * sizeof(lane));
-    lane *at = (lane *)matrix + head;
-    matrix->stiffness = (struct block(*)[3])at;
-    matrix->damping = matrix->stiffness + f;
-    matrix->stiffness_above = (struct block(*)[2])(matrix->damping + f);
-    matrix->frames = (struct frame *)(matrix->stiffness_above + f);
-    matrix->steep = (lane *)(matrix->frames + f + 2);
-    matrix->parting = (struct vec *)(matrix->steep + f);
-    at = (lane *)(matrix->parting + 1);
+    matrix->stiffness = room_take(&room, 3 * f * block);
+    matrix->damping = room_take(&room, 3 * f * block);
+    matrix->stiffness_above = room_take(&room, 2 * f * block);
+    matrix->frames = room_take(&room, frames);
+    matrix->steep = room_take(&room, f);
+    matrix->parting = room_take(&room, 3);
     if (part->push)
-        matrix->penetrations = LANED(kernel_penetrations_in)(part, at);
-    matrix->panel = (struct panel *)(at + penetrations);
-    matrix->x = (lane *)(matrix->panel + f + 2);
+        matrix->penetrations = LANED(kernel_penetrations_in)(part, room_take(&room, penetrations));
+    matrix->panel = room_take(&room, (f + 2) * 3 * PANEL_ROWS);
+    matrix->x = room;
     matrix->jacobian_numbers = jacobians;
     return matrix;
 }
@@ -47,14 +43,11 @@ static unsigned waiting(const struct kernel_part *part) {
 /* What lanes that wait have of the Jacobians is kept while those of others are written, */
 static int keep(struct kernel_part *part) {
     struct kernel_matrix *m = part->matrix;
-    const size_t bytes = m->jacobian_numbers * sizeof(lane);
     if (!waiting(part))
         return 0;
-    if (!m->kept)
-        m->kept = aligned_alloc(64, (bytes + 63) / 64 * 64);
-    if (!m->kept)
+    if (!m->kept && !room_of(0, m->jacobian_numbers, &m->kept))
         return system_fail(part->system, -OUT_OF_MEMORY, "no memory for the Jacobians");
-    memcpy(m->kept, m->stiffness, bytes);
+    memcpy(m->kept, m->stiffness, m->jacobian_numbers * sizeof(lane));
     return 0;
 }
 

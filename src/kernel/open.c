@@ -151,14 +151,13 @@ void LANED(kernel_open)(void *ctx, const double *q, const double *v,
         put_rings(part, i, &ring, strands);
     }
     for (int i = 2; i < part->nodes; i++) {
-        const double *qi = q + (i - 2) * part->node_unknowns * LANES;
-        const double *vi = v + (i - 2) * part->node_unknowns * LANES;
-        ring.p = in_space(part, vec_load(qi, 0));
-        ring.v = vec_load(vi, 0);
+        const int at = (i - 2) * part->node_unknowns * LANES;
+        ring.p = in_space(part, vec_load(q + at, 0));
+        ring.v = vec_load(v + at, 0);
         if (part->samples == 4)
-            free_samples(part, i, qi, vi, 4, &ring);
+            free_samples(part, i, q + at, v + at, 4, &ring);
         else
-            free_samples(part, i, qi, vi, part->samples, &ring);
+            free_samples(part, i, q + at, v + at, part->samples, &ring);
         put_rings(part, i, &ring, strands);
     }
     for (int k = 0; k < LANES; k++)

@@ -49,6 +49,12 @@ static inline struct elimination eliminate(const struct kernel_part *part, lane 
     return e;
 }
 
+static inline void put_node(lane *y, int node, struct vec a) {
+    y[3 * node] = a.x;
+    y[3 * node + 1] = a.y;
+    y[3 * node + 2] = a.z;
+}
+
 static inline void add_node(lane *y, int node, struct vec a) {
     y[3 * node] += a.x;
     y[3 * node + 1] += a.y;
@@ -86,12 +92,14 @@ static inline struct vec samples_times(const struct kernel_part *part, const str
 
 /* --- factorisation --- */
 
-/* Mass, drag and the samples of node i + 2: mu (diagonal + ww w w') + m (1 + alpha gamma). */
-SPECIALISED void add_own(const struct kernel_part *part, const struct frame *frame,
-                         const struct elimination *e, int i, lane air, struct panel *panel) {
-    lane diagonal = part->mass[i + 2] * (1 + air);
+/* Adds mass, drag and the samples of node i + 2: mu (diagonal + ww w w') + m (1 + alpha gamma), and
+ * what bodies make of the samples. */
+SPECIALISED void add_samples(const struct kernel_part *part, const struct frame *frames,
+                             const struct elimination *e, const struct penetrations *penetrations,
+                             int i, struct panel *panel) {
+    lane diagonal = part->mass[i + 2] * (1 + e->alpha * part->drag);
     if (part->samples > 0) {
-        const struct vec w = frame->w;
+        const struct vec w = frames[i + 2].w;
         const lane mu = part->sample_mass[i + 2], ww[3] = {w.x, w.y, w.z};
         const lane factor = mu * e->diagonal_ww;
         diagonal += mu * e->diagonal;
@@ -101,6 +109,7 @@ SPECIALISED void add_own(const struct kernel_part *part, const struct frame *fra
     }
     EACH (c, 0, 3)
         panel->m[c][c] += diagonal;
+    add_penetrating(part, &frames[i + 2], e, penetrating_node(part, penetrations, i), i + 2, panel);
 }
 
 /* What factorised columns take off those of the two nodes after them. It stays in registers from
@@ -148,20 +157,32 @@ SPECIALISED void defer_update(const struct panel *l, const struct panel *ld,
         }
 }
 
-/* Factorises a node's columns: from `ld` into `l`, with 1 / D on its diagonal. */
-SPECIALISED mask factor_panel(struct panel *ld, struct panel *l) {
+/* Factorises a node's columns: from `ld`, of which nothing is taken off yet, into `to`, with 1 / D
+ * on its diagonal. Returns the lanes in which D is positive. */
+SPECIALISED mask factor_panel(struct panel *ld, struct pending_update *pending, struct panel *to) {
+    struct panel l;
     mask positive = lane_all(0) == 0;
+    apply_pending(ld, pending);
     EACH (c, 0, 3) {
         positive &= ld->m[c][c] > 0;
         const lane inverse = 1 / ld->m[c][c];
         EACH (r, c + 1, PANEL_ROWS)
-            l->m[c][r] = ld->m[c][r] * inverse;
+            l.m[c][r] = ld->m[c][r] * inverse;
         EACH (d, c + 1, 3)
             EACH (r, d, PANEL_ROWS)
-                ld->m[d][r] -= l->m[c][d] * ld->m[c][r];
-        l->m[c][c] = inverse;
+                ld->m[d][r] -= l.m[c][d] * ld->m[c][r];
+        l.m[c][c] = inverse;
     }
+    defer_update(&l, ld, pending);
+    EACH (c, 0, 3)
+        EACH (r, c, PANEL_ROWS)
+            to->m[c][r] = l.m[c][r];
     return positive;
+}
+
+static inline int refuse_matrix(const struct kernel_part *part) {
+    return system_fail(part->system, SOLVER_STALLED,
+                       "the matrix of the implicit step is not positive definite");
 }
 
 /* --- solution --- */
@@ -237,6 +258,29 @@ static inline void scatter_samples(const struct kernel_part *part, const struct 
         }
         if (is_penetrating(penetrations, j))
             penetrating_solution(part, e, &penetrations[1 + j], j, a, inverse_mass, b, node, x);
+    }
+}
+
+/* All unknowns, from the right side b of all; `nodes` is that of the nodes, whose part in b does
+ * not count, and has two more. */
+static inline void solve_all(const struct kernel_part *part, const struct frame *frames,
+                             const struct elimination *e, const struct penetrations *penetrations,
+                             const struct panel *panels, const double *b, lane *nodes, double *x) {
+    const int f = free_nodes(part), stride = part->node_unknowns * LANES;
+    const struct vec none = {lane_all(0), lane_all(0), lane_all(0)};
+    for (int i = 0; i < f && part->samples > 0; i++)
+        add_node(nodes, i,
+                 gather_samples(part, e, &frames[i + 2], penetrating_node(part, penetrations, i),
+                                b + i * stride));
+    for (int i = f; i < f + 2; i++) /* the window reaches two nodes beyond the tip */
+        put_node(nodes, i, none);
+    solve_nodes(panels, f, nodes);
+    for (int i = 0; i < f; i++) {
+        const struct vec node = {nodes[3 * i], nodes[3 * i + 1], nodes[3 * i + 2]};
+        vec_store(x + i * stride, 0, node);
+        if (part->samples > 0)
+            scatter_samples(part, e, &frames[i + 2], penetrating_node(part, penetrations, i), i + 2,
+                            b + i * stride, node, x + i * stride);
     }
 }
 

@@ -4,8 +4,7 @@
 #include "frames.h"
 #include "push.h"
 #include "rigid.h"
-
-#include <stdlib.h>
+#include "room.h"
 
 /* --- the head --- */
 
@@ -80,12 +79,6 @@ static void place_head(struct kernel_part *part, double t) {
     part->normal = turned(&part->head, 0, part->rest_normal);
 }
 
-static void copy_lane(struct vec *to, const struct vec *from, int k) {
-    lane_set(&to->x, k, lane_get(from->x, k));
-    lane_set(&to->y, k, lane_get(from->y, k));
-    lane_set(&to->z, k, lane_get(from->z, k));
-}
-
 /* Each lane has the head where it is at a time of its own: nobody else can use that place. */
 static void place_heads(struct kernel_part *part, const double *times) {
     struct vec *const of_head[] = {&part->p[0], &part->p[1],    &part->v[0],
@@ -94,8 +87,11 @@ static void place_heads(struct kernel_part *part, const double *times) {
     struct vec placed[COUNT];
     for (int k = 0; k < LANES; k++) {
         place_head(part, times[k]);
-        for (int i = 0; i < COUNT; i++)
-            copy_lane(&placed[i], of_head[i], k);
+        for (int i = 0; i < COUNT; i++) {
+            double x[3];
+            vec_get(x, *of_head[i], k);
+            vec_set(&placed[i], k, x);
+        }
     }
     for (int i = 0; i < COUNT; i++)
         *of_head[i] = placed[i];
@@ -114,40 +110,24 @@ void LANED(kernel_prescribe)(void *ctx, double t) {
 
 /* --- making one --- */
 
-/* Takes `count` lanes-wide numbers from a block; all members are made of whole lanes. */
-static void *take(lane **block, size_t count) {
-    void *taken = *block;
-    *block += count;
-    return taken;
-}
-
 static struct kernel_part *allocate(int nodes) {
     const size_t n = (size_t)nodes;
-    const size_t head = (sizeof(struct kernel_part) + sizeof(lane) - 1) / sizeof(lane);
-    const size_t lanes = head + n * (5 + 3 + 3 + 3 + 9 + 3 + 1);
-    struct kernel_part *part = aligned_alloc(64, (lanes * sizeof(lane) + 63) / 64 * 64);
+    lane *room;
+    struct kernel_part *part = room_of(sizeof *part, n * (5 + 3 + 3 + 3 + 9 + 3 + 1), &room);
     if (!part)
         return NULL;
-    memset(part, 0, lanes * sizeof(lane));
-    lane *block = (lane *)part + head;
-    part->mass = take(&block, n);
-    part->inverse_mass = take(&block, n);
-    part->sample_mass = take(&block, n);
-    part->inverse_across = take(&block, n);
-    part->inverse_along = take(&block, n);
-    part->t = take(&block, 3 * n);
-    part->chord = take(&block, 3 * n);
-    part->inverse_length = take(&block, n);
-    part->force = take(&block, 3 * n);
-    part->swing = take(&block, 3 * n);
-    part->frames = take(&block, 9 * n);
+    part->mass = room_take(&room, n);
+    part->inverse_mass = room_take(&room, n);
+    part->sample_mass = room_take(&room, n);
+    part->inverse_across = room_take(&room, n);
+    part->inverse_along = room_take(&room, n);
+    part->t = room_take(&room, 3 * n);
+    part->chord = room_take(&room, 3 * n);
+    part->inverse_length = room_take(&room, n);
+    part->force = room_take(&room, 3 * n);
+    part->swing = room_take(&room, 3 * n);
+    part->frames = room_take(&room, 9 * n);
     return part;
-}
-
-static void set_vec(struct vec *vec, int k, const double x[3]) {
-    lane_set(&vec->x, k, x[0]);
-    lane_set(&vec->y, k, x[1]);
-    lane_set(&vec->z, k, x[2]);
 }
 
 /* Wisp k's numbers into lane k. */
@@ -156,11 +136,11 @@ static void fill_lane(struct kernel_part *part, int k, const struct wisp *wisp) 
     const double stretch = wisp_stretch_constant(wisp), bend = wisp_bending_constant(wisp);
     double normal[3], origin[3];
     wisp_first_normal(wisp->direction, normal);
-    set_vec(&part->rest_root, k, wisp->root);
-    set_vec(&part->rest_tangent, k, wisp->direction);
-    set_vec(&part->rest_normal, k, normal);
+    vec_set(&part->rest_root, k, wisp->root);
+    vec_set(&part->rest_tangent, k, wisp->direction);
+    vec_set(&part->rest_normal, k, normal);
     placed_point(&part->start, 0, wisp->root, origin);
-    set_vec(&part->origin, k, origin);
+    vec_set(&part->origin, k, origin);
     lane_set(&part->spacing, k, l);
     lane_set(&part->skip_length, k, 2 * l);
     lane_set(&part->stretch_k, k, stretch);

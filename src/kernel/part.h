@@ -64,10 +64,10 @@ struct kernel_part {
     struct vec *force;    /* springs on a node, N */
     struct vec *swing;    /* what carries u from one node to the next, see frames.h */
     struct frame *frames; /* of the last acceleration or tick; those of Jacobians are theirs */
-    void *spare;          /* the same for who measures; made by the first energies or powers */
+    lane *spare;          /* the same for who measures; made by the first energies or powers */
 
     struct kernel_matrix *matrix; /* Jacobians and factors; made by the first linearisation */
-    void *rows;                   /* of solves with a part of the forces; made by the first */
+    lane *rows;                   /* of solves with a part of the forces; made by the first */
     struct kernel_panels *panels; /* of such solves with all forces, likewise */
     struct kernel_rigid *rigid;   /* of rigid segments; NULL: they are springs */
     struct kernel_push *push;     /* of bodies that push by penalty; NULL: there are none */
@@ -103,6 +103,11 @@ struct vec LANED(kernel_carried_acceleration)(const struct kernel_part *part, do
 /* Where a node or sample is in space whose place from the origin is among the unknowns. */
 static inline struct vec in_space(const struct kernel_part *part, struct vec place) {
     return add(part->origin, place);
+}
+
+/* Where node i is, from the origin, in a state to whose time the head is prescribed. */
+static inline struct vec place_of(const struct kernel_part *part, const double *q, int i) {
+    return i < 2 ? part->p[i] : vec_load(q, (i - 2) * part->node_unknowns);
 }
 
 /* Tangents and frames of a state, into part->t and `frames`, which has one for each node; the lanes

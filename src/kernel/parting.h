@@ -10,8 +10,7 @@ static inline int has_parting(const struct kernel_part *part) {
 }
 
 static inline struct vec parting_normal(const struct kernel_part *part) {
-    const double *n = part->surroundings->style.parting.normal;
-    return (struct vec){lane_all(n[0]), lane_all(n[1]), lane_all(n[2])};
+    return vec_all(part->surroundings->style.parting.normal);
 }
 
 /* B, in each lane at its own time. */
@@ -21,9 +20,7 @@ static inline struct vec parting_strength(const struct kernel_part *part, double
     for (int k = 0; k < LANES; k++) {
         double b[3];
         style_parting(&part->surroundings->style, times ? times[k] : t, b);
-        lane_set(&strength.x, k, b[0]);
-        lane_set(&strength.y, k, b[1]);
-        lane_set(&strength.z, k, b[2]);
+        vec_set(&strength, k, b);
     }
     return strength;
 }
@@ -32,9 +29,8 @@ static inline struct vec parting_strength(const struct kernel_part *part, double
  * the bits do not depend on the packing. */
 static inline lane parting_side(const struct kernel_part *part, struct vec place) {
     const struct parting *parting = &part->surroundings->style.parting;
-    const double *o = parting->origin;
-    const struct vec origin = {lane_all(o[0]), lane_all(o[1]), lane_all(o[2])};
-    lane side = dot(sub(in_space(part, place), origin), parting_normal(part)) / parting->width;
+    const struct vec from = sub(in_space(part, place), vec_all(parting->origin));
+    lane side = dot(from, parting_normal(part)) / parting->width;
     for (int k = 0; k < LANES; k++)
         lane_set(&side, k, tanh(lane_get(side, k)));
     return side;

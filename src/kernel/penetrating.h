@@ -68,22 +68,15 @@ static inline struct eliminated eliminate_sample(const struct kernel_part *part,
         s.inverse = 1 / (g + h + dot(a, Ta));
         s.to = s.from = scale(-s.inverse, c);
         s.gain = block_outer(-s.inverse, c, c);
-        EACH (i, 0, 3)
-            EACH (j, 0, 3)
-                s.gain.m[i][j] += T->m[i][j];
-        EACH (i, 0, 3)
-            s.gain.m[i][i] += g;
+        block_add(&s.gain, T);
+        block_add_diagonal(&s.gain, g);
     } else { /* H - H A^-1 H = H A^-1 (g + T), where nothing cancels */
         const lane across = e->alpha * part->penalty_c + e->beta * part->penalty_k;
         struct block H = block_outer(h - across, a, a), own = *T;
-        EACH (i, 0, 3) {
-            H.m[i][i] += across;
-            own.m[i][i] += g;
-        }
+        block_add_diagonal(&H, across);
+        block_add_diagonal(&own, g);
         struct block A = H;
-        EACH (i, 0, 3)
-            EACH (j, 0, 3)
-                A.m[i][j] += own.m[i][j];
+        block_add(&A, &own);
         s.solution = symmetric_inverse(&A);
         s.to_node = block_product(&H, &s.solution);
         s.gain = block_product(&s.to_node, &own);

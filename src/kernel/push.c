@@ -2,11 +2,10 @@
 
 #include "frames.h"
 #include "matrix.h"
+#include "room.h"
 #include "span.h"
 #include "tension.h"
 #include "wisp/body.h"
-
-#include <stdlib.h>
 
 /* --- room --- */
 
@@ -36,18 +35,16 @@ static struct pusher pusher_of(const struct body *body) {
 struct kernel_push *LANED(kernel_push_create)(const struct kernel_part *part) {
     const struct surroundings *around = part->surroundings;
     const size_t count = (size_t)around->pushing_count, points = 1 + (size_t)part->samples;
-    const size_t head = (sizeof(struct kernel_push) + count * sizeof(struct pusher) + 63) / 64 * 64;
     const size_t unknowns = (size_t)(free_nodes(part) * part->node_unknowns);
     const size_t lanes = 3 * points + 2 * unknowns + LANED(kernel_penetrations_size)(part);
-    const size_t bytes = (head + lanes * sizeof(lane) + 63) / 64 * 64;
-    struct kernel_push *push = aligned_alloc(64, bytes);
+    lane *room;
+    struct kernel_push *push = room_of(sizeof *push + count * sizeof(struct pusher), lanes, &room);
     if (!push)
         return NULL;
-    memset(push, 0, bytes);
-    push->on = (struct vec *)((char *)push + head);
-    push->v = (double *)(push->on + points);
-    push->spare = (double *)((lane *)push->v + unknowns);
-    push->penetrations = LANED(kernel_penetrations_in)(part, (lane *)push->spare + unknowns);
+    push->on = room_take(&room, 3 * points);
+    push->v = room_take(&room, unknowns);
+    push->spare = room_take(&room, unknowns);
+    push->penetrations = LANED(kernel_penetrations_in)(part, room);
     push->count = around->pushing_count;
     push->rest = around->head.knots <= 1;
     push->time = NAN;
@@ -60,12 +57,6 @@ struct kernel_push *LANED(kernel_push_create)(const struct kernel_part *part) {
 }
 
 /* --- where bodies are --- */
-
-static void set_lane(struct vec *to, int k, const double x[3]) {
-    lane_set(&to->x, k, x[0]);
-    lane_set(&to->y, k, x[1]);
-    lane_set(&to->z, k, x[2]);
-}
 
 /* Places the bodies of one lane. */
 static void place(const struct kernel_part *part, int k, double t, const struct placement *head) {
@@ -83,13 +74,13 @@ static void place(const struct kernel_part *part, int k, double t, const struct 
             centre[c] = motion.centre[c] - origin[c];
             half[c] = (box[3 + c] - box[c]) / 2;
         }
-        set_lane(&pusher->centre, k, centre);
-        set_lane(&pusher->half, k, half);
-        set_lane(&pusher->velocity, k, motion.velocity);
-        set_lane(&pusher->spin, k, motion.spin);
+        vec_set(&pusher->centre, k, centre);
+        vec_set(&pusher->half, k, half);
+        vec_set(&pusher->velocity, k, motion.velocity);
+        vec_set(&pusher->spin, k, motion.spin);
         for (int r = 0; r < 3; r++) {
             const double axis[3] = {motion.axes[0][r], motion.axes[1][r], motion.axes[2][r]};
-            set_lane(&pusher->axes[r], k, axis);
+            vec_set(&pusher->axes[r], k, axis);
         }
         pusher->turned = around->head.knots > 0;
     }
@@ -241,8 +232,7 @@ static void add_penetration(struct penetration *to, const struct pusher *body,
     const lane damping = lane_select(c->pushes, body->damping * c->share, zero);
     struct block nn = block_outer(lane_all(1), c->n, c->n), D = {0}, E = {0};
     block_add_scaled(&D, damping - rubbing, &nn);
-    EACH (i, 0, 3)
-        D.m[i][i] += rubbing;
+    block_add_diagonal(&D, rubbing);
     if (kind == JACOBIAN_EXACT) {
         const struct block slope = slope_of(body, c);
         block_add_scaled(&E, -one, &slope);
@@ -313,19 +303,10 @@ struct nearby {
     lane reach;
 };
 
-static struct span nodes_span(const struct kernel_part *part, const double *q) {
-    struct span span = {vec_load(q, 0), vec_load(q, 0)};
-    for (int i = 1; i < free_nodes(part); i++) {
-        const struct vec p = vec_load(q, i * part->node_unknowns);
-        span = (struct span){least(p, span.low), most(p, span.high)};
-    }
-    return span;
-}
-
 /* A part in a million more, so that rounding loses nobody. */
 static void find_near(const struct kernel_part *part, const double *q, struct nearby *near) {
     const struct kernel_push *push = part->push;
-    const struct span span = nodes_span(part, q);
+    const struct span span = span_from_origin(part, q);
     near->count = 0;
     near->reach = (1 + 1e-6) * farthest(part, q);
     for (int b = 0; b < push->count; b++) {

@@ -7,27 +7,25 @@
  * without them. B_1^-1 = 0: of the node that the head moves a is known. */
 #include "rigid.h"
 
+#include "base/vector.h"
+#include "room.h"
 #include "tension.h"
-
-#include <stdlib.h>
 
 struct kernel_rigid *LANED(kernel_rigid_create)(int nodes, int unknowns) {
     const size_t n = (size_t)nodes, size = (size_t)unknowns;
-    const size_t head = (sizeof(struct kernel_rigid) + sizeof(lane) - 1) / sizeof(lane);
-    const size_t lanes = head + n * (1 + 1 + 1 + 1 + 3 + 3 + 3) + size;
-    struct kernel_rigid *rigid = aligned_alloc(64, (lanes * sizeof(lane) + 63) / 64 * 64);
+    lane *room;
+    struct kernel_rigid *rigid =
+        room_of(sizeof *rigid, n * (1 + 1 + 1 + 1 + 3 + 3 + 3) + size, &room);
     if (!rigid)
         return NULL;
-    memset(rigid, 0, lanes * sizeof(lane));
-    lane *at = (lane *)rigid + head;
-    rigid->turning = at;
-    rigid->upper = at + n;
-    rigid->tension = at + 2 * n;
-    rigid->gap = at + 3 * n;
-    rigid->p = (struct vec *)(at + 4 * n);
-    rigid->from = (struct vec *)(at + 7 * n);
-    rigid->t = (struct vec *)(at + 10 * n);
-    rigid->v = (double *)(at + 13 * n);
+    rigid->turning = room_take(&room, n);
+    rigid->upper = room_take(&room, n);
+    rigid->tension = room_take(&room, n);
+    rigid->gap = room_take(&room, n);
+    rigid->p = room_take(&room, 3 * n);
+    rigid->from = room_take(&room, 3 * n);
+    rigid->t = room_take(&room, 3 * n);
+    rigid->v = room_take(&room, size);
     return rigid;
 }
 
@@ -156,7 +154,7 @@ static lane tolerance_of(const struct kernel_part *part, const struct vec *p) {
 SPECIALISED mask find_places(struct kernel_part *part, int coupled, const double *q) {
     struct kernel_rigid *rigid = part->rigid;
     for (int i = 0; i < part->nodes; i++)
-        rigid->from[i] = rigid->p[i] = i < 2 ? part->p[i] : free_node(part, q, i);
+        rigid->from[i] = rigid->p[i] = place_of(part, q, i);
     const lane tolerance = tolerance_of(part, rigid->from);
     const mask kept = measure(part, rigid->from, tolerance);
     memcpy(rigid->t, part->t, (size_t)(part->nodes - 1) * sizeof *part->t);
@@ -178,22 +176,14 @@ static int refuse(const struct kernel_part *part, const double *q, const double 
                   unsigned lanes) {
     struct system *system = part->system;
     int k = 0;
-    for (int i = 0; i < system->size; i++)
-        if (!isfinite(q[i]) || !isfinite(v[i]))
-            return system_fail(system, NOT_FINITE, "the state overflowed or became NaN");
+    if (!all_finite(q, system->size) || !all_finite(v, system->size))
+        return system_fail(system, NOT_FINITE, "the state overflowed or became NaN");
     while (!(lanes >> k & 1))
         k++;
     return system_fail(system, SOLVER_STALLED,
                        "wisp %d: the segments could not be given their length back: they are too "
                        "far from it",
                        system->numbers ? system->numbers[k] : k);
-}
-
-static mask mask_of(unsigned lanes) {
-    lane chosen = lane_all(0);
-    for (int k = 0; k < LANES; k++)
-        lane_set(&chosen, k, lanes >> k & 1);
-    return chosen != 0;
 }
 
 /* The nodes' new places, and those of samples that are given in space. */
@@ -229,7 +219,7 @@ int LANED(kernel_project_lanes)(void *ctx, double t, double *q, double *v, unsig
     struct kernel_part *part = ctx;
     const int coupled = is_coupled(part);
     lanes &= (1u << LANES) - 1;
-    const mask chosen = mask_of(lanes);
+    const mask chosen = mask_of_bits(lanes);
     LANED(kernel_prescribe)(part, t);
     const unsigned open =
         lanes & mask_bits(coupled ? find_places(part, 1, q) : find_places(part, 0, q));

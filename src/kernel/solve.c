@@ -55,8 +55,7 @@ void LANED(kernel_product)(void *ctx, double m, double d, double k, const double
         const int at = i * part->node_unknowns;
         nodes[i] = vec_load(x, at);
         const lane own = part->mass[i + 2] * (mass + damping * part->drag);
-        const struct vec a = scale(own, nodes[i]);
-        sum[3 * i] = a.x, sum[3 * i + 1] = a.y, sum[3 * i + 2] = a.z;
+        put_node(sum, i, scale(own, nodes[i]));
     }
     if (d != 0 || k != 0) /* M alone is asked for at every solve of CVODE */
         skeleton_times(part, damping, stiffness, nodes, sum);
@@ -103,9 +102,7 @@ SPECIALISED void assemble_panel(const struct kernel_part *part, const struct eli
     const struct kernel_matrix *m = part->matrix;
     const int left = free_nodes(part) - i;
     combine_blocks(panel, 0, alpha, beta, &m->damping[i][0], &m->stiffness[i][0]);
-    add_own(part, &m->frames[i + 2], e, i, alpha * part->drag, panel);
-    add_penetrating(part, &m->frames[i + 2], e, penetrating_node(part, &m->penetrations, i), i + 2,
-                    panel);
+    add_samples(part, m->frames, e, &m->penetrations, i, panel);
     if (left > 1)
         combine_blocks(panel, 3, alpha, beta, &m->damping[i + 1][1], &m->stiffness[i + 1][1]);
     else
@@ -126,44 +123,18 @@ int LANED(kernel_factor)(void *ctx, double alpha, double beta) {
     m->alpha = alpha;
     m->beta = beta;
     for (int i = 0; i < free_nodes(part); i++) {
-        struct panel ld, l;
+        struct panel ld;
         assemble_panel(part, &e, i, a, b, &ld);
-        apply_pending(&ld, &pending);
-        positive &= factor_panel(&ld, &l);
-        defer_update(&l, &ld, &pending);
-        EACH (c, 0, 3)
-            EACH (r, c, PANEL_ROWS)
-                m->panel[i].m[c][r] = l.m[c][r];
+        positive &= factor_panel(&ld, &pending, &m->panel[i]);
     }
-    if (mask_all(positive))
-        return 0;
-    return system_fail(part->system, SOLVER_STALLED,
-                       "the matrix of the implicit step is not positive definite");
+    return mask_all(positive) ? 0 : refuse_matrix(part);
 }
 
 void LANED(kernel_solve)(void *ctx, const double *b, double *x) {
     struct kernel_part *part = ctx;
     const struct kernel_matrix *m = part->matrix;
-    const int f = free_nodes(part), stride = part->node_unknowns * LANES;
     const struct elimination e = eliminate(part, lane_all(m->alpha), lane_all(m->beta));
-
-    for (int i = 0; i < f; i++) {
-        struct vec rhs = vec_load(b + i * stride, 0);
-        if (part->samples > 0)
-            rhs = add(rhs,
-                      gather_samples(part, &e, &m->frames[i + 2],
-                                     penetrating_node(part, &m->penetrations, i), b + i * stride));
-        m->x[3 * i] = rhs.x, m->x[3 * i + 1] = rhs.y, m->x[3 * i + 2] = rhs.z;
-    }
-    for (int j = 0; j < 6; j++) /* the window reaches two nodes beyond the tip */
-        m->x[3 * f + j] = lane_all(0);
-    solve_nodes(m->panel, f, m->x);
-    for (int i = 0; i < f; i++) {
-        const struct vec node = {m->x[3 * i], m->x[3 * i + 1], m->x[3 * i + 2]};
-        vec_store(x + i * stride, 0, node);
-        if (part->samples > 0)
-            scatter_samples(part, &e, &m->frames[i + 2],
-                            penetrating_node(part, &m->penetrations, i), i + 2, b + i * stride,
-                            node, x + i * stride);
-    }
+    for (int i = 0; i < free_nodes(part); i++)
+        put_node(m->x, i, vec_load(b, i * part->node_unknowns));
+    solve_all(part, m->frames, &e, &m->penetrations, m->panel, b, m->x, x);
 }

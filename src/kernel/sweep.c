@@ -18,12 +18,8 @@ struct constraint {
     lane rest, k, c;
 };
 
-/* Where node i is now, and how far from where the step began: nodes that the head moves go as fast
- * as they do at its end. */
-SPECIALISED struct vec here(const struct kernel_part *part, const double *x, int i) {
-    return i < 2 ? part->p[i] : free_node(part, x, i);
-}
-
+/* How far node i is from where the step began: those that the head moves go as fast as they do at
+ * its end. */
 SPECIALISED struct vec way(const struct kernel_part *part, double h, const double *q,
                            const double *x, int i) {
     return i < 2 ? scale(lane_all(h), part->v[i])
@@ -32,7 +28,7 @@ SPECIALISED struct vec way(const struct kernel_part *part, double h, const doubl
 
 SPECIALISED void satisfy(struct kernel_part *part, const struct constraint *s, int coupled,
                          double h, const double *q, double *x, double *multiplier) {
-    const struct vec d = sub(here(part, x, s->b), here(part, x, s->a));
+    const struct vec d = sub(place_of(part, x, s->b), place_of(part, x, s->a));
     const lane length = lane_sqrt(dot(d, d)), stiff = h * h * s->k, damp = h * s->c;
     const struct vec n = scale(1 / length, d);
     const lane apart = dot(n, sub(way(part, h, q, x, s->b), way(part, h, q, x, s->a)));
@@ -53,7 +49,8 @@ SPECIALISED void satisfy(struct kernel_part *part, const struct constraint *s, i
 SPECIALISED void satisfy_hinge(struct kernel_part *part, int i, int coupled, double h,
                                const double *q, double *x, double *multiplier) {
     mask sound = lane_all(0) == 0;
-    const struct vec pa = here(part, x, i - 2), pb = here(part, x, i - 1), pc = here(part, x, i);
+    const struct vec pa = place_of(part, x, i - 2), pb = place_of(part, x, i - 1),
+                     pc = place_of(part, x, i);
     const struct vec wa = way(part, h, q, x, i - 2), wb = way(part, h, q, x, i - 1),
                      wc = way(part, h, q, x, i);
     const struct reach a = reach(pa, pb, wa, wb, &sound), b = reach(pb, pc, wb, wc, &sound);

@@ -191,10 +191,6 @@ static void node_rates(struct kernel_part *part, const struct vec on[2], struct 
     }
 }
 
-static struct vec in_all_lanes(const double x[3]) {
-    return (struct vec){lane_all(x[0]), lane_all(x[1]), lane_all(x[2])};
-}
-
 void LANED(kernel_time_rate)(void *ctx, double t, const double *q, const double *v, double *rate) {
     struct kernel_part *part = ctx;
     const struct surroundings *around = part->surroundings;
@@ -216,12 +212,12 @@ void LANED(kernel_time_rate)(void *ctx, double t, const double *q, const double 
     style_rate(&around->style, inside, style_t);
     style_parting(&around->style, t, parting);
     style_parting_rate(&around->style, inside, parting_t);
-    const struct everywhere all = {
-        .g = add(in_all_lanes(around->gravity), in_all_lanes(style)),
-        .wind = in_all_lanes(wind),
-        .rate = add_scaled(in_all_lanes(style_t), part->drag, in_all_lanes(wind_t)),
-        .parting = in_all_lanes(parting),
-        .parting_t = in_all_lanes(parting_t)};
+    const struct everywhere all = {.g = add(vec_all(around->gravity), vec_all(style)),
+                                   .wind = vec_all(wind),
+                                   .rate =
+                                       add_scaled(vec_all(style_t), part->drag, vec_all(wind_t)),
+                                   .parting = vec_all(parting),
+                                   .parting_t = vec_all(parting_t)};
     spring_rates(part, &head, q, v, on);
     const struct vec p2 = vec_load(q, 0), d = sub(p2, part->p[1]);
     const struct vec t_t =

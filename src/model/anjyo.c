@@ -22,6 +22,7 @@ struct anjyo {
     double *c;      /* by free segment: 1/(kg m^2) */
     double (*k)[3]; /* by free segment: by theta, by phi, and by the other one's angle */
     double (*inverse)[3];
+    double memory[];
 };
 
 /* The unit vectors of an orientation: along the segment, and along which theta and phi move it (the
@@ -126,28 +127,16 @@ static const struct system_ops ops = {.acceleration = acceleration,
 
 /* --- a wisp --- */
 
-static void anjyo_free(struct chain *chain) {
-    struct anjyo *self = (struct anjyo *)chain;
-    free(self->c);
-    free(self->k);
-    free(self->inverse);
-    free(self);
-}
-
 static struct chain *anjyo_create(const struct scene *scene, const struct wisp *wisp) {
-    struct anjyo *self = calloc(1, sizeof *self);
+    const size_t count = (size_t)wisp->nodes - 2;
+    struct anjyo *self = calloc(1, sizeof *self + count * (1 + 3 + 3) * sizeof(double));
     if (!self)
         return NULL;
-    const size_t count = (size_t)wisp->nodes - 2;
     self->spacing = wisp_spacing(wisp);
     self->mass = wisp->hair_count * wisp->hair_density * self->spacing;
-    self->c = malloc(count * sizeof *self->c);
-    self->k = malloc(count * sizeof *self->k);
-    self->inverse = malloc(count * sizeof *self->inverse);
-    if (!self->c || !self->k || !self->inverse) {
-        anjyo_free(&self->chain);
-        return NULL;
-    }
+    self->c = self->memory;
+    self->k = (double(*)[3])(self->c + count);
+    self->inverse = self->k + count;
     for (int i = 2; i < wisp->nodes; i++)
         self->c[i - 2] = scene->anjyo_constant * i; /* as the source's, but for its time step */
     return &self->chain;
@@ -231,7 +220,6 @@ static const struct chain_law law = {
     .unit = "rad",
     .reach = 0,
     .create = anjyo_create,
-    .free = anjyo_free,
     .start = start,
     .points = points,
     .take = take,
@@ -255,8 +243,8 @@ static int terms(const struct scene *scene, const char **names, int most) {
 const struct problem anjyo_problem = {
     .name = "anjyo",
     .treatments = chain_treatments,
-    .default_treatment = chains_default_treatment,
-    .default_linear = chains_default_linear,
+    .default_treatment = first_treatment,
+    .default_linear = direct_solver,
     .create = create,
     .free = chains_free,
     .sample = chains_sample,

@@ -1,5 +1,7 @@
 #include "chains.h"
 
+#include "problems.h"
+
 #include <stdlib.h>
 #include <string.h>
 #include <sys/param.h>
@@ -9,26 +11,12 @@ const struct treatment chain_treatments[] = {
     {0},
 };
 
-static const char *const columns[] = {"wisp", "node", "x", "y", "z", "vx", "vy", "vz", NULL};
-static const char *const rate_columns[] = {"wisp", "node", "ax", "ay", "az", NULL};
-enum { COLUMNS = 8, RATE_COLUMNS = 5 };
-
 struct chains {
     struct model model;
     const struct chain_law *law;
     int *parent;
     double kink; /* s: the end of a gust's hold */
 };
-
-int chains_default_treatment(const struct stepper_method *method) {
-    (void)method;
-    return 0;
-}
-
-const char *chains_default_linear(const struct stepper_method *method) {
-    (void)method;
-    return "direct";
-}
 
 /* --- frames --- */
 
@@ -48,17 +36,17 @@ void chains_sample(const struct model *model, double *rows) {
         const struct chain *chain = chain_of(model, i);
         for (int derivative = 0; derivative < 2; derivative++) {
             chain->law->points(chain, derivative, model->parts[i].q, model->parts[i].v, NULL);
-            write_points(model, i, rows, COLUMNS, 2 + 3 * derivative);
+            write_points(model, i, rows, NODE_COLUMNS, 2 + 3 * derivative);
         }
-        rows += chain->wisp->nodes * COLUMNS;
+        rows += chain->wisp->nodes * NODE_COLUMNS;
     }
 }
 
 void chains_restore(struct model *model, const double *rows) {
     for (int i = 0; i < model->part_count; i++) {
         const struct chain *chain = chain_of(model, i);
-        chain->law->take(chain, rows + 2, COLUMNS, model->parts[i].q, model->parts[i].v);
-        rows += chain->wisp->nodes * COLUMNS;
+        chain->law->take(chain, rows + 2, NODE_COLUMNS, model->parts[i].q, model->parts[i].v);
+        rows += chain->wisp->nodes * NODE_COLUMNS;
     }
 }
 
@@ -66,8 +54,8 @@ void chains_sample_accelerations(const struct model *model, double *const *a, do
     for (int i = 0; i < model->part_count; i++) {
         const struct chain *chain = chain_of(model, i);
         chain->law->points(chain, 2, model->parts[i].q, model->parts[i].v, a[i]);
-        write_points(model, i, rows, RATE_COLUMNS, 2);
-        rows += chain->wisp->nodes * RATE_COLUMNS;
+        write_points(model, i, rows, NODE_RATE_COLUMNS, 2);
+        rows += chain->wisp->nodes * NODE_RATE_COLUMNS;
     }
 }
 
@@ -84,10 +72,10 @@ static int make_pattern(struct sparse_matrix *pattern, int nodes, int each, int 
     const int size = nodes * each, most = size * (2 * reach + 1) * each;
     int count = 0;
     pattern->size = size;
-    pattern->column_start = malloc(((size_t)size + 1) * sizeof(int));
-    pattern->row = malloc((size_t)most * sizeof(int));
-    if (!pattern->column_start || !pattern->row)
+    pattern->column_start = malloc(((size_t)size + 1 + (size_t)most) * sizeof(int));
+    if (!pattern->column_start)
         return -1;
+    pattern->row = pattern->column_start + size + 1;
     for (int j = 0; j < size; j++) {
         const int first = MAX(j / each - reach, 0), end = MIN(j / each + reach + 1, nodes);
         pattern->column_start[j] = count;
@@ -140,9 +128,8 @@ void chains_free(struct model *model) {
         if (!chain)
             continue;
         free(chain->pattern.column_start);
-        free(chain->pattern.row);
         free(chain->point);
-        m->law->free(chain);
+        free(chain);
     }
     free(model->parts);
     free(m->parent);
@@ -161,10 +148,10 @@ struct model *chains_create(const struct scene *scene, const struct chain_law *l
                               .t = scene->begin,
                               .parts = calloc(count, sizeof(struct part)),
                               .parent = m->parent,
-                              .columns = columns,
-                              .column_count = COLUMNS,
-                              .rate_columns = rate_columns,
-                              .rate_column_count = RATE_COLUMNS,
+                              .columns = node_columns,
+                              .column_count = NODE_COLUMNS,
+                              .rate_columns = node_rate_columns,
+                              .rate_column_count = NODE_RATE_COLUMNS,
                               .kinks = &m->kink,
                               .kink_count = scene->around.wind.kind == WIND_GUST};
     int code = m->parent && m->model.parts ? 0 : -1;

@@ -28,9 +28,9 @@ struct chain_law {
     const char *unit;
     int reach; /* how many nodes away an unknown is felt in the Jacobian */
 
-    /* A chain with what the law needs, but for struct chain; NULL where memory cannot be had. */
+    /* A chain with what the law needs, one block, but for struct chain; NULL where memory cannot be
+     * had. */
     struct chain *(*create)(const struct scene *scene, const struct wisp *wisp);
-    void (*free)(struct chain *chain);
 
     /* The state at rest. */
     void (*start)(const struct chain *chain, double *q, double *v);
@@ -52,8 +52,6 @@ void chains_restore(struct model *model, const double *rows);
 void chains_sample_accelerations(const struct model *model, double *const *a, double *rows);
 struct unknown chains_unknown(const struct model *model, int i, int k);
 extern const struct treatment chain_treatments[];
-int chains_default_treatment(const struct stepper_method *method);
-const char *chains_default_linear(const struct stepper_method *method);
 
 /* The chain of part i. */
 static inline const struct chain *chain_of(const struct model *model, int i) {

@@ -16,11 +16,7 @@ static const struct treatment treatments[] = {
     {0},
 };
 
-static const char *const rate_columns[] = {"wisp", "node", "ax", "ay", "az", NULL};
-
 static const int own_parent[] = {0};
-
-static const char *const columns[] = {"wisp", "node", "x", "y", "z", "vx", "vy", "vz", NULL};
 
 struct circle {
     struct model model;
@@ -41,6 +37,10 @@ void circle_exact(double t, double position[2]) {
     position[1] = -CIRCLE_RADIUS * sin(CIRCLE_RATE * t);
 }
 
+static int is_angle(const struct circle *circle) {
+    return circle->treatment == GENERALISED;
+}
+
 static double dot(const double *a, const double *b) {
     return a[0] * b[0] + a[1] * b[1];
 }
@@ -51,8 +51,13 @@ static int at_centre(struct circle *circle) {
                        "the particle is at the centre, where the force is not defined");
 }
 
-static int free_acceleration(void *ctx, double t, const double *p, const double *v, double *a) {
+/* On the circle the force has no part along the motion: the angle turns freely. */
+static int acceleration(void *ctx, double t, const double *p, const double *v, double *a) {
     (void)t;
+    if (is_angle(ctx)) {
+        a[0] = 0;
+        return 0;
+    }
     const double pp = dot(p, p);
     if (pp == 0)
         return at_centre(ctx);
@@ -63,10 +68,11 @@ static int free_acceleration(void *ctx, double t, const double *p, const double 
 }
 
 /* K = -(v.v)/(p.p) (1 - 2 p p'/(p.p)),  D = -2 p v'/(p.p). */
-static int free_linearise(void *ctx, enum jacobian kind, double t, const double *p,
-                          const double *v) {
+static int linearise(void *ctx, enum jacobian kind, double t, const double *p, const double *v) {
     (void)kind, (void)t;
     struct circle *circle = ctx;
+    if (is_angle(circle))
+        return 0;
     const double pp = dot(p, p);
     if (pp == 0)
         return at_centre(ctx);
@@ -88,19 +94,6 @@ static int project(void *ctx, double t, double *p, double *v) {
         p[i] *= CIRCLE_RADIUS / radius;
         v[i] *= CIRCLE_SPEED / speed;
     }
-    return 0;
-}
-
-/* On the circle the force has no part along the motion: the angle turns freely. */
-static int angle_acceleration(void *ctx, double t, const double *q, const double *v, double *a) {
-    (void)ctx, (void)t, (void)q, (void)v;
-    a[0] = 0;
-    return 0;
-}
-
-static int angle_linearise(void *ctx, enum jacobian kind, double t, const double *q,
-                           const double *v) {
-    (void)ctx, (void)kind, (void)t, (void)q, (void)v;
     return 0;
 }
 
@@ -151,37 +144,20 @@ static void solve(void *ctx, const double *b, double *x) {
     x[1] = (m[0] * b[1] - m[2] * b[0]) / circle->determinant;
 }
 
-static const struct system_ops ops[] = {
-    [FREE] = {.acceleration = free_acceleration,
-              .linearise = free_linearise,
-              .product = product,
-              .factor = factor,
-              .solve = solve,
-              .assemble = assemble},
-    [PROJECTION] = {.acceleration = free_acceleration,
-                    .project = project,
-                    .linearise = free_linearise,
-                    .product = product,
-                    .factor = factor,
-                    .solve = solve,
-                    .assemble = assemble},
-    [GENERALISED] = {.acceleration = angle_acceleration,
-                     .linearise = angle_linearise,
-                     .product = product,
-                     .factor = factor,
-                     .solve = solve,
-                     .assemble = assemble},
-};
+static const struct system_ops ops = {.acceleration = acceleration,
+                                      .linearise = linearise,
+                                      .product = product,
+                                      .factor = factor,
+                                      .solve = solve,
+                                      .assemble = assemble};
 
-static int circle_default_treatment(const struct stepper_method *method) {
-    (void)method;
-    return FREE;
-}
-
-static const char *circle_default_linear(const struct stepper_method *method) {
-    (void)method;
-    return "direct";
-}
+static const struct system_ops projecting_ops = {.acceleration = acceleration,
+                                                 .project = project,
+                                                 .linearise = linearise,
+                                                 .product = product,
+                                                 .factor = factor,
+                                                 .solve = solve,
+                                                 .assemble = assemble};
 
 static struct model *circle_create(const struct scene *scene, int treatment, int lanes) {
     static const char *const names[] = {"the circle (free)", "the circle (projection)",
@@ -199,7 +175,7 @@ static struct model *circle_create(const struct scene *scene, int treatment, int
                                .column_start = angle ? column_start_1 : column_start_2,
                                .row = angle ? rows_1 : rows_2};
     circle->part = (struct part){
-        .system = {.ops = &ops[treatment],
+        .system = {.ops = treatment == PROJECTION ? &projecting_ops : &ops,
                    .ctx = circle,
                    .name = names[treatment],
                    .size = circle->pattern.size,
@@ -217,10 +193,10 @@ static struct model *circle_create(const struct scene *scene, int treatment, int
                                    .part_count = 1,
                                    .row_count = 1,
                                    .parent = own_parent,
-                                   .columns = columns,
-                                   .column_count = 8,
-                                   .rate_columns = rate_columns,
-                                   .rate_column_count = 5};
+                                   .columns = node_columns,
+                                   .column_count = NODE_COLUMNS,
+                                   .rate_columns = node_rate_columns,
+                                   .rate_column_count = NODE_RATE_COLUMNS};
     if (angle) {
         circle->part.v[0] = -CIRCLE_RATE;
     } else {
@@ -238,13 +214,14 @@ static void circle_sample(const struct model *model, double *row) {
     const struct circle *circle = (const struct circle *)model;
     const double *q = circle->part.q, *v = circle->part.v;
     double p[2] = {q[0], q[1]}, velocity[2] = {v[0], v[1]};
-    if (circle->treatment == GENERALISED) {
+    if (is_angle(circle)) {
         p[0] = CIRCLE_RADIUS * cos(q[0]);
         p[1] = CIRCLE_RADIUS * sin(q[0]);
         velocity[0] = -v[0] * p[1];
         velocity[1] = v[0] * p[0];
     }
-    memcpy(row, (double[]){0, 0, p[0], p[1], 0, velocity[0], velocity[1], 0}, 8 * sizeof *row);
+    memcpy(row, (double[]){0, 0, p[0], p[1], 0, velocity[0], velocity[1], 0},
+           NODE_COLUMNS * sizeof *row);
 }
 
 /* In `generalised` the particle has the centripetal acceleration that the angle does not see. */
@@ -252,18 +229,18 @@ static void circle_sample_accelerations(const struct model *model, double *const
     const struct circle *circle = (const struct circle *)model;
     const double *q = circle->part.q, *v = circle->part.v;
     double x = a[0][0], y = a[0][circle->part.system.size - 1];
-    if (circle->treatment == GENERALISED) {
+    if (is_angle(circle)) {
         const double c = CIRCLE_RADIUS * cos(q[0]), s = CIRCLE_RADIUS * sin(q[0]);
         x = -a[0][0] * s - v[0] * v[0] * c;
         y = a[0][0] * c - v[0] * v[0] * s;
     }
-    memcpy(row, (double[]){0, 0, x, y, 0}, 5 * sizeof *row);
+    memcpy(row, (double[]){0, 0, x, y, 0}, NODE_RATE_COLUMNS * sizeof *row);
 }
 
 static void circle_restore(struct model *model, const double *row) {
     struct circle *circle = (struct circle *)model;
     double *q = circle->part.q, *v = circle->part.v;
-    if (circle->treatment == GENERALISED) {
+    if (is_angle(circle)) {
         q[0] = atan2(row[3], row[2]);
         v[0] = (row[2] * row[6] - row[3] * row[5]) / (row[2] * row[2] + row[3] * row[3]);
         return;
@@ -273,9 +250,9 @@ static void circle_restore(struct model *model, const double *row) {
 }
 
 static struct unknown circle_unknown(const struct model *model, int i, int k) {
-    const int angle = ((const struct circle *)model)->treatment == GENERALISED;
+    const int angle = is_angle((const struct circle *)model);
     (void)i;
-    return (struct unknown){0, 0, angle ? "angle" : columns[2 + k], angle ? "rad" : "m"};
+    return (struct unknown){0, 0, angle ? "angle" : node_columns[2 + k], angle ? "rad" : "m"};
 }
 
 static int circle_terms(const struct scene *scene, const char **names, int most) {
@@ -287,8 +264,8 @@ static int circle_terms(const struct scene *scene, const char **names, int most)
 const struct problem circle_problem = {
     .name = "circle",
     .treatments = treatments,
-    .default_treatment = circle_default_treatment,
-    .default_linear = circle_default_linear,
+    .default_treatment = first_treatment,
+    .default_linear = direct_solver,
     .create = circle_create,
     .free = circle_free,
     .sample = circle_sample,

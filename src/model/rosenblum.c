@@ -25,6 +25,7 @@ struct rosenblum {
     block (*k)[2 * REACH + 1];     /* by free node: df/dq of nodes from two before to two after */
     double *band;                  /* of M - alpha D - beta K, by columns: see factor */
     int *pivot;
+    double memory[];
 };
 
 /* --- forces --- */
@@ -287,36 +288,23 @@ static const struct system_ops ops = {.acceleration = acceleration,
 
 /* --- a wisp --- */
 
-static void rosenblum_free(struct chain *chain) {
-    struct rosenblum *r = (struct rosenblum *)chain;
-    free(r->mass);
-    free(r->x);
-    free(r->f);
-    free(r->k);
-    free(r->band);
-    free(r->pivot);
-    free(r);
-}
-
 static struct chain *rosenblum_create(const struct scene *scene, const struct wisp *wisp) {
     (void)scene;
-    struct rosenblum *r = calloc(1, sizeof *r);
+    const size_t n = (size_t)wisp->nodes, free_nodes = n - 2, block_numbers = (2 * REACH + 1) * 9;
+    const size_t numbers = free_nodes * (1 + block_numbers + 3 * ROOM) + 2 * 3 * n;
+    struct rosenblum *r =
+        calloc(1, sizeof *r + numbers * sizeof(double) + 3 * free_nodes * sizeof(int));
     if (!r)
         return NULL;
-    const size_t n = (size_t)wisp->nodes, free_nodes = n - 2;
     r->spacing = wisp_spacing(wisp);
     r->spring = wisp->stretch_stiffness / r->spacing;
     r->hinge = wisp->bending_stiffness / (r->spacing * r->spacing);
-    r->mass = malloc(free_nodes * sizeof *r->mass);
-    r->x = malloc(n * sizeof *r->x);
-    r->f = malloc(n * sizeof *r->f);
-    r->k = malloc(free_nodes * sizeof *r->k);
-    r->band = malloc(3 * free_nodes * ROOM * sizeof *r->band);
-    r->pivot = malloc(3 * free_nodes * sizeof *r->pivot);
-    if (!r->mass || !r->x || !r->f || !r->k || !r->band || !r->pivot) {
-        rosenblum_free(&r->chain);
-        return NULL;
-    }
+    r->mass = r->memory;
+    r->x = (double(*)[3])(r->mass + free_nodes);
+    r->f = r->x + n;
+    r->k = (block(*)[2 * REACH + 1])(r->f + n);
+    r->band = (double *)(r->k + free_nodes);
+    r->pivot = (int *)(r->band + 3 * free_nodes * ROOM);
     for (int i = 2; i < wisp->nodes; i++)
         r->mass[i - 2] = wisp_node_mass(wisp, i);
     return &r->chain;
@@ -361,7 +349,6 @@ static const struct chain_law law = {
     .unit = "m",
     .reach = REACH,
     .create = rosenblum_create,
-    .free = rosenblum_free,
     .start = start,
     .points = points,
     .take = take,
@@ -406,8 +393,8 @@ static int terms(const struct scene *scene, const char **names, int most) {
 const struct problem rosenblum_problem = {
     .name = "rosenblum",
     .treatments = chain_treatments,
-    .default_treatment = chains_default_treatment,
-    .default_linear = chains_default_linear,
+    .default_treatment = first_treatment,
+    .default_linear = direct_solver,
     .create = create,
     .free = chains_free,
     .sample = chains_sample,

@@ -37,7 +37,7 @@ struct wisp_model {
     unsigned char *near;             /* by wisp: whether it may touch at a tick */
     struct strand **touching;        /* those of in_order that may */
     int *place;                      /* by wisp that may: where it is in `touching` */
-    char **columns, **rate_columns;
+    const char **columns, **rate_columns;
     char name[64];
     double kinks[1 + 2 * KNOTS_MAX];
 };

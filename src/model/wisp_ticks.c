@@ -98,23 +98,23 @@ struct tick {
     struct wisp_model *m;
     int *changed; /* by part: its lanes, bit k for lane k */
     int tasks;
-    void (*do_part)(const struct tick *tick, int part, double *rows);
+    void (*do_part)(const struct tick *tick, int part);
+    double *rows; /* of the task; NULL where no wisps are laid open */
     struct placement head;
 };
 
 static void do_task(void *ctx, int index) {
-    const struct tick *tick = ctx;
-    const long long parts = tick->m->model.part_count;
-    const int to = (int)(parts * (index + 1) / tick->tasks);
-    double *rows = tick->m->strand_rows
-                       ? tick->m->strand_rows + (size_t)index * tick->m->strand_row_room
-                       : NULL;
-    for (int i = (int)(parts * index / tick->tasks); i < to; i++)
-        tick->do_part(tick, i, rows);
+    struct tick tick = *(const struct tick *)ctx;
+    const long long parts = tick.m->model.part_count;
+    const int to = (int)(parts * (index + 1) / tick.tasks);
+    if (tick.m->strand_rows)
+        tick.rows = tick.m->strand_rows + (size_t)index * tick.m->strand_row_room;
+    for (int i = (int)(parts * index / tick.tasks); i < to; i++)
+        tick.do_part(&tick, i);
 }
 
 static void do_parts(struct tick *tick, struct workers *workers,
-                     void (*do_part)(const struct tick *, int, double *)) {
+                     void (*do_part)(const struct tick *, int)) {
     const int parts = tick->m->model.part_count;
     tick->do_part = do_part;
     tick->tasks = parts < TASKS_MOST ? parts : TASKS_MOST;
@@ -135,17 +135,16 @@ static void open_strands(const struct tick *tick, int i, unsigned lanes) {
     m->kernel->open(part->system.ctx, part->q, part->v, strands);
 }
 
-static void close_strand(const struct tick *tick, int i, int lane, double *rows) {
-    wisp_close(tick->m, i, lane, rows);
+static void close_strand(const struct tick *tick, int i, int lane) {
+    wisp_close(tick->m, i, lane, tick->rows);
     tick->changed[i] |= 1 << lane;
 }
 
 /* Puts a part's first nodes where the head has them, and boxes around wisps that may touch. */
-static void look_at_part(const struct tick *tick, int i, double *rows) {
+static void look_at_part(const struct tick *tick, int i) {
     const struct wisp_model *m = tick->m;
     const struct part *part = &m->model.parts[i];
     double boxes[LANES_MOST][6];
-    (void)rows;
     m->kernel->prescribe(part->system.ctx, m->model.t);
     if (!m->near)
         return;
@@ -166,17 +165,16 @@ static unsigned near_lanes(const struct wisp_model *m, int i) {
     return lanes;
 }
 
-static void open_part(const struct tick *tick, int i, double *rows) {
-    (void)rows;
+static void open_part(const struct tick *tick, int i) {
     open_strands(tick, i, near_lanes(tick->m, i));
 }
 
-static void close_strands(const struct tick *tick, int i, double *rows) {
+static void close_strands(const struct tick *tick, int i) {
     const struct wisp_model *m = tick->m;
     const unsigned lanes = near_lanes(m, i);
     for (int k = 0; k < m->batches[i].count; k++)
         if (lanes >> k & 1 && m->strands[m->batches[i].wisp[k]]->changed)
-            close_strand(tick, i, k, rows);
+            close_strand(tick, i, k);
 }
 
 /* Where no strand need be open: the kernel writes the points that touch, and takes back what is
@@ -200,10 +198,9 @@ static int lanes_that_touch(const struct wisp_model *m, int i,
     return any;
 }
 
-static void touch_part(const struct tick *tick, int i, double *rows) {
+static void touch_part(const struct tick *tick, int i) {
     const struct part *part = &tick->m->model.parts[i];
     struct contact_wisp wisps[LANES_MOST];
-    (void)rows;
     if (lanes_that_touch(tick->m, i, wisps))
         tick->m->kernel->contact_points(part->system.ctx, part->q, part->v, wisps);
 }
@@ -220,11 +217,11 @@ static void push_lanes(const struct tick *tick, int i) {
 }
 
 /* Strands are open while wisps touch where some may split. */
-static void close_part(const struct tick *tick, int i, double *rows) {
+static void close_part(const struct tick *tick, int i) {
     struct part *part = &tick->m->model.parts[i];
     account_before(part, tick->m->model.t);
     if (wisps_split(tick->m->scene))
-        close_strands(tick, i, rows);
+        close_strands(tick, i);
     else
         push_lanes(tick, i);
     account_after(part, tick->m->model.t, JUMP_WISP_CONTACT);
@@ -355,7 +352,7 @@ static void place_bodies(const struct tick *tick, struct bodies *bodies) {
  * a body has samples inside it at every tick and a node now and then: the kernel pulls samples out,
  * four wisps at a time, and only a wisp with a node inside is laid open. Returns whether either
  * changed any: then the clamp must look. */
-static int push_out(const struct tick *tick, int i, unsigned near, double *rows) {
+static int push_out(const struct tick *tick, int i, unsigned near) {
     const struct wisp_model *m = tick->m;
     const struct bodies *bodies = m->bodies;
     struct part *part = &m->model.parts[i];
@@ -378,7 +375,7 @@ static int push_out(const struct tick *tick, int i, unsigned near, double *rows)
         body_contact(strand, bodies->body, bodies->motion, bodies->count, m->scene->around.gravity,
                      bodies->interval, &report);
         if (strand->changed)
-            close_strand(tick, i, k, rows);
+            close_strand(tick, i, k);
         touched |= strand->changed;
     }
     counters->body_contacts += report.nodes + report.samples;
@@ -388,9 +385,8 @@ static int push_out(const struct tick *tick, int i, unsigned near, double *rows)
 
 /* Segments that contacts have stretched, where they are rigid: once a tick, after the last of them.
  * The energy that this changes is of no kind that parts have accounts of. */
-static void project_part(const struct tick *tick, int i, double *rows) {
+static void project_part(const struct tick *tick, int i) {
     struct wisp_model *m = tick->m;
-    (void)rows;
     if (!tick->changed[i] || m->wisps[0].stretch != STRETCH_RIGID)
         return;
     m->batches[i].trouble = wisp_part_project(m, i, (unsigned)tick->changed[i]);
@@ -410,7 +406,7 @@ static enum outcome look_for_trouble(struct wisp_model *m) {
 
 /* Body contact, then the clamp. Most parts are far from every body and have nothing to clamp: one
  * look says so. */
-static void collide_part(const struct tick *tick, int i, double *rows) {
+static void collide_part(const struct tick *tick, int i) {
     const struct wisp_model *m = tick->m;
     const struct bodies *bodies = m->bodies;
     struct part *part = &m->model.parts[i];
@@ -422,19 +418,14 @@ static void collide_part(const struct tick *tick, int i, double *rows) {
     if (bodies->count > 0)
         near = m->kernel->near(ctx, part->q, bodies->hull, bodies->boxes, bodies->count, &clamp);
     account_before(part, m->model.t);
-    if (near && push_out(tick, i, near, rows))
+    if (near && push_out(tick, i, near))
         clamp = envelope;
     account_after(part, m->model.t, JUMP_BODY_CONTACT);
-    project_part(tick, i, rows);
+    project_part(tick, i);
     const unsigned clamped = clamp ? m->kernel->clamp(ctx, part->q, part->v) : 0;
     if (clamped)
         tick->changed[i] |= (int)clamped;
     account_after(part, m->model.t, JUMP_CLAMP);
-}
-
-static void collide(struct tick *tick, struct workers *workers) {
-    place_bodies(tick, tick->m->bodies);
-    do_parts(tick, workers, collide_part);
 }
 
 /* Without bodies it is the clamp alone. */
@@ -455,10 +446,12 @@ enum outcome wisps_tick(struct model *model, struct workers *workers, unsigned e
         head_placement(&tick.m->scene->around.head, model->t, &tick.head);
     if (events & STOP_INTERACTION && tick.m->model.interaction_rate > 0)
         outcome = meet(&tick, workers);
-    if (events & STOP_COLLISION && outcome == FINISHED)
-        collide(&tick, workers);
-    else if (events & STOP_INTERACTION && outcome == FINISHED)
+    if (events & STOP_COLLISION && outcome == FINISHED) {
+        place_bodies(&tick, tick.m->bodies);
+        do_parts(&tick, workers, collide_part);
+    } else if (events & STOP_INTERACTION && outcome == FINISHED) {
         do_parts(&tick, workers, project_part);
+    }
     return outcome == FINISHED ? look_for_trouble(tick.m) : outcome;
 }
 

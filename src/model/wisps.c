@@ -17,49 +17,40 @@ static const struct treatment treatments[] = {
 
 /* --- frames --- */
 
-static void free_names(char **names) {
-    for (int i = 0; names && names[i]; i++)
-        free(names[i]);
-    free(names);
-}
-
-/* The names `fixed`, then for each sample those of `sample` with its number put in at %d. NULL
- * where memory cannot be had. */
-static char **name_columns(const struct wisp_model *m, const char *const *fixed,
-                           const char *const *sample, int *count) {
-    int fixed_count = 0, each = 0;
-    while (fixed[fixed_count])
-        fixed_count++;
+/* The names `fixed`, then for each sample those of `sample` with its number put in at %d: one
+ * block, to be freed. NULL where memory cannot be had. */
+static const char **name_columns(const struct wisp_model *m, const char *const *fixed,
+                                 int fixed_count, const char *const *sample, int *count) {
+    enum { NAME_SIZE = 16 };
+    int each = 0;
     while (sample[each])
         each++;
     *count = fixed_count + each * m->scene->wisps[0].samples;
-    char **names = calloc((size_t)*count + 1, sizeof *names);
-    for (int i = 0; names && i < *count; i++) {
+    const char **names =
+        calloc(1, ((size_t)*count + 1) * sizeof *names + (size_t)*count * NAME_SIZE);
+    char *text = names ? (char *)(names + *count + 1) : NULL;
+    for (int i = 0; names && i < *count; i++, text += NAME_SIZE) {
         const int k = i - fixed_count;
-        const int length = k < 0 ? asprintf(&names[i], "%s", fixed[i])
-                                 : asprintf(&names[i], sample[k % each], k / each);
-        if (length < 0) {
-            names[i] = NULL;
-            free_names(names);
-            return NULL;
-        }
+        if (k >= 0)
+            snprintf(text, NAME_SIZE, sample[k % each], k / each);
+        names[i] = k < 0 ? fixed[i] : text;
     }
     return names;
 }
 
 static int name_all_columns(struct wisp_model *m) {
-    static const char *const state[] = {"wisp", "node", "x", "y", "z", "vx", "vy", "vz", NULL};
-    static const char *const rates[] = {"wisp", "node", "ax", "ay", "az", NULL};
     static const char *const distance[] = {"r%d", "rd%d", NULL}, *const distance_rate[] = {"rdd%d",
                                                                                            NULL};
     static const char *const particle[] = {"e%dx", "e%dy", "e%dz", "e%dvx", "e%dvy", "e%dvz", NULL};
     static const char *const particle_rate[] = {"e%dax", "e%day", "e%daz", NULL};
     const int penalty = m->treatment == WISP_PENALTY;
-    m->columns = name_columns(m, state, penalty ? particle : distance, &m->model.column_count);
-    m->rate_columns = name_columns(m, rates, penalty ? particle_rate : distance_rate,
-                                   &m->model.rate_column_count);
-    m->model.columns = (const char *const *)m->columns;
-    m->model.rate_columns = (const char *const *)m->rate_columns;
+    m->columns = name_columns(m, node_columns, NODE_COLUMNS, penalty ? particle : distance,
+                              &m->model.column_count);
+    m->rate_columns =
+        name_columns(m, node_rate_columns, NODE_RATE_COLUMNS,
+                     penalty ? particle_rate : distance_rate, &m->model.rate_column_count);
+    m->model.columns = m->columns;
+    m->model.rate_columns = m->rate_columns;
     return m->columns && m->rate_columns ? 0 : -1;
 }
 
@@ -207,8 +198,8 @@ static void wisps_free(struct model *model) {
         free(model->parts[i].v);
     }
     wisp_ticks_free(m);
-    free_names(m->columns);
-    free_names(m->rate_columns);
+    free(m->columns);
+    free(m->rate_columns);
     free(m->first_row);
     free(m->parent);
     free(m->batches);

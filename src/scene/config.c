@@ -22,21 +22,23 @@ static const config_setting_t *original(const config_setting_t *setting) {
     return hook && hook != &was_set ? hook : setting;
 }
 
+/* NULL: the scene's own. */
+static const struct config_base *base_of(const struct config_reader *reader,
+                                         const config_setting_t *setting) {
+    const struct config_base *base = reader->bases;
+    while (base && original(setting)->config != &base->config)
+        base = base->next;
+    return base;
+}
+
 int config_layer(const struct config_reader *reader, const config_setting_t *setting) {
-    int layer = 0;
-    if (config_setting_get_hook(setting) == &was_set)
-        return INT_MAX;
-    for (const struct config_base *base = reader->bases; base; base = base->next)
-        if (original(setting)->config == &base->config)
-            layer = -base->depth;
-    return layer;
+    const struct config_base *base = base_of(reader, setting);
+    return config_setting_get_hook(setting) == &was_set ? INT_MAX : base ? -base->depth : 0;
 }
 
 const char *config_file_of(const struct config_reader *reader, const config_setting_t *setting) {
-    for (const struct config_base *base = reader->bases; base; base = base->next)
-        if (original(setting)->config == &base->config)
-            return base->file;
-    return reader->file;
+    const struct config_base *base = base_of(reader, setting);
+    return base ? base->file : reader->file;
 }
 
 /* "file:line: ", as much as is known. Returns its length. */
@@ -70,9 +72,6 @@ void config_fail(struct config_reader *reader, const config_setting_t *setting, 
 
 /* --- copies --- */
 
-static config_setting_t *copy(config_setting_t *parent, const char *name,
-                              const config_setting_t *from, int is_set);
-
 static int copy_value(config_setting_t *to, const config_setting_t *from, int is_set) {
     switch (config_setting_type(from)) {
     case CONFIG_TYPE_INT:
@@ -88,29 +87,19 @@ static int copy_value(config_setting_t *to, const config_setting_t *from, int is
     default:
         for (int i = 0; i < config_setting_length(from); i++) {
             const config_setting_t *member = config_setting_get_elem(from, (unsigned)i);
-            if (!copy(to, config_setting_name(member), member, is_set))
+            if (!config_copy(to, config_setting_name(member), member, is_set))
                 return 0;
         }
         return 1;
     }
 }
 
-static config_setting_t *copy(config_setting_t *parent, const char *name,
+config_setting_t *config_copy(config_setting_t *parent, const char *name,
                               const config_setting_t *from, int is_set) {
     config_setting_t *to = config_setting_add(parent, name, config_setting_type(from));
     if (to)
         config_setting_set_hook(to, is_set ? (void *)&was_set : (void *)(uintptr_t)from);
     return to && copy_value(to, from, is_set) ? to : NULL;
-}
-
-config_setting_t *config_copy(config_setting_t *parent, const char *name,
-                              const config_setting_t *from) {
-    return copy(parent, name, from, 0);
-}
-
-config_setting_t *config_copy_set(config_setting_t *parent, const char *name,
-                                  const config_setting_t *from) {
-    return copy(parent, name, from, 1);
 }
 
 /* --- files --- */
@@ -158,11 +147,20 @@ void config_read_scene(struct config_reader *reader, config_t *config, const cha
         snprintf(reader->reason, REASON_SIZE, "%.120s: %s", path, text);
 }
 
+static void begin(struct config_reader *reader, const char *file, char *reason) {
+    *reader = (struct config_reader){.reason = reason};
+    path_format(reader->file, "%s", file);
+    config_init(&reader->config);
+}
+
+static void set_all(struct config_reader *reader, const char *const *sets, int set_count) {
+    for (int i = 0; i < set_count && !reader->failed; i++)
+        config_set(reader, sets[i]);
+}
+
 void config_open(struct config_reader *reader, const char *path, const char *const *sets,
                  int set_count, char *reason) {
-    *reader = (struct config_reader){.reason = reason};
-    path_format(reader->file, "%s", path);
-    config_init(&reader->config);
+    begin(reader, path, reason);
     if (file_exists(path))
         config_read_scene(reader, &reader->config, path, NULL, &reader->lines);
     else if (errno == EACCES)
@@ -171,19 +169,15 @@ void config_open(struct config_reader *reader, const char *path, const char *con
         config_fail(reader, NULL,
                     "no such scene file; `wisplab list scenes` names the shipped ones");
     config_build(reader);
-    for (int i = 0; i < set_count && !reader->failed; i++)
-        config_set(reader, sets[i]);
+    set_all(reader, sets, set_count);
 }
 
 void config_open_text(struct config_reader *reader, const char *text, const char *path,
                       const char *const *sets, int set_count, char *reason) {
-    *reader = (struct config_reader){.reason = reason};
-    path_format(reader->file, "%s", path);
-    config_init(&reader->config);
+    begin(reader, path, reason);
     config_read_scene(reader, &reader->config, reader->file, text, &reader->lines);
     config_build(reader);
-    for (int i = 0; i < set_count && !reader->failed; i++)
-        config_set(reader, sets[i]);
+    set_all(reader, sets, set_count);
 }
 
 /* --- JSON --- */
@@ -230,13 +224,10 @@ static int add_json(config_setting_t *parent, const char *name, const json_t *js
 
 void config_open_json(struct config_reader *reader, const json_t *json, const char *file,
                       const char *const *sets, int set_count, char *reason) {
-    *reader = (struct config_reader){.reason = reason};
-    path_format(reader->file, "%s", file);
-    config_init(&reader->config);
+    begin(reader, file, reason);
     if (!add_members(config_root_setting(&reader->config), json))
         config_fail(reader, NULL, "what it has for a scene is none");
-    for (int i = 0; i < set_count && !reader->failed; i++)
-        config_set(reader, sets[i]);
+    set_all(reader, sets, set_count);
 }
 
 void config_close(struct config_reader *reader) {

@@ -20,21 +20,17 @@ static void inherit(config_setting_t *group, const config_setting_t *from) {
         const char *name = config_setting_name(theirs);
         config_setting_t *ours = config_setting_get_member(group, name);
         if (!ours && is_inherited(theirs))
-            config_copy(group, name, theirs);
+            config_copy(group, name, theirs, 0);
         else if (ours && config_setting_is_group(ours) && config_setting_is_group(theirs))
             inherit(ours, theirs);
     }
-}
-
-static bool same_file(const struct stat *a, const struct stat *b) {
-    return a->st_dev == b->st_dev && a->st_ino == b->st_ino;
 }
 
 /* Whether the file is one of those that have led to it; the scene's own is among them the second
  * time. */
 static bool goes_round(const struct config_reader *reader, const struct stat *status) {
     for (const struct config_base *base = reader->bases; base; base = base->next)
-        if (same_file(&base->status, status))
+        if (base->status.st_dev == status->st_dev && base->status.st_ino == status->st_ino)
             return true;
     return false;
 }

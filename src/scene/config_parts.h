@@ -30,9 +30,7 @@ void config_set(struct config_reader *reader, const char *set);
 /* Adds a copy of a setting, which stands where that one does, or was set; NULL where the name is
  * none. */
 config_setting_t *config_copy(config_setting_t *parent, const char *name,
-                              const config_setting_t *from);
-config_setting_t *config_copy_set(config_setting_t *parent, const char *name,
-                                  const config_setting_t *from);
+                              const config_setting_t *from, int is_set);
 
 /* What libconfig means by an array of unlike numbers. */
 const char *config_hint(const char *error);

@@ -31,7 +31,7 @@ static void replace(struct config_reader *reader, const char *set, config_settin
                     const char *name, const config_setting_t *value) {
     if (config_setting_get_member(parent, name))
         config_setting_remove(parent, name);
-    if (!config_copy_set(parent, name, value))
+    if (!config_copy(parent, name, value, 1))
         config_fail(reader, NULL, "--set %.100s: '%.60s' is not a setting's name", set, name);
 }
 

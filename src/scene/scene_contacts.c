@@ -50,7 +50,7 @@ static void sort_bodies(struct scene *scene) {
 }
 
 static void read_bodies(struct config_reader *reader, config_setting_t *top, struct scene *scene) {
-    config_setting_t *list = setting_list(reader, top, "", "body");
+    config_setting_t *list = setting_group(reader, top, "", "body");
     const int count = list ? config_setting_length(list) : 0;
     if (!list)
         return;

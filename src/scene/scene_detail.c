@@ -113,6 +113,11 @@ static struct chain next_chain(const double *rows, int nodes, int samples) {
     return chain;
 }
 
+static int out_of_memory(char *reason) {
+    errno = ENOMEM;
+    return fail_with(reason, "out of memory");
+}
+
 static int resample_start(struct scene *scene, double factor, int samples, char *reason) {
     const struct start old = scene->start;
     const double *from = old.rows;
@@ -122,11 +127,8 @@ static int resample_start(struct scene *scene, double factor, int samples, char 
     for (int w = 0; w < scene->wisp_count; w++)
         size += (size_t)(detailed_nodes(scene->wisps[w].nodes, factor) * row_columns(samples));
     double *rows = malloc(size * sizeof *rows), *to = rows;
-    if (!rows) {
-        snprintf(reason, REASON_SIZE, "out of memory");
-        errno = ENOMEM;
-        return -1;
-    }
+    if (!rows)
+        return out_of_memory(reason);
     for (int w = 0; w < scene->wisp_count; w++) {
         const struct wisp *wisp = &scene->wisps[w];
         const int nodes = detailed_nodes(wisp->nodes, factor);
@@ -180,11 +182,8 @@ int scene_set_detail(struct scene *scene, double factor, int samples, char *reas
     if (check(scene, factor, samples, reason) || resample_start(scene, factor, samples, reason))
         return -1;
     if (json_object_set_new(scene->source, "detail",
-                            json_pack("{s:f, s:f}", "factor", factor, "samples", 1. * samples))) {
-        snprintf(reason, REASON_SIZE, "out of memory");
-        errno = ENOMEM;
-        return -1;
-    }
+                            json_pack("{s:f, s:f}", "factor", factor, "samples", 1. * samples)))
+        return out_of_memory(reason);
     for (int w = 0; w < scene->wisp_count; w++) {
         if (factor != 1)
             set_nodes(&scene->wisps[w], detailed_nodes(scene->wisps[w].nodes, factor));

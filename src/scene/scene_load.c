@@ -4,7 +4,6 @@
 #include "config.h"
 #include "model/model.h"
 #include "model/problems.h"
-#include "scene_chains.h"
 #include "scene_settings.h"
 #include "scene_start.h"
 #include "scene_wisps.h"
@@ -22,13 +21,6 @@ static void stem(const char *path, char *name, size_t size) {
     char *dot = strrchr(name, '.');
     if (dot)
         *dot = '\0';
-}
-
-static void read_run(struct config_reader *reader, config_setting_t *top,
-                     struct run_defaults *run) {
-    config_setting_t *group = setting_group(reader, top, "", "run");
-    settings_read(reader, group, "run", run);
-    run->project = setting_switch(reader, group, "run", "project", -1);
 }
 
 /* Such ticks are lost in the rounding of the time, and the run would never end. */
@@ -99,7 +91,7 @@ static void read_scene(struct config_reader *reader, struct scene *scene) {
     read_problem(reader, top, scene);
     read_name(reader, top, scene);
     settings_read(reader, top, "", scene);
-    read_run(reader, top, &scene->run);
+    settings_read(reader, setting_group(reader, top, "", "run"), "run", &scene->run);
     if (scene->problem == &rosenblum_problem)
         scene_read_rosenblum(reader, top, scene);
     else if (scene->problem == &anjyo_problem)
@@ -114,7 +106,12 @@ static void read_scene(struct config_reader *reader, struct scene *scene) {
 }
 
 /* The scene of a reader that is open or has failed to open, and closes it. */
-static struct scene *finish(struct config_reader *reader, struct scene *scene) {
+static struct scene *finish(struct config_reader *reader) {
+    struct scene *scene = calloc(1, sizeof *scene);
+    if (!scene && !reader->failed) {
+        reader->failed = reader->out_of_memory = true;
+        snprintf(reader->reason, REASON_SIZE, "out of memory");
+    }
     if (!reader->failed)
         read_scene(reader, scene);
     const int error = reader->out_of_memory ? ENOMEM : 0;
@@ -127,46 +124,29 @@ static struct scene *finish(struct config_reader *reader, struct scene *scene) {
     return scene;
 }
 
-static struct scene *create_scene(char *reason) {
-    errno = 0;
-    struct scene *scene = calloc(1, sizeof *scene);
-    if (!scene)
-        snprintf(reason, REASON_SIZE, "out of memory");
-    return scene;
-}
-
 struct scene *scene_load(const char *name, const char *const *sets, int set_count, char *reason) {
-    struct scene *scene = create_scene(reason);
-    if (!scene)
-        return NULL;
     char path[PATH_SIZE];
     struct config_reader reader;
     config_path(name, "", path);
     config_open(&reader, path, sets, set_count, reason);
-    return finish(&reader, scene);
+    return finish(&reader);
 }
 
 struct scene *scene_from_text(const char *text, const char *path, const char *const *sets,
                               int set_count, char *reason) {
-    struct scene *scene = create_scene(reason);
-    if (!scene)
-        return NULL;
     struct config_reader reader;
     config_open_text(&reader, text, path, sets, set_count, reason);
-    return finish(&reader, scene);
+    return finish(&reader);
 }
 
 struct scene *scene_from_json(const json_t *source, const char *file, const char *const *sets,
                               int set_count, char *reason) {
-    struct scene *scene = create_scene(reason);
-    if (!scene)
-        return NULL;
     json_t *copy = json_copy((json_t *)source);
     struct config_reader reader;
     json_object_del(copy, "start");
     config_open_json(&reader, copy, file, sets, set_count, reason);
     json_decref(copy);
-    return finish(&reader, scene);
+    return finish(&reader);
 }
 
 void scene_name_sets(struct scene *scene, const char *const *sets, int set_count) {

@@ -163,7 +163,7 @@ static void read_entry(struct config_reader *reader, config_setting_t *entry,
 
 void scene_read_roots(struct config_reader *reader, config_setting_t *top,
                       const struct wisp *material, struct scene *scene) {
-    config_setting_t *wisps = setting_list(reader, top, "", "wisps");
+    config_setting_t *wisps = setting_group(reader, top, "", "wisps");
     for (int i = 0; wisps && i < config_setting_length(wisps) && !reader->failed; i++)
         read_entry(reader, config_setting_get_elem(wisps, (unsigned)i), material, scene);
 }

@@ -93,7 +93,7 @@ const struct scene_setting scene_settings[] = {
  INTO(run_defaults, strain_limit),
  "strain of a segment beyond which a run has diverged; by default 0.05, or twice what the softest wisp "
  "hangs longer by its own weight"},
-{"run", "project",      SWITCH(""), OF_WISPS | OF_ROSENBLUM, NULL, BY_HAND,
+{"run", "project",      SWITCH(""), OF_WISPS | OF_ROSENBLUM, NULL, INTO(run_defaults, project),
  "whether rigid segments are put back to their length after each step; by default with one-step "
  "methods"},
 
@@ -349,38 +349,29 @@ static void choice_words(const struct scene_setting *setting, char *text, size_t
     }
 }
 
-void setting_what(const struct scene_setting *setting, char *text, size_t size) {
+static void numbers_words(const struct scene_setting *setting, char *text, size_t size) {
     char numbers[100];
-    switch (setting->type) {
-    case SETTING_NUMBER:
+    range_words(&setting->range, 1, numbers, sizeof numbers);
+    if (setting->least == setting->most)
+        snprintf(text, size, "%d %s in brackets", setting->most, numbers);
+    else
+        snprintf(text, size, "%d to %d %s in brackets", setting->least, setting->most, numbers);
+}
+
+void setting_what(const struct scene_setting *setting, char *text, size_t size) {
+    static const char *const words[] = {[SETTING_VECTORS] = "a list of vectors, ([x, y, z], ...)",
+                                        [SETTING_SWITCH] = "true or false",
+                                        [SETTING_TEXT] = "a text in quotes",
+                                        [SETTING_GROUP] = "a group in braces",
+                                        [SETTING_LIST] = "a list of groups, ( { ... }, ... )"};
+    if (setting->type == SETTING_NUMBER)
         range_words(&setting->range, 0, text, size);
-        break;
-    case SETTING_NUMBERS:
-        range_words(&setting->range, 1, numbers, sizeof numbers);
-        if (setting->least == setting->most)
-            snprintf(text, size, "%d %s in brackets", setting->most, numbers);
-        else
-            snprintf(text, size, "%d to %d %s in brackets", setting->least, setting->most, numbers);
-        break;
-    case SETTING_VECTORS:
-        snprintf(text, size, "a list of vectors, ([x, y, z], ...)");
-        break;
-    case SETTING_SWITCH:
-        snprintf(text, size, "true or false");
-        break;
-    case SETTING_CHOICE:
+    else if (setting->type == SETTING_NUMBERS)
+        numbers_words(setting, text, size);
+    else if (setting->type == SETTING_CHOICE)
         choice_words(setting, text, size);
-        break;
-    case SETTING_TEXT:
-        snprintf(text, size, "a text in quotes");
-        break;
-    case SETTING_GROUP:
-        snprintf(text, size, "a group in braces");
-        break;
-    case SETTING_LIST:
-        snprintf(text, size, "a list of groups, ( { ... }, ... )");
-        break;
-    }
+    else
+        snprintf(text, size, "%s", words[setting->type]);
     if (setting->unit) {
         append(text, size, ", in ");
         append(text, size, setting->unit);

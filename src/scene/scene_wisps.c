@@ -8,15 +8,8 @@
 
 #include <math.h>
 
-void scene_read_material(struct config_reader *reader, config_setting_t *top, struct wisp *wisp) {
-    config_setting_t *group = setting_group(reader, top, "", "material");
-    settings_read(reader, group, "material", wisp);
-}
-
-static void read_envelope(struct config_reader *reader, config_setting_t *top, struct wisp *wisp) {
-    config_setting_t *group = setting_group(reader, top, "", "envelope");
-    if (group)
-        settings_read(reader, group, "envelope", wisp);
+static void read_material(struct config_reader *reader, config_setting_t *top, struct wisp *wisp) {
+    settings_read(reader, setting_group(reader, top, "", "material"), "material", wisp);
 }
 
 /* Knot times: ascending. Returns their number. */
@@ -73,7 +66,7 @@ static void read_irregular(struct config_reader *reader, config_setting_t *group
                     "wind: amplitudes and frequencies must be there, and equally many");
 }
 
-void scene_read_wind(struct config_reader *reader, config_setting_t *top, struct wind *wind) {
+static void read_wind(struct config_reader *reader, config_setting_t *top, struct wind *wind) {
     config_setting_t *group = setting_group(reader, top, "", "wind");
     if (!group)
         return;
@@ -101,9 +94,11 @@ static void check_size(struct config_reader *reader, config_setting_t *top,
 
 void scene_read_wisps(struct config_reader *reader, config_setting_t *top, struct scene *scene) {
     struct wisp material = {0};
-    scene_read_material(reader, top, &material);
-    read_envelope(reader, top, &material);
-    scene_read_wind(reader, top, &scene->around.wind);
+    read_material(reader, top, &material);
+    config_setting_t *envelope = setting_group(reader, top, "", "envelope");
+    if (envelope)
+        settings_read(reader, envelope, "envelope", &material);
+    read_wind(reader, top, &scene->around.wind);
     read_style(reader, top, &scene->around.style);
     read_head(reader, top, &scene->around.head);
     scene_read_contacts(reader, top, material.samples, scene);
@@ -113,6 +108,42 @@ void scene_read_wisps(struct config_reader *reader, config_setting_t *top, struc
     scene_read_start(reader, top, scene);
     render_read(reader, top, &scene->render);
 }
+
+/* --- what came before the thesis --- */
+
+void scene_read_rosenblum(struct config_reader *reader, config_setting_t *top,
+                          struct scene *scene) {
+    struct wisp material = {0};
+    read_material(reader, top, &material);
+    material.stretch_time = material.bending_time = 0; /* nothing is damped but by the air */
+    scene_read_roots(reader, top, &material, scene);
+    render_read(reader, top, &scene->render);
+}
+
+/* Straight up or down phi is no angle: the source's own singularity. */
+static void check_direction(struct config_reader *reader, config_setting_t *top,
+                            const struct scene *scene) {
+    for (int i = 0; i < scene->wisp_count; i++) {
+        const double *d = scene->wisps[i].direction;
+        if (atan2(hypot(d[0], d[2]), fabs(d[1])) < 1e-6)
+            config_fail(reader, config_setting_get_member(top, "wisps"),
+                        "wisps: wisp %d is within 1e-6 rad of the y axis, where the angles of "
+                        "problem \"anjyo\" are not defined; turn its direction",
+                        i);
+    }
+}
+
+void scene_read_anjyo(struct config_reader *reader, config_setting_t *top, struct scene *scene) {
+    struct wisp material = {0};
+    read_material(reader, top, &material);
+    read_wind(reader, top, &scene->around.wind);
+    settings_read(reader, setting_group(reader, top, "", "anjyo"), "anjyo", scene);
+    scene_read_roots(reader, top, &material, scene);
+    check_direction(reader, top, scene);
+    render_read(reader, top, &scene->render);
+}
+
+/* --- without an envelope --- */
 
 void scene_remove_envelope(struct scene *scene) {
     json_object_del(scene->source, "envelope");

@@ -5,12 +5,11 @@
 #include "config.h"
 #include "scene_load.h"
 
-/* Fills scene->around, wisps and rates from the top group; errors are the reader's. */
+/* Fill scene->around, wisps and rates from the top group, of the problems "wisps", "rosenblum" and
+ * "anjyo"; what the problem has not is refused. Errors are the reader's. */
 void scene_read_wisps(struct config_reader *reader, config_setting_t *top, struct scene *scene);
-
-/* The groups `material`, and `wind`, which may be absent. */
-void scene_read_material(struct config_reader *reader, config_setting_t *top, struct wisp *wisp);
-void scene_read_wind(struct config_reader *reader, config_setting_t *top, struct wind *wind);
+void scene_read_rosenblum(struct config_reader *reader, config_setting_t *top, struct scene *scene);
+void scene_read_anjyo(struct config_reader *reader, config_setting_t *top, struct scene *scene);
 
 /* Makes of a scene what it would be without the group `envelope`. */
 void scene_remove_envelope(struct scene *scene);

@@ -8,18 +8,17 @@
 
 /* --- wrong values --- */
 
-static void fail_type(struct config_reader *reader, const config_setting_t *setting,
-                      const struct scene_setting *row) {
+/* "NAME: WRONG RIGHT", what would be right being the row's. */
+static void fail_value(struct config_reader *reader, const config_setting_t *at,
+                       const struct scene_setting *row, const char *wrong) {
     char right[REASON_SIZE];
     setting_right(row, right, sizeof right);
-    config_fail(reader, setting, "%s: must be %s", row->name, right);
+    config_fail(reader, at, "%s: %s %s", row->name, wrong, right);
 }
 
-static void fail_missing(struct config_reader *reader, const config_setting_t *group,
-                         const struct scene_setting *row) {
-    char right[REASON_SIZE];
-    setting_right(row, right, sizeof right);
-    config_fail(reader, group, "%s: missing; must be %s", row->name, right);
+static void fail_type(struct config_reader *reader, const config_setting_t *setting,
+                      const struct scene_setting *row) {
+    fail_value(reader, setting, row, "must be");
 }
 
 static bool in_range(double x, const struct setting_range *range) {
@@ -65,7 +64,7 @@ static config_setting_t *find(struct config_reader *reader, config_setting_t *gr
                               const struct scene_setting *row) {
     config_setting_t *setting = group ? config_setting_get_member(group, row->name) : NULL;
     if (group && !setting && !row->initial)
-        fail_missing(reader, group, row);
+        fail_value(reader, group, row, "missing; must be");
     return setting;
 }
 
@@ -84,9 +83,9 @@ static double read_number(struct config_reader *reader, config_setting_t *group,
     const double x = number_of(setting);
     if (in_range(x, &row->range))
         return x;
-    char right[REASON_SIZE];
-    setting_right(row, right, sizeof right);
-    config_fail(reader, setting, "%s: %g is not %s", row->name, x, right);
+    char wrong[40];
+    snprintf(wrong, sizeof wrong, "%g is not", x);
+    fail_value(reader, setting, row, wrong);
     return initial;
 }
 
@@ -127,10 +126,8 @@ static const char *read_text(struct config_reader *reader, config_setting_t *gro
     if (!setting)
         return NULL;
     if (config_setting_type(setting) != CONFIG_TYPE_STRING) {
-        char right[REASON_SIZE];
-        setting_right(row, right, sizeof right);
-        config_fail(reader, setting, "%s: must be %s%s", row->name,
-                    row->type == SETTING_CHOICE ? "a text in quotes, " : "", right);
+        fail_value(reader, setting, row,
+                   row->type == SETTING_CHOICE ? "must be a text in quotes," : "must be");
         return NULL;
     }
     const char *text = config_setting_get_string(setting);
@@ -147,21 +144,20 @@ static int read_choice(struct config_reader *reader, config_setting_t *group,
                        const struct scene_setting *row) {
     const char *text = read_text(reader, group, row);
     const int at = place_among(text ? text : row->initial ? row->initial : "", row->choices);
-    if (at >= 0)
-        return at;
-    char right[REASON_SIZE];
-    setting_right(row, right, sizeof right);
-    if (text)
-        config_fail(reader, config_setting_get_member(group, row->name), "%s: '%.60s' is not %s",
-                    row->name, text, right);
+    if (at >= 0 || !text)
+        return at >= 0 ? at : 0;
+    char wrong[80];
+    snprintf(wrong, sizeof wrong, "'%.60s' is not", text);
+    fail_value(reader, config_setting_get_member(group, row->name), row, wrong);
     return 0;
 }
 
+/* -1 where it is absent and has no default of its own. */
 static int read_switch(struct config_reader *reader, config_setting_t *group,
-                       const struct scene_setting *row, int absent) {
+                       const struct scene_setting *row) {
     const config_setting_t *setting = find(reader, group, row);
     if (!setting)
-        return row->initial && *row->initial ? strcmp(row->initial, "true") == 0 : absent;
+        return row->initial && *row->initial ? strcmp(row->initial, "true") == 0 : -1;
     if (config_setting_type(setting) != CONFIG_TYPE_BOOL)
         fail_type(reader, setting, row);
     return config_setting_get_bool(setting);
@@ -271,31 +267,23 @@ static void refuse_unknown(struct config_reader *reader, config_setting_t *group
 
 /* --- a group --- */
 
-static void put_numbers(const struct scene_setting *row, const double *values, int count,
-                        char *into) {
-    memcpy(into + row->at, values, (size_t)count * sizeof *values);
-}
-
-static void put_whole(const struct scene_setting *row, int value, char *into) {
-    memcpy(into + row->at, &value, sizeof value);
-}
-
 static void read_into(struct config_reader *reader, config_setting_t *group,
                       const struct scene_setting *row, char *into) {
     double values[3] = {0};
-    if (row->type == SETTING_CHOICE) {
-        put_whole(row, read_choice(reader, group, row), into);
-    } else if (row->type == SETTING_SWITCH) {
-        put_whole(row, read_switch(reader, group, row, 0), into);
-    } else if (row->type == SETTING_NUMBERS) {
-        put_numbers(row, values, read_numbers(reader, group, row, values), into);
-    } else {
+    int count = 1;
+    if (row->type == SETTING_CHOICE)
+        values[0] = read_choice(reader, group, row);
+    else if (row->type == SETTING_SWITCH)
+        values[0] = read_switch(reader, group, row);
+    else if (row->type == SETTING_NUMBERS)
+        count = read_numbers(reader, group, row, values);
+    else
         values[0] = read_number(reader, group, row);
-        if (row->size == sizeof(int))
-            put_whole(row, (int)values[0], into);
-        else
-            put_numbers(row, values, 1, into);
-    }
+    const int whole = (int)values[0];
+    if (row->size == sizeof whole)
+        memcpy(into + row->at, &whole, sizeof whole);
+    else
+        memcpy(into + row->at, values, (size_t)count * sizeof *values);
 }
 
 void settings_read(struct config_reader *reader, config_setting_t *group, const char *path,
@@ -312,17 +300,9 @@ config_setting_t *setting_group(struct config_reader *reader, config_setting_t *
                                 const char *path, const char *name) {
     const struct scene_setting *row = setting_find(path, name);
     config_setting_t *found = find(reader, group, row);
-    if (!found || config_setting_is_group(found))
-        return found;
-    fail_type(reader, found, row);
-    return NULL;
-}
-
-config_setting_t *setting_list(struct config_reader *reader, config_setting_t *group,
-                               const char *path, const char *name) {
-    const struct scene_setting *row = setting_find(path, name);
-    config_setting_t *found = find(reader, group, row);
-    if (!found || (config_setting_is_list(found) && config_setting_length(found) > 0))
+    const bool list = row->type == SETTING_LIST;
+    if (!found || (!list && config_setting_is_group(found)) ||
+        (list && config_setting_is_list(found) && config_setting_length(found) > 0))
         return found;
     fail_type(reader, found, row);
     return NULL;
@@ -342,11 +322,6 @@ const char *setting_text(struct config_reader *reader, config_setting_t *group, 
 int setting_choice(struct config_reader *reader, config_setting_t *group, const char *path,
                    const char *name) {
     return read_choice(reader, group, setting_find(path, name));
-}
-
-int setting_switch(struct config_reader *reader, config_setting_t *group, const char *path,
-                   const char *name, int absent) {
-    return read_switch(reader, group, setting_find(path, name), absent);
 }
 
 int setting_numbers(struct config_reader *reader, config_setting_t *group, const char *path,

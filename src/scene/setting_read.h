@@ -7,9 +7,9 @@
 
 /* Reads a group, or an entry of a list, whose settings the table has under `path`, into its struct,
  * which is all 0 where nothing says otherwise: every setting that has a place there, with its
- * default where it is absent. Refuses what is not known, what another problem has, and what goes
- * with something that is not there; what a file that is built upon has of the latter is taken out.
- * `group` NULL: the defaults alone. */
+ * default where it is absent (a switch without one is then -1). Refuses what is not known, what
+ * another problem has, and what goes with something that is not there; what a file that is built
+ * upon has of the latter is taken out. `group` NULL: the defaults alone. */
 void settings_read(struct config_reader *reader, config_setting_t *group, const char *path,
                    void *into);
 
@@ -18,8 +18,6 @@ void settings_read(struct config_reader *reader, config_setting_t *group, const 
 /* A group or a list, or NULL where it is absent or is none; a list has an entry at least. */
 config_setting_t *setting_group(struct config_reader *reader, config_setting_t *group,
                                 const char *path, const char *name);
-config_setting_t *setting_list(struct config_reader *reader, config_setting_t *group,
-                               const char *path, const char *name);
 
 /* A number, its default, or 0. */
 double setting_number(struct config_reader *reader, config_setting_t *group, const char *path,
@@ -32,10 +30,6 @@ const char *setting_text(struct config_reader *reader, config_setting_t *group, 
 /* Which of its words a choice is. */
 int setting_choice(struct config_reader *reader, config_setting_t *group, const char *path,
                    const char *name);
-
-/* true or false, or its default; `absent` where it has none. */
-int setting_switch(struct config_reader *reader, config_setting_t *group, const char *path,
-                   const char *name, int absent);
 
 /* Numbers in brackets, into room for as many as there may be. Returns how many there are; without
  * any, its default's, or 0. */

@@ -66,14 +66,6 @@ struct obstacle body_obstacle(const struct body *body, const struct body_motion 
     return obstacle;
 }
 
-/* v_c + omega x (p - c) */
-static void surface_velocity(const struct body_motion *motion, const double x[3], double v[3]) {
-    const double *w = motion->spin;
-    v[0] = motion->velocity[0] + (w[1] * x[2] - w[2] * x[1]);
-    v[1] = motion->velocity[1] + (w[2] * x[0] - w[0] * x[2]);
-    v[2] = motion->velocity[2] + (w[0] * x[1] - w[1] * x[0]);
-}
-
 void body_to_axes(const struct body_motion *motion, const double x[3], double y[3]) {
     for (int k = 0; k < 3; k++)
         y[k] = motion->axes[0][k] * x[0] + motion->axes[1][k] * x[1] + motion->axes[2][k] * x[2];
@@ -177,9 +169,10 @@ static void leave(const struct body *body, const struct body_motion *motion, con
 /* The velocity of a point at p with velocity v as the surface has it, in the world. */
 static void relative_velocity(const struct body_motion *motion, const double p[3],
                               const double v[3], double u[3]) {
-    double from[3], surface[3];
+    double from[3], turning[3], surface[3];
     subtract(p, motion->centre, from);
-    surface_velocity(motion, from, surface);
+    vector_cross(motion->spin, from, turning);
+    combine(motion->velocity, 1, turning, surface); /* v_c + omega x (p - c) */
     subtract(v, surface, u);
 }
 

@@ -152,13 +152,19 @@ static void find_cells(void *ctx, int index) {
     }
 }
 
+/* The cells of a range: from, and to before. */
+static void cells_of(const struct filling *f, int index, unsigned *from, unsigned *to) {
+    const long long cells = (long long)f->grid->mask + 1;
+    *from = (unsigned)share_of(cells, index, f->ranges);
+    *to = (unsigned)share_of(cells, index + 1, f->ranges);
+}
+
 /* How many points the cells of a range have, each with those before it. */
 static void count_range(void *ctx, int index) {
     const struct filling *f = ctx;
     struct grid *g = f->grid;
-    const long long cells = (long long)g->mask + 1;
-    const unsigned from = (unsigned)share_of(cells, index, f->ranges),
-                   to = (unsigned)share_of(cells, index + 1, f->ranges);
+    unsigned from, to;
+    cells_of(f, index, &from, &to);
     int sum = 0;
     memset(g->start + from, 0, (to - from) * sizeof *g->start);
     for (int i = 0; i < g->count; i++)
@@ -173,9 +179,8 @@ static void count_range(void *ctx, int index) {
 static void put_range(void *ctx, int index) {
     const struct filling *f = ctx;
     struct grid *g = f->grid;
-    const long long cells = (long long)g->mask + 1;
-    const unsigned from = (unsigned)share_of(cells, index, f->ranges),
-                   to = (unsigned)share_of(cells, index + 1, f->ranges);
+    unsigned from, to;
+    cells_of(f, index, &from, &to);
     const int before = index > 0 ? f->end[index - 1] : 0;
     for (unsigned c = from; c < to; c++)
         g->start[c] += before;

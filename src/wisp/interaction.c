@@ -326,12 +326,8 @@ static int find_in_section(struct interaction *it, struct share *share, int sect
     return 0;
 }
 
-static int sections_of(const struct interaction *it, int strand) {
-    return it->strand[strand]->wisp->nodes - 2;
-}
-
 static int find_in_strand(struct interaction *it, struct share *share, int strand) {
-    const int from = it->first[strand], to = from + sections_of(it, strand);
+    const int from = it->first[strand], to = from + it->strand[strand]->wisp->nodes - 2;
     share->found.count = 0;
     for (int i = from; i < to; i++)
         if (look_near(it, share, i))

@@ -13,10 +13,6 @@
 
 _Static_assert(LANES == (int)SECTION_POINTS, "a lane for each point");
 
-static inline struct vec vec_all(const double x[3]) {
-    return (struct vec){lane_all(x[0]), lane_all(x[1]), lane_all(x[2])};
-}
-
 /* Component k of a vector for each lane. */
 static inline lane component(const double *const x[LANES], int k) {
 #if LANES == 8
