@@ -2,6 +2,7 @@
 
 #include "base/files.h"
 #include "base/markup.h"
+#include "base/memory.h"
 #include "base/visible.h"
 #include "experiments/common/statements.h"
 #include "svg.h"
@@ -24,20 +25,23 @@ void html_print(FILE *stream, const char *format, ...) {
     html_text(stream, text);
 }
 
+void html_element(FILE *stream, const char *tag, const char *text) {
+    fprintf(stream, "<%s>", tag);
+    html_text(stream, text);
+    fprintf(stream, "</%.*s>", (int)strcspn(tag, " "), tag);
+}
+
 /* --- tables --- */
 
 static void write_cell(FILE *stream, const char *cell, double factor) {
     char *end;
     const double number = strtod(cell, &end);
-    if (text_cell_is_empty(cell)) {
+    if (text_cell_is_empty(cell))
         fputs("<td class=\"none\">–</td>", stream); /* the row says why */
-    } else if (end != cell && !*end) {
+    else if (end != cell && !*end)
         fprintf(stream, "<td class=\"number\">%.4g</td>", number * factor);
-    } else {
-        fputs("<td>", stream);
-        html_text(stream, cell);
-        fputs("</td>", stream);
-    }
+    else
+        html_element(stream, "td", cell);
 }
 
 static void write_heading(FILE *stream, const char *name) {
@@ -172,9 +176,9 @@ void html_claim(FILE *stream, const struct text_table *rows, int row, const char
     write_claim(stream, rows, row);
     if (part)
         fprintf(stream, " <a href=\"#%s\">%s</a>", part, part);
-    fputs("</td><td>", stream);
-    html_text(stream, finding ? finding : "");
-    fputs("</td><td>", stream);
+    fputs("</td>", stream);
+    html_element(stream, "td", finding ? finding : "");
+    fputs("<td>", stream);
     write_verdict(stream, rows, row);
     fputs("</td></tr>\n", stream);
 }
@@ -189,9 +193,8 @@ int html_svg(FILE *stream, const char *path, const char *prefix, const char *lab
     char *text = file_text(path);
     const char *start = text ? strstr(text, "<svg") : NULL;
     if (!start || !strstr(start, "</svg>")) {
-        snprintf(reason, REASON_SIZE, "%.150s: is not a whole picture", path);
         free(text);
-        return -1;
+        return fail_with(reason, "%.150s: is not a whole picture", path);
     }
     /* Below this width its letters of 12 points are smaller than 10. */
     const char *width = strstr(start, "width=\"");
@@ -210,17 +213,14 @@ int html_svg(FILE *stream, const char *path, const char *prefix, const char *lab
 static const double picture_quality = 80, film_quality = 60;
 
 /* On a phone letters of 13 pixels are not shown smaller than 10. */
-static int write_image(FILE *stream, const struct webp *webp, const char *label, char *reason) {
-    FILE *bytes = fmemopen(webp->bytes, webp->count, "rb");
-    if (!bytes)
-        return fail_with(reason, "out of memory");
+static void write_image(FILE *stream, const struct webp *webp, const char *label) {
+    FILE *bytes = memory_needed(fmemopen(webp->bytes, webp->count, "rb"));
     fprintf(stream, "<img style=\"--legible:%.0fpx\" alt=\"", 10. / 13 * webp->width);
     html_text(stream, label);
     fputs("\" src=\"data:image/webp;base64,", stream);
     markup_base64(stream, bytes);
     fputs("\"/>", stream);
     fclose(bytes);
-    return 0;
 }
 
 int html_png(FILE *stream, const char *path, const char *label, char *reason) {
@@ -228,10 +228,10 @@ int html_png(FILE *stream, const char *path, const char *label, char *reason) {
     if (webp_of_png(&webp, path, picture_quality, reason))
         return -1;
     fputs("<div class=\"wide\">", stream);
-    const int code = write_image(stream, &webp, label, reason);
+    write_image(stream, &webp, label);
     fputs("</div>\n", stream);
     webp_free(&webp);
-    return code;
+    return 0;
 }
 
 /* Behind a window of one frame's height the sheet moves up by steps; it rests with the last frame
@@ -261,8 +261,8 @@ int html_film(FILE *stream, const char *path, int frames, const char *label, cha
     write_film_style(stream, frames);
     fprintf(stream, "<div class=\"film\"><div style=\"aspect-ratio:%d/%d;max-width:%dpx\">",
             webp.width, webp.height / frames, webp.width);
-    const int code = write_image(stream, &webp, label, reason);
+    write_image(stream, &webp, label);
     fputs("</div>\n<label><input type=\"checkbox\"/> hold</label></div>\n", stream);
     webp_free(&webp);
-    return code;
+    return 0;
 }

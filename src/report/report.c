@@ -10,7 +10,6 @@
 #include "run/program.h"
 
 #include <errno.h>
-#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
@@ -48,11 +47,9 @@ static const char style[] =
     ".verdict{font-size:.8rem;border:1px solid #767676;border-radius:.3rem;padding:0 .3rem;"
     "white-space:nowrap}.fails{background:#fbe3d6}\n"
     "@media (max-width:48rem){.first{display:block}.claims "
-    "td:last-child{width:auto}.wide:has(svg,img)::before{content:\"scroll "
-    "sideways "
+    "td:last-child{width:auto}.wide:has(svg,img)::before{content:\"scroll sideways "
     "\\2194\";display:block;position:sticky;left:0;font-size:.75rem;color:#555}"
-    ".wide svg,.wide img{max-width:none;"
-    "min-width:var(--legible,0)}}\n"
+    ".wide svg,.wide img{max-width:none;min-width:var(--legible,0)}}\n"
     "@media print{html{font-size:9.5pt}body{max-width:none;font-size:1rem;padding:0}"
     "nav,.here{display:none}.first{display:grid}"
     "h2,h3,summary{break-after:avoid}figure,tr{break-inside:avoid}thead{display:table-header-group}"
@@ -84,17 +81,14 @@ static void write_head(FILE *stream) {
 }
 
 /* Answers of three chapters in a sentence each; that of the first is the chart's title. */
-static int write_first_answers(FILE *stream, const struct report *report, char *reason) {
+static void write_first_answers(const struct page *page) {
     static const char *const first[] = {"stability", "needs", "wind"};
-    int code = 0;
-    fputs("<ol class=\"answers\">\n", stream);
-    for (size_t i = 0; i < sizeof first / sizeof *first && !code; i++) {
-        const struct report_part *part = report_part_of(report, first[i]);
-        if (part)
-            code = part_write_headline(stream, report, part, reason);
-    }
-    fputs("</ol>\n", stream);
-    return code;
+    struct page_part part;
+    fputs("<ol class=\"answers\">\n", page->stream);
+    for (size_t i = 0; i < sizeof first / sizeof *first; i++)
+        if (page_find(page, first[i], &part))
+            part_write_headline(&part);
+    fputs("</ol>\n", page->stream);
 }
 
 static void write_left_out(FILE *stream, const struct report *report) {
@@ -122,11 +116,8 @@ static void write_contents(FILE *stream) {
 
 static void write_row(FILE *stream, const char *const *cells, int count, const char *kind) {
     fputs("<tr>", stream);
-    for (int i = 0; i < count; i++) {
-        fprintf(stream, "<%s>", kind);
-        html_text(stream, cells[i]);
-        fprintf(stream, "</%s>", kind);
-    }
+    for (int i = 0; i < count; i++)
+        html_element(stream, kind, cells[i]);
     fputs("</tr>\n", stream);
 }
 
@@ -135,10 +126,9 @@ static void write_methods(FILE *stream) {
     fputs(
         "<section id=\"methods\"><h2>Methods</h2>\n"
         "<p>Every stepper runs on the same forces. Errors are distances from a reference solution "
-        "of "
-        "the same problem with the same treatment, which a second method confirms; the first line "
-        "of each table says of what. CPU times are of runs that are alone on the machine; a run "
-        "is a process with limits on time and memory, and one that fails is a result.</p>\n"
+        "of the same problem with the same treatment, which a second method confirms; the first "
+        "line of each table says of what. CPU times are of runs that are alone on the machine; a "
+        "run is a process with limits on time and memory, and one that fails is a result.</p>\n"
         "<div class=\"wide\"><table><thead>",
         stream);
     write_row(stream, (const char *const[]){"name", "what it is", "reference"}, 3, "th");
@@ -226,24 +216,34 @@ static void write_machine(FILE *stream, const struct report *report) {
     fputs("</tbody></table></div></section>\n", stream);
 }
 
+/* Returns as report_write. */
+static int write_page(const struct page *page) {
+    write_head(page->stream);
+    int code = chapters_write_front(page);
+    write_first_answers(page);
+    write_left_out(page->stream, page->report);
+    write_contents(page->stream);
+    if (!code)
+        code = chapters_write(page);
+    write_methods(page->stream);
+    write_machine(page->stream, page->report);
+    fputs("</body>\n</html>\n", page->stream);
+    return code;
+}
+
 int report_write(const struct report *report, char *reason) {
+    struct page page = {.report = report, .reason = reason};
     char path[PATH_SIZE];
     struct atomic_file file;
     if (path_format(path, "%s/report.html", report->root))
         return fail_with(reason, "the path of the report is too long");
     if (make_folder(report->root, reason) || atomic_open(&file, path, reason))
         return -1;
-    write_head(file.stream);
-    int code = chapters_write_front(file.stream, report, reason);
+    page.stream = file.stream;
+    int code = page_read_statements(&page);
     if (!code)
-        code = write_first_answers(file.stream, report, reason);
-    write_left_out(file.stream, report);
-    write_contents(file.stream);
-    if (!code)
-        code = chapters_write(file.stream, report, reason);
-    write_methods(file.stream);
-    write_machine(file.stream, report);
-    fputs("</body>\n</html>\n", file.stream);
+        code = write_page(&page);
+    page_free(&page);
     if (!code)
         return atomic_commit(&file, reason);
     atomic_discard(&file);
