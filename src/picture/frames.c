@@ -290,19 +290,13 @@ int frames_open(struct frames *f, const char *states, struct trajectories *owner
     snprintf(f->run, sizeof f->run, failed ? "%.28s %.28s (%.16s)" : "%.28s %.28s",
              text_of(run, "settings", "stepper"), text_of(run, "settings", "treatment"),
              status ? status : "failed");
-    int code = open_scene(f, run, path, sets, set_count, reason);
+    const int code = open_scene(f, run, path, sets, set_count, reason);
     json_decref(run);
-    if (!code) {
-        f->states = trajectories_take(owner, states, reason);
-        code = f->states ? 0 : 1;
-    }
-    if (!code)
-        code = check_columns(f, states, reason);
-    if (!code)
-        code = check_numbers(f, states, reason);
-    if (!code)
-        code = take_frames(f, failed, states, reason);
-    return code ? code : find_parents(f, states, reason);
+    if (code)
+        return code;
+    f->states = trajectories_take(owner, states, reason);
+    return !f->states || check_columns(f, states, reason) || check_numbers(f, states, reason) ||
+           take_frames(f, failed, states, reason) || find_parents(f, states, reason);
 }
 
 void frames_close(struct frames *f) {

@@ -95,8 +95,7 @@ void answers_write(const struct page *page, enum question question) {
     struct tally tally = {0}, other = {0};
     const int single = count_rows(page, question, 0, &tally),
               sums = count_rows(page, question, 1, &other);
-    html_element(page->stream, "h3", question_text(question));
-    fputs("\n", page->stream);
+    html_element(page->stream, "h3", question_text(question), "\n");
     if (single + sums == 0) {
         fputs("<p>No experiment of this report answers it.</p>\n", page->stream);
         return;

@@ -85,8 +85,7 @@ static int write_lead_table(const struct page_part *part, const struct lead *lea
     fprintf(part->stream,
             "<details class=\"small\"><summary>From <a href=\"%s/%s.tsv\">%s.tsv</a></summary>\n",
             lead->experiment, lead->table, lead->table);
-    html_element(part->stream, "p", table.about);
-    fputs("</details>\n", part->stream);
+    html_element(part->stream, "p", table.about, "</details>\n");
     text_table_free(&table);
     return 0;
 }
@@ -156,10 +155,8 @@ static void write_missing(const struct page *page, enum chapter chapter) {
 
 static int write_chapter(const struct page *page, enum chapter chapter) {
     fprintf(page->stream, "<section id=\"%s\">", chapters[chapter].anchor);
-    html_element(page->stream, "h2", chapters[chapter].title);
-    fputs("\n", page->stream);
-    html_element(page->stream, "p", chapters[chapter].about);
-    fputs("\n", page->stream);
+    html_element(page->stream, "h2", chapters[chapter].title, "\n");
+    html_element(page->stream, "p", chapters[chapter].about, "\n");
     answers_write(page, questions[chapter]);
     int code = write_lead(page, &leads[chapter]);
     if (!code)

@@ -2,7 +2,6 @@
 
 #include "base/files.h"
 #include "base/markup.h"
-#include "base/memory.h"
 #include "base/visible.h"
 #include "experiments/common/statements.h"
 #include "svg.h"
@@ -25,10 +24,10 @@ void html_print(FILE *stream, const char *format, ...) {
     html_text(stream, text);
 }
 
-void html_element(FILE *stream, const char *tag, const char *text) {
+void html_element(FILE *stream, const char *tag, const char *text, const char *after) {
     fprintf(stream, "<%s>", tag);
     html_text(stream, text);
-    fprintf(stream, "</%.*s>", (int)strcspn(tag, " "), tag);
+    fprintf(stream, "</%.*s>%s", (int)strcspn(tag, " "), tag, after);
 }
 
 /* --- tables --- */
@@ -41,7 +40,7 @@ static void write_cell(FILE *stream, const char *cell, double factor) {
     else if (end != cell && !*end)
         fprintf(stream, "<td class=\"number\">%.4g</td>", number * factor);
     else
-        html_element(stream, "td", cell);
+        html_element(stream, "td", cell, "");
 }
 
 static void write_heading(FILE *stream, const char *name) {
@@ -177,7 +176,7 @@ void html_claim(FILE *stream, const struct text_table *rows, int row, const char
     if (part)
         fprintf(stream, " <a href=\"#%s\">%s</a>", part, part);
     fputs("</td>", stream);
-    html_element(stream, "td", finding ? finding : "");
+    html_element(stream, "td", finding ? finding : "", "");
     fputs("<td>", stream);
     write_verdict(stream, rows, row);
     fputs("</td></tr>\n", stream);
@@ -213,14 +212,17 @@ int html_svg(FILE *stream, const char *path, const char *prefix, const char *lab
 static const double picture_quality = 80, film_quality = 60;
 
 /* On a phone letters of 13 pixels are not shown smaller than 10. */
-static void write_image(FILE *stream, const struct webp *webp, const char *label) {
-    FILE *bytes = memory_needed(fmemopen(webp->bytes, webp->count, "rb"));
+static int write_image(FILE *stream, const struct webp *webp, const char *label, char *reason) {
+    FILE *bytes = fmemopen(webp->bytes, webp->count, "rb");
+    if (!bytes)
+        return fail_with(reason, "out of memory");
     fprintf(stream, "<img style=\"--legible:%.0fpx\" alt=\"", 10. / 13 * webp->width);
     html_text(stream, label);
     fputs("\" src=\"data:image/webp;base64,", stream);
     markup_base64(stream, bytes);
     fputs("\"/>", stream);
     fclose(bytes);
+    return 0;
 }
 
 int html_png(FILE *stream, const char *path, const char *label, char *reason) {
@@ -228,10 +230,10 @@ int html_png(FILE *stream, const char *path, const char *label, char *reason) {
     if (webp_of_png(&webp, path, picture_quality, reason))
         return -1;
     fputs("<div class=\"wide\">", stream);
-    write_image(stream, &webp, label);
+    const int code = write_image(stream, &webp, label, reason);
     fputs("</div>\n", stream);
     webp_free(&webp);
-    return 0;
+    return code;
 }
 
 /* Behind a window of one frame's height the sheet moves up by steps; it rests with the last frame
@@ -261,8 +263,8 @@ int html_film(FILE *stream, const char *path, int frames, const char *label, cha
     write_film_style(stream, frames);
     fprintf(stream, "<div class=\"film\"><div style=\"aspect-ratio:%d/%d;max-width:%dpx\">",
             webp.width, webp.height / frames, webp.width);
-    write_image(stream, &webp, label);
+    const int code = write_image(stream, &webp, label, reason);
     fputs("</div>\n<label><input type=\"checkbox\"/> hold</label></div>\n", stream);
     webp_free(&webp);
-    return 0;
+    return code;
 }

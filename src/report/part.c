@@ -41,8 +41,7 @@ static int write_table(const struct page_part *part, const char *name, const cha
             table.row_count, table.row_count == 1 ? "" : "s");
     if (shown) {
         fputs("</summary>\n", stream);
-        html_element(stream, "p class=\"small\"", table.about);
-        fputs("\n", stream);
+        html_element(stream, "p class=\"small\"", table.about, "\n");
         html_table(stream, &table, NULL);
     }
     fputs(shown ? "</details>\n" : "</p>\n", stream);

@@ -114,10 +114,13 @@ static void write_contents(FILE *stream) {
     fputs(" · <a href=\"#methods\">Methods</a> · <a href=\"#machine\">Machine</a></nav>\n", stream);
 }
 
-static void write_row(FILE *stream, const char *const *cells, int count, const char *kind) {
+/* Two cells of a row, or three; `kind` is th or td. */
+static void write_row(FILE *stream, const char *kind, const char *a, const char *b, const char *c) {
     fputs("<tr>", stream);
-    for (int i = 0; i < count; i++)
-        html_element(stream, kind, cells[i]);
+    html_element(stream, kind, a, "");
+    html_element(stream, kind, b, "");
+    if (c)
+        html_element(stream, kind, c, "");
     fputs("</tr>\n", stream);
 }
 
@@ -131,29 +134,20 @@ static void write_methods(FILE *stream) {
         "run is a process with limits on time and memory, and one that fails is a result.</p>\n"
         "<div class=\"wide\"><table><thead>",
         stream);
-    write_row(stream, (const char *const[]){"name", "what it is", "reference"}, 3, "th");
+    write_row(stream, "th", "name", "what it is", "reference");
     fputs("</thead><tbody>\n", stream);
     for (int i = 0; stepper_methods[i]; i++) {
         const struct stepper_method *m = stepper_methods[i];
-        write_row(stream, (const char *const[]){m->name, m->summary, m->reference}, 3, "td");
+        write_row(stream, "td", m->name, m->summary, m->reference);
     }
     for (int i = 0; linear_methods[i]; i++)
-        write_row(stream,
-                  (const char *const[]){linear_methods[i]->name, linear_methods[i]->summary,
-                                        linear_methods[i]->reference},
-                  3, "td");
+        write_row(stream, "td", linear_methods[i]->name, linear_methods[i]->summary,
+                  linear_methods[i]->reference);
     for (int p = 0; problems[p]; p++)
         for (int i = 0; problems[p]->treatments[i].name; i++)
-            write_row(stream,
-                      (const char *const[]){problems[p]->treatments[i].name,
-                                            problems[p]->treatments[i].summary, problems[p]->name},
-                      3, "td");
+            write_row(stream, "td", problems[p]->treatments[i].name,
+                      problems[p]->treatments[i].summary, problems[p]->name);
     fputs("</tbody></table></div></section>\n", stream);
-}
-
-/* Two cells of a row: what it is, and a text. */
-static void write_fact(FILE *stream, const char *what, const char *text) {
-    write_row(stream, (const char *const[]){what, text}, 2, "td");
 }
 
 /* Members of an object under other names; which goes with it. */
@@ -162,7 +156,8 @@ static void write_facts(FILE *stream, json_t *object, const char *const names[][
         const json_t *value = json_object_get(object, names[i][0]);
         char number[32];
         snprintf(number, sizeof number, "%g", json_number_value(value));
-        write_fact(stream, names[i][1], json_is_string(value) ? json_string_value(value) : number);
+        write_row(stream, "td", names[i][1],
+                  json_is_string(value) ? json_string_value(value) : number, NULL);
     }
     json_decref(object);
 }
@@ -209,10 +204,11 @@ static void write_machine(FILE *stream, const struct report *report) {
                                          {"flags", "its flags"},
                                          {"libraries", "libraries"},
                                          {NULL, NULL}});
-    write_fact(stream, "figures drawn by", version);
-    write_fact(stream, "command", report->command ? report->command : "unknown");
-    write_fact(stream, "date", date);
-    write_fact(stream, "timed runs", "each alone: no other run of the program at the same time");
+    write_row(stream, "td", "figures drawn by", version, NULL);
+    write_row(stream, "td", "command", report->command ? report->command : "unknown", NULL);
+    write_row(stream, "td", "date", date, NULL);
+    write_row(stream, "td", "timed runs",
+              "each alone: no other run of the program at the same time", NULL);
     fputs("</tbody></table></div></section>\n", stream);
 }
 
