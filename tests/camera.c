@@ -212,7 +212,7 @@ Test(camera, the_furthest_comes_first_and_equals_stay_in_order) {
         segments[i].depth = (float)(int)lab_between(&seed, -100, 400);
         segments[i].colour = (unsigned)i;
     }
-    cr_assert_eq(layer_sort(&layer), 0);
+    layer_sort(&layer);
     for (int i = 1; i < COUNT; i++) {
         const struct segment *a = &layer.segments[i - 1], *b = &layer.segments[i];
         cr_assert(a->depth >= b->depth, "segment %d", i);

@@ -372,9 +372,9 @@ Test(render, a_frame_is_drawn_once) {
 static void draw(struct picture *picture, const struct frames *frames, unsigned views, int frame,
                  int width, int height) {
     struct drawing drawing;
-    cr_assert_eq(drawing_create(&drawing, frames, views), 0);
+    drawing_create(&drawing, frames, views);
     drawing.camera = camera_at(frames->scene, width, height);
-    cr_assert_eq(picture_draw(picture, &drawing, frame), 0);
+    picture_draw(picture, &drawing, frame);
     drawing_free(&drawing);
 }
 
@@ -577,10 +577,10 @@ Test(render, a_plane_shows_samples_and_hairs) {
     write_frames(folder, scene, 1, 0);
     open_frames(&frames, folder);
     frames.states->table.value[3 * frames.states->table.column_count + 9] = 0.01;
-    cr_assert_eq(drawing_create(&drawing, &frames, VIEW_PLANE), 0);
+    drawing_create(&drawing, &frames, VIEW_PLANE);
     drawing.camera = camera_at(frames.scene, 320, 240);
     drawing.plane = (struct plane_view){.wisp = 0, .node = 3, .extent = 0.02};
-    cr_assert_eq(picture_draw(&picture, &drawing, 1), 0);
+    picture_draw(&picture, &drawing, 1);
     const struct layer *layer = picture.layer;
     const double reach = 0.46 * 240;
     cr_assert(layer[LAYER_SAMPLES].count == 6 && layer[LAYER_STYLE].count == 6);
@@ -620,10 +620,10 @@ Test(render, the_error_is_the_distance_from_the_reference) {
     write_frames(other, scene, 2, 0.006);
     open_frames(&frames, folder);
     open_frames(&reference, other);
-    cr_assert_eq(drawing_create(&drawing, &frames, VIEW_SKELETON), 0);
+    drawing_create(&drawing, &frames, VIEW_SKELETON);
     drawing.camera = camera_at(scene, 320, 240);
     drawing.reference = &reference;
-    cr_assert_eq(picture_draw(&picture, &drawing, 2), 0);
+    picture_draw(&picture, &drawing, 2);
     const struct layer *nodes = &picture.layer[LAYER_NODES];
     int tips = 0, still = 0;
     cr_assert_eq(nodes->count, 4 + 5);
@@ -633,8 +633,7 @@ Test(render, the_error_is_the_distance_from_the_reference) {
     }
     cr_expect(tips == 2 && still == 4, "%d tips, %d that stand", tips, still);
     picture_free(&picture);
-    cr_assert_eq(picture_draw(&picture, &drawing, 1),
-                 0); /* of the frame that they have in common */
+    picture_draw(&picture, &drawing, 1); /* of the frame that they have in common */
     for (size_t i = 0; i < nodes->count; i++)
         cr_expect_eq(nodes->segments[i].error, 0);
     picture_free(&picture);

@@ -428,3 +428,15 @@ int count_of(const char *text, const char *part) {
         count++;
     return count;
 }
+
+/* --- tables --- */
+
+int text_table_find(const struct text_table *table, const char *first, const char *second) {
+    for (int i = 0; i < table->row_count; i++) {
+        char **row = table->cell + i * table->column_count;
+        if ((!first || strcmp(row[0], first) == 0) &&
+            (!second || (table->column_count > 1 && strcmp(row[1], second) == 0)))
+            return i;
+    }
+    return -1;
+}

@@ -128,4 +128,11 @@ void statements_must_be_whole(const char *folder);
 /* How often a text has a part. */
 int count_of(const char *text, const char *part);
 
+/* --- tables --- */
+
+struct text_table;
+
+/* The first row that has the texts in its first columns (NULL: any), or -1. */
+int text_table_find(const struct text_table *table, const char *first, const char *second);
+
 #endif

@@ -26,6 +26,19 @@ int fail_with(char *reason, const char *format, ...) {
     return -1;
 }
 
+int fail_as(int code, char *reason, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(reason, REASON_SIZE, format, arguments);
+    va_end(arguments);
+    return code;
+}
+
+int fail_at(char *reason, const char *path, int line, const char *what) {
+    return line > 0 ? fail_with(reason, "%.150s:%d: %s", path, line, what)
+                    : fail_with(reason, "%.150s: %s", path, what);
+}
+
 int path_format(char *path, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);

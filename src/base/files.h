@@ -8,8 +8,12 @@
 
 enum { PATH_SIZE = 1024, REASON_SIZE = 400 };
 
-/* Writes why something failed (printf) into `reason` (REASON_SIZE); returns -1. */
+/* Writes why something failed (printf) into `reason` (REASON_SIZE); returns -1, or `code`. */
 int fail_with(char *reason, const char *format, ...) __attribute__((format(printf, 2, 3)));
+int fail_as(int code, char *reason, const char *format, ...) __attribute__((format(printf, 3, 4)));
+
+/* As fail_with, of a file: its path, the line where that is not 0, what is wrong. */
+int fail_at(char *reason, const char *path, int line, const char *what);
 
 /* Joins parts into `path` (PATH_SIZE); returns 0, or -1 where it does not fit. */
 int path_format(char *path, const char *format, ...) __attribute__((format(printf, 2, 3)));

@@ -24,14 +24,31 @@ static int is_beyond_limit(size_t bytes) {
     return used > 0 && used + (double)bytes + room > (double)limit.rlim_cur;
 }
 
-void memory_failed(size_t bytes) {
-    if (memory_is_limited && is_beyond_limit(bytes)) {
-        memory_was_short = 1;
-        return;
-    }
+static void end_process(void) {
     if (memory_last_word)
         memory_last_word();
     else
         complain_last("out of memory");
     _exit(2);
+}
+
+void memory_failed(size_t bytes) {
+    if (memory_is_limited && is_beyond_limit(bytes)) {
+        memory_was_short = 1;
+        return;
+    }
+    end_process();
+}
+
+void *memory_needed(void *memory) {
+    if (!memory)
+        end_process();
+    return memory;
+}
+
+void *memory_for(void *things, size_t count, size_t *room, size_t bytes) {
+    if (count <= *room)
+        return things;
+    *room = 2 * count + 64;
+    return memory_needed(realloc(things, *room * bytes));
 }

@@ -18,4 +18,13 @@ extern void (*memory_last_word)(void);
  * the process with exit code 2. Allocates nothing. */
 void memory_failed(size_t bytes);
 
+/* What was asked for or made in memory, where it is there; NULL ends the process as above. So what
+ * draws, writes pages and waits for runs need not be able to go on without. Not for what runs below
+ * a limit of our own, or in a program that is not ours. */
+void *memory_needed(void *memory);
+
+/* An array, owned by the caller, that has room for `count` things of so many bytes; *room is how
+ * many it has room for. By the rule of memory_needed. */
+void *memory_for(void *things, size_t count, size_t *room, size_t bytes);
+
 #endif

@@ -17,12 +17,6 @@ static void read_line(const char *path, char *line, int size) {
         fclose(file);
 }
 
-/* The kernel numbers spaces of processes: "pid:[4026531836]". */
-static void read_space(char *space, size_t size) {
-    const ssize_t length = readlink("/proc/self/ns/pid", space, size - 1);
-    space[length > 0 ? length : 0] = '\0';
-}
-
 const char *owner_host(void) {
     static char host[HOST_SIZE];
     if (host[0])
@@ -34,7 +28,9 @@ const char *owner_host(void) {
         char name[65] = "", boot[64], space[32];
         gethostname(name, sizeof name - 1);
         read_line("/proc/sys/kernel/random/boot_id", boot, sizeof boot);
-        read_space(space, sizeof space);
+        /* The kernel numbers spaces of processes: "pid:[4026531836]". */
+        const ssize_t length = readlink("/proc/self/ns/pid", space, sizeof space - 1);
+        space[length > 0 ? length : 0] = '\0';
         snprintf(host, sizeof host, "%s/%.8s/%s", *name ? name : "unnamed", boot, space);
     }
     for (char *c = host; *c; c++)

@@ -7,14 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int table_fail(const char *path, int line, const char *what, char *reason) {
-    if (line > 0)
-        snprintf(reason, REASON_SIZE, "%.150s:%d: %s", path, line, what);
-    else
-        snprintf(reason, REASON_SIZE, "%.150s: %s", path, what);
-    return -1;
-}
-
 /* What others write between columns. */
 static const char separators[] = " ,;",
                   by_tabs[] = "columns must be separated by tabs, not by blanks or commas";
@@ -27,19 +19,19 @@ static int table_fail_cell(const char *path, int line, int column, const char *w
         snprintf(what, sizeof what, "ends in a carriage return; lines must end in a newline alone");
     else
         snprintf(what, sizeof what, "column %d: '%.40s' is not a number", column + 1, word);
-    return table_fail(path, line, what, reason);
+    return fail_at(reason, path, line, what);
 }
 
 static int read_names(struct table *table, char *line, const char *path, int number, char *reason) {
     for (char *at = line, *word; (word = strsep(&at, "\t")) != NULL;) {
         if (table->column_count == TABLE_COLUMNS_MAX)
-            return table_fail(path, number, "too many columns", reason);
+            return fail_at(reason, path, number, "too many columns");
         table->name[table->column_count] = strdup(word);
         if (!table->name[table->column_count++])
-            return table_fail(path, number, "out of memory", reason);
+            return fail_at(reason, path, number, "out of memory");
     }
     return table->column_count == 1 && strpbrk(line, separators)
-               ? table_fail(path, number, by_tabs, reason)
+               ? fail_at(reason, path, number, by_tabs)
                : 0;
 }
 
@@ -50,7 +42,7 @@ static int read_row(struct table *table, char *line, size_t *capacity, const cha
         *capacity = 2 * *capacity + 64 * (size_t)table->column_count;
         double *value = realloc(table->value, *capacity * sizeof *value);
         if (!value)
-            return table_fail(path, number, "out of memory", reason);
+            return fail_at(reason, path, number, "out of memory");
         table->value = value;
     }
     int column = 0;
@@ -58,15 +50,15 @@ static int read_row(struct table *table, char *line, size_t *capacity, const cha
     for (char *word; (word = strsep(&at, "\t")) != NULL; column++) {
         char *end;
         if (column == table->column_count)
-            return table_fail(path, number, "more numbers than columns", reason);
+            return fail_at(reason, path, number, "more numbers than columns");
         table->value[used + (size_t)column] = strtod(word, &end);
         if ((end == word || *end) && column == 0 && !at && strpbrk(word, separators))
-            return table_fail(path, number, by_tabs, reason);
+            return fail_at(reason, path, number, by_tabs);
         if (end == word || *end)
             return table_fail_cell(path, number, column, word, reason);
     }
     if (column < table->column_count)
-        return table_fail(path, number, "fewer numbers than columns", reason);
+        return fail_at(reason, path, number, "fewer numbers than columns");
     table->row_count++;
     return 0;
 }
@@ -80,16 +72,16 @@ static int read_text(struct table *table, FILE *file, const char *path, char *re
         if (line[0] == '#')
             continue;
         if (line[length - 1] != '\n')
-            code = table_fail(path, number, "the last line is not complete", reason);
+            code = fail_at(reason, path, number, "the last line is not complete");
         line[length - 1] = '\0';
         if (!code)
             code = table->column_count ? read_row(table, line, &capacity, path, number, reason)
                                        : read_names(table, line, path, number, reason);
     }
     if (!code && !feof(file))
-        code = table_fail(path, 0, "cannot be read", reason);
+        code = fail_at(reason, path, 0, "cannot be read");
     if (!code && !table->column_count)
-        code = table_fail(path, number, "no column names", reason);
+        code = fail_at(reason, path, number, "no column names");
     free(line);
     return code;
 }
@@ -98,13 +90,12 @@ int table_read(struct table *table, const char *path, char *reason) {
     *table = (struct table){0};
     FILE *file = open_regular(path);
     if (!file)
-        return table_fail(path, 0,
-                          errno == EINVAL ? "is no regular file of at most a gibibyte"
-                                          : "cannot be read",
-                          reason);
+        return fail_at(reason, path, 0,
+                       errno == EINVAL ? "is no regular file of at most a gibibyte"
+                                       : "cannot be read");
     const int binary = npy_is_begun(file);
     const char *wrong = binary ? npy_read(table, file) : NULL;
-    int code = wrong ? table_fail(path, 0, wrong, reason) : 0;
+    int code = wrong ? fail_at(reason, path, 0, wrong) : 0;
     if (!binary)
         code = read_text(table, file, path, reason);
     fclose(file);

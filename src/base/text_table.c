@@ -6,12 +6,8 @@
 
 static int fail(struct text_table *table, const char *path, int line, const char *what,
                 char *reason) {
-    if (line > 0)
-        snprintf(reason, REASON_SIZE, "%.150s:%d: %s", path, line, what);
-    else
-        snprintf(reason, REASON_SIZE, "%.150s: %s", path, what);
     text_table_free(table);
-    return -1;
+    return fail_at(reason, path, line, what);
 }
 
 /* Cuts a line at its tabs into at most `most` cells; returns their number. */
@@ -107,16 +103,6 @@ double text_table_number(const struct text_table *table, int row, const char *na
 
 int text_cell_is_empty(const char *cell) {
     return !*cell || strcmp(cell, "nan") == 0 || strcmp(cell, "-nan") == 0;
-}
-
-int text_table_find(const struct text_table *table, const char *first, const char *second) {
-    for (int i = 0; i < table->row_count; i++) {
-        char **row = table->cell + i * table->column_count;
-        if ((!first || strcmp(row[0], first) == 0) &&
-            (!second || (table->column_count > 1 && strcmp(row[1], second) == 0)))
-            return i;
-    }
-    return -1;
 }
 
 /* --- is there a reason for what is not there? --- */

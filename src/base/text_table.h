@@ -29,9 +29,6 @@ double text_table_number(const struct text_table *table, int row, const char *na
 /* Whether nothing stands in a cell: no letter, or nan. */
 int text_cell_is_empty(const char *cell);
 
-/* The first row that has the texts in its first columns (NULL: any), or -1. */
-int text_table_find(const struct text_table *table, const char *first, const char *second);
-
 /* Whether every empty cell has a reason in its row: a status other than `finished`, or words in a
  * column that is there for words (note, reason, limit, comparison); the time of a failure needs
  * none where the run finished. A table that has no such column says in its first line what

@@ -3,12 +3,10 @@
 #include "base/complain.h"
 #include "base/options.h"
 #include "integrators/plugin.h"
-#include "run/runs.h"
 
-#include <ctype.h>
 #include <math.h>
-#include <stdarg.h>
 #include <string.h>
+#include <unistd.h>
 
 /* --- what was given --- */
 
@@ -22,14 +20,19 @@ static int option_index(const struct command *command, const char *name, size_t 
 
 const char *const *argument_list(const struct arguments *arguments, const char *name, int *count) {
     const int i = option_index(arguments->command, name, strlen(name));
-    *count = arguments->option[i].count;
-    return arguments->option[i].value;
+    *count = i < 0 ? 0 : arguments->option[i].count;
+    return i < 0 ? NULL : arguments->option[i].value;
 }
 
 const char *argument_text(const struct arguments *arguments, const char *name) {
     int count;
     const char *const *values = argument_list(arguments, name, &count);
     return count ? values[count - 1] : NULL;
+}
+
+const char *argument_or(const struct arguments *arguments, const char *name, const char *absent) {
+    const char *text = argument_text(arguments, name);
+    return text ? text : absent;
 }
 
 int argument_given(const struct arguments *arguments, const char *name) {
@@ -65,15 +68,55 @@ int argument_positive(const struct arguments *arguments, const char *name, doubl
     return complain(-1, "--%s %.60s: must be a positive number", name, text);
 }
 
-int argument_limits(const struct arguments *arguments, double default_seconds,
-                    double default_mebibytes, struct run_limits *limits) {
+int argument_whole(const struct arguments *arguments, const char *name, int absent, int most,
+                   int *value) {
+    double number;
+    if (argument_positive(arguments, name, absent, &number))
+        return -1;
+    if (number != floor(number) || number > most)
+        return complain(-1, "--%s %g: must be a whole number up to %d", name, number, most);
+    *value = (int)number;
+    return 0;
+}
+
+int argument_steppers(const struct arguments *arguments, const char *const **names, int *count) {
+    *names = argument_list(arguments, "stepper", count);
+    for (int i = 0; i < *count; i++)
+        if (!stepper_find((*names)[i]))
+            return complain(-1, "no stepper '%s'; `wisplab list steppers` names them", (*names)[i]);
+    return 0;
+}
+
+int argument_states(const struct arguments *arguments, enum states_format absent,
+                    enum states_format *format) {
+    const char *name = argument_or(arguments, "states", states_format_names[absent]);
+    for (int i = 0; i < STATES_FORMATS; i++)
+        if (strcmp(name, states_format_names[i]) == 0) {
+            *format = (enum states_format)i;
+            return 0;
+        }
+    return complain(-1, "--states %.60s: must be text, binary or none", name);
+}
+
+int argument_limits(const struct arguments *arguments, double default_mebibytes,
+                    struct run_limits *limits) {
     double mebibytes;
     *limits = (struct run_limits){.seconds = 0};
-    if (argument_positive(arguments, "time-limit", default_seconds, &limits->seconds) ||
+    if (argument_positive(arguments, "time-limit", 0, &limits->seconds) ||
         argument_positive(arguments, "memory-limit", default_mebibytes, &mebibytes))
         return -1;
     limits->bytes = mebibytes * 1024 * 1024;
     return 0;
+}
+
+int argument_manner(const struct arguments *arguments, struct manner *manner) {
+    *manner = (struct manner){.fresh = argument_given(arguments, "fresh"),
+                              .show_progress = !argument_given(arguments, "no-progress")};
+    return argument_limits(arguments, 4096, &manner->limits) ||
+                   argument_whole(arguments, "jobs", (int)sysconf(_SC_NPROCESSORS_ONLN), 1024,
+                                  &manner->jobs)
+               ? -1
+               : 0;
 }
 
 /* --- reading it --- */
@@ -171,11 +214,11 @@ static void print_command_help(const struct command *command) {
 }
 
 static int load_plugins(const struct arguments *arguments) {
-    static const char name[] = "plugin";
-    const int i = option_index(arguments->command, name, strlen(name));
+    int count;
+    const char *const *files = argument_list(arguments, "plugin", &count);
     char reason[REASON_SIZE];
-    for (int k = 0; i >= 0 && k < arguments->option[i].count; k++)
-        if (plugin_load(arguments->option[i].value[k], reason))
+    for (int i = 0; i < count; i++)
+        if (plugin_load(files[i], reason))
             return complain(-1, "--plugin %s", reason);
     return 0;
 }

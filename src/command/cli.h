@@ -3,9 +3,7 @@
 #ifndef WISPLAB_CLI_H
 #define WISPLAB_CLI_H
 
-#include <stddef.h>
-
-struct run_limits;
+#include "experiments/common/run_experiment.h"
 
 enum { CLI_OPTIONS_MAX = 32, CLI_REPEATS_MAX = 64, CLI_WORDS_MAX = 32 };
 enum { CLI_ONCE, CLI_REPEATS, CLI_DISTINCT };
@@ -41,8 +39,10 @@ struct command {
     int (*run)(const struct arguments *arguments); /* returns the exit code */
 };
 
-/* The last value of an option, or NULL; all of a repeated one; whether a flag was given. */
+/* The last value of an option, or NULL or `absent`; all of a repeated one; whether a flag was
+ * given. */
 const char *argument_text(const struct arguments *arguments, const char *name);
+const char *argument_or(const struct arguments *arguments, const char *name, const char *absent);
 const char *const *argument_list(const struct arguments *arguments, const char *name, int *count);
 int argument_given(const struct arguments *arguments, const char *name);
 
@@ -50,9 +50,17 @@ int argument_given(const struct arguments *arguments, const char *name);
 void argument_command(const struct arguments *arguments, const char *const *but, char *text,
                       size_t size);
 
-/* A positive number; `absent` where not given. Returns 0, or -1 having said why on stderr. */
+/* Values of options, `absent` where not given. All of them return 0, or -1 having said on standard
+ * error why they are wrong. A positive number, and a whole one up to `most`: */
 int argument_positive(const struct arguments *arguments, const char *name, double absent,
                       double *value);
+int argument_whole(const struct arguments *arguments, const char *name, int absent, int most,
+                   int *value);
+
+/* --stepper, as often as it is there, and --states. */
+int argument_steppers(const struct arguments *arguments, const char *const **names, int *count);
+int argument_states(const struct arguments *arguments, enum states_format absent,
+                    enum states_format *format);
 
 /* The option of commands that know steppers, to be put into their tables: plug-ins are loaded
  * before a command begins. */
@@ -66,8 +74,11 @@ int argument_positive(const struct arguments *arguments, const char *name, doubl
         {"memory-limit", "MIB", "end a run that needs more memory", 0}, {              \
         "no-progress", NULL, "show no progress line", 0                                \
     }
-int argument_limits(const struct arguments *arguments, double default_seconds,
-                    double default_mebibytes, struct run_limits *limits);
+int argument_limits(const struct arguments *arguments, double default_mebibytes,
+                    struct run_limits *limits);
+
+/* All of how runs of experiments are done: these, --jobs and, where there is such, --fresh. */
+int argument_manner(const struct arguments *arguments, struct manner *manner);
 
 /* Runs a command with the words after its name: what it returns, or 0 after --help, or 1 having
  * said what is wrong with the words. */

@@ -1,7 +1,7 @@
 /* wisplab eval: the accelerations at one state, to be compared with another program's. */
 #include "base/complain.h"
 #include "base/digits.h"
-#include "base/files.h"
+#include "base/memory.h"
 #include "base/vector.h"
 #include "cli.h"
 #include "model/state.h"
@@ -9,7 +9,6 @@
 #include "scene/scene_load.h"
 
 #include <errno.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -27,12 +26,9 @@ static int load_state(struct model *model, const char *file, double *t, char *re
     struct trajectory states;
     if (trajectory_read(&states, file, reason))
         return -1;
-    double *rows = malloc((size_t)(model->row_count * model->column_count) * sizeof *rows);
-    int code = -1;
-    if (!rows)
-        snprintf(reason, REASON_SIZE, "out of memory");
-    else
-        code = state_of(model, &states, file, rows, t, reason);
+    double *rows =
+        memory_needed(malloc((size_t)(model->row_count * model->column_count) * sizeof *rows));
+    const int code = state_of(model, &states, file, rows, t, reason);
     if (!code)
         model->problem->restore(model, rows);
     free(rows);
@@ -54,27 +50,26 @@ static void print_rows(const struct scene *scene, const struct model *model, con
 /* Evaluates every part and prints. Returns the exit code. */
 static int print_accelerations(const struct scene *scene, struct model *model) {
     const size_t parts = (size_t)model->part_count;
-    double **a = calloc(parts, sizeof *a);
-    double *rows = calloc((size_t)(model->row_count * model->rate_column_count), sizeof *rows);
-    int code = a && rows ? 0 : complain(2, "out of memory");
+    const int numbers = model->row_count * model->rate_column_count;
+    double **a = memory_needed(calloc(parts, sizeof *a));
+    double *rows = memory_needed(calloc((size_t)numbers, sizeof *rows));
+    int code = 0;
     for (size_t i = 0; i < parts && !code; i++) {
         struct part *part = &model->parts[i];
-        a[i] = calloc((size_t)part->system.size, sizeof(double));
-        if (!a[i])
-            code = complain(2, "out of memory");
-        else if (system_acceleration(&part->system, model->t, part->q, part->v, a[i]))
+        a[i] = memory_needed(calloc((size_t)part->system.size, sizeof(double)));
+        if (system_acceleration(&part->system, model->t, part->q, part->v, a[i]))
             code = complain(3, "%s: %s", scene->name, part->system.reason);
     }
     if (!code) {
         model->problem->sample_accelerations(model, a, rows);
-        if (all_finite(rows, model->row_count * model->rate_column_count))
+        if (all_finite(rows, numbers))
             print_rows(scene, model, rows);
         else
             code = complain(
                 3, "%s: accelerations at this state are not finite: its numbers are too large",
                 scene->name);
     }
-    for (size_t i = 0; a && i < parts; i++)
+    for (size_t i = 0; i < parts; i++)
         free(a[i]);
     free(a);
     free(rows);
@@ -94,9 +89,7 @@ static int evaluate(const struct arguments *arguments, const struct scene *scene
     if (refused)
         return complain(outcome_exit_code((enum outcome)refused), "%s", reason);
     struct model *model =
-        scene->problem->create(scene, settings.treatment, settings_lanes(&settings));
-    if (!model)
-        return complain(2, "out of memory");
+        memory_needed(scene->problem->create(scene, settings.treatment, settings_lanes(&settings)));
     int code = 0;
     if (state && load_state(model, state, &t, reason))
         code = complain(1, "%s", reason);

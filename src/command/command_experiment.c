@@ -1,11 +1,7 @@
 /* wisplab experiment: plan -> runs -> tables -> figures. */
 #include "base/complain.h"
 #include "cli.h"
-#include "experiments/common/run_experiment.h"
 #include "experiments/registry.h"
-
-#include <math.h>
-#include <unistd.h>
 
 static const struct cli_option options[] = {
     {"scene", "SCENE", "scenes instead of the experiment's own", CLI_DISTINCT},
@@ -23,44 +19,26 @@ static const struct cli_option options[] = {
     {0},
 };
 
-/* Returns 0, or -1 having said why. */
-static int read_manner(const struct arguments *arguments, struct manner *manner) {
-    double jobs;
-    manner->fresh = argument_given(arguments, "fresh");
-    manner->show_progress = !argument_given(arguments, "no-progress");
-    if (argument_limits(arguments, 0, 4096, &manner->limits) ||
-        argument_positive(arguments, "jobs", (double)sysconf(_SC_NPROCESSORS_ONLN), &jobs))
-        return -1;
-    if (jobs != floor(jobs) || jobs > 1024)
-        return complain(-1, "--jobs %g: must be a whole number up to 1024", jobs);
-    manner->jobs = (int)jobs;
-    return 0;
-}
-
 static int experiment(const struct arguments *arguments) {
     struct plan plan = {.experiment = experiment_find(arguments->words[0]),
                         .quick = argument_given(arguments, "quick"),
                         .fresh = argument_given(arguments, "fresh"),
-                        .out = argument_text(arguments, "out")};
+                        .out = argument_or(arguments, "out", "results")};
+    struct manner manner;
     if (!plan.experiment)
         return complain(1, "no experiment '%s'; `wisplab list experiments` names them",
                         arguments->words[0]);
-    if (!plan.out)
-        plan.out = "results";
     plan.scenes = argument_list(arguments, "scene", &plan.scene_count);
     plan.sets = argument_list(arguments, "set", &plan.set_count);
-    plan.steppers = argument_list(arguments, "stepper", &plan.stepper_count);
     plan.states = argument_list(arguments, "states", &plan.states_count);
     if (plan.states_count > 0 && !plan.experiment->takes_states)
         return complain(1, "experiment %s has no place for --states; work-precision and solvers do",
                         plan.experiment->name);
-    for (int i = 0; i < plan.stepper_count; i++)
-        if (!stepper_find(plan.steppers[i]))
-            return complain(1, "no stepper '%s'; `wisplab list steppers` names them",
-                            plan.steppers[i]);
-    struct manner manner = {.runs = 0};
+    if (argument_steppers(arguments, &plan.steppers, &plan.stepper_count) ||
+        argument_manner(arguments, &manner))
+        return 1;
     plan.trajectories = trajectories_create();
-    const int code = read_manner(arguments, &manner) ? 1 : run_experiment(&plan, &manner);
+    const int code = run_experiment(&plan, &manner);
     plan_free(&plan);
     trajectories_free(plan.trajectories);
     return code;

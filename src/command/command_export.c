@@ -11,32 +11,21 @@ static const struct cli_option options[] = {
     {0},
 };
 
-static int write_vtk(const struct frames *frames, const char *folder, const char *name,
-                     char *reason) {
-    const int code = vtk_write(frames, folder, name, reason);
-    if (!code)
-        say("%s/%s*.pvd: %d frames of %d wisps", folder, name, frames->count, frames->wisp_count);
-    return code;
-}
-
-static int write_usd(const struct frames *frames, const char *folder, const char *name,
-                     char *reason) {
-    const int code = usd_write(frames, folder, name, reason);
-    if (!code)
-        say("%s/%s.usda: %d frames of %d wisps", folder, name, frames->count, frames->wisp_count);
-    return code;
-}
-
 /* Writes every format that was asked for. */
-static int write_formats(const struct arguments *arguments, const struct frames *frames,
-                         char *reason) {
+static int write_formats(const struct arguments *arguments, const struct frames *f, char *reason) {
     const char *vtk = argument_text(arguments, "vtk"), *usd = argument_text(arguments, "usd");
     char name[80];
-    plain_name(frames->scene->name, name, sizeof name);
+    plain_name(f->scene->name, name, sizeof name);
     if ((vtk && make_folder(vtk, reason)) || (usd && make_folder(usd, reason)))
         return 2;
-    const int code = vtk ? write_vtk(frames, vtk, name, reason) : 0;
-    return code || !usd ? code : write_usd(frames, usd, name, reason);
+    int code = vtk ? vtk_write(f, vtk, name, reason) : 0;
+    if (vtk && !code)
+        say("%s/%s*.pvd: %d frames of %d wisps", vtk, name, f->count, f->wisp_count);
+    if (usd && !code)
+        code = usd_write(f, usd, name, reason);
+    if (usd && !code)
+        say("%s/%s.usda: %d frames of %d wisps", usd, name, f->count, f->wisp_count);
+    return code;
 }
 
 static int export(const struct arguments *arguments) {

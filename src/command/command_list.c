@@ -8,8 +8,6 @@
 #include "run/runs.h"
 #include "scene/scene_settings.h"
 
-#include <dirent.h>
-#include <stdlib.h>
 #include <string.h>
 
 static void list_options(const struct option_spec *specs) {
@@ -64,32 +62,24 @@ static void list_experiments(int verbose) {
     }
 }
 
-static int is_scene(const struct dirent *entry) {
-    const size_t length = strlen(entry->d_name);
-    return length > 4 && strcmp(entry->d_name + length - 4, ".cfg") == 0;
-}
-
 /* A scene's description is the first line of its file: a comment that is one whole sentence. */
 static void list_scenes(int verbose) {
     (void)verbose;
-    char folder[PATH_SIZE], path[PATH_SIZE], line[256];
-    struct dirent **entries;
+    char folder[PATH_SIZE], line[256];
+    glob_t found;
     path_format(folder, "%s/experiments", data_folder());
-    const int count = scandir(folder, &entries, is_scene, alphasort);
-    for (int i = 0; i < count; i++) {
-        const char *name = entries[i]->d_name;
-        path_format(path, "%s/%s", folder, name);
-        FILE *file = fopen(path, "r");
+    files_like(folder, "*.cfg", &found);
+    for (size_t i = 0; i < found.gl_pathc; i++) {
+        const char *name = strrchr(found.gl_pathv[i], '/') + 1;
+        FILE *file = fopen(found.gl_pathv[i], "r");
         if (!file || !fgets(line, sizeof line, file))
             line[0] = '\0';
         const char *text = line + strspn(line, "# ");
         printf("%.*s\t%.*s\n", (int)strlen(name) - 4, name, (int)strcspn(text, "\n"), text);
         if (file)
             fclose(file);
-        free(entries[i]);
     }
-    if (count >= 0)
-        free(entries);
+    globfree(&found);
 }
 
 /* A cell of a table: a stroke where there is nothing. */
@@ -157,11 +147,12 @@ static int list(const struct arguments *arguments) {
         kinds[i].list(verbose);
         found = 1;
     }
-    return found ? 0
-                 : complain(1,
-                            "list: no '%s'; there are scenes, steppers, treatments, linear, "
-                            "experiments, settings",
-                            wanted);
+    if (found)
+        return 0;
+    return complain(1,
+                    "list: no '%s'; there are scenes, steppers, treatments, linear, experiments, "
+                    "settings",
+                    wanted);
 }
 
 static const struct cli_option options[] = {

@@ -11,32 +11,19 @@
 /* --- wisplab(1) --- */
 
 static void roff_option(const struct cli_option *option) {
-    printf(".TP\n\\fB\\-\\-");
-    roff(option->name);
-    printf("\\fR");
-    if (option->argument) {
-        printf(" \\fI");
-        roff(option->argument);
-        printf("\\fR");
-    }
-    printf("\n");
-    roff(option->help);
-    printf("%s\n", option->repeats ? "; may be given more than once" : "");
+    roff(".TP\n\\fB\\-\\-", option->name, "\\fR");
+    if (option->argument)
+        roff(" \\fI", option->argument, "\\fR");
+    roff("\n", option->help, option->repeats ? "; may be given more than once\n" : "\n");
 }
 
 static void roff_command(const struct command *command) {
-    printf(".SS wisplab ");
-    roff(command->name);
-    printf(" ");
-    roff(command->usage);
-    printf("\n");
-    roff(command->summary);
-    printf("\n");
+    roff(".SS wisplab ", command->name, " ");
+    roff("", command->usage, "\n");
+    roff("", command->summary, "\n");
     for (int i = 0; command->options[i].name; i++)
         roff_option(&command->options[i]);
-    printf(".PP\n.nf\n");
-    roff(command->details);
-    printf(".fi\n");
+    roff(".PP\n.nf\n", command->details, ".fi\n");
 }
 
 static int print_program(void) {
@@ -44,14 +31,11 @@ static int print_program(void) {
     printf(".SH NAME\nwisplab \\- compare time integrators on one deformable hair\\-wisp model\n");
     printf(".SH SYNOPSIS\n.B wisplab\n.I COMMAND\n.RI [ OPTION ]...\n");
     printf(".SH DESCRIPTION\n");
-    roff(program_summary);
-    printf("\n.SH COMMANDS\n");
+    roff("", program_summary, "\n.SH COMMANDS\n");
     for (int i = 0; commands[i]; i++)
         if (!commands[i]->hidden)
             roff_command(commands[i]);
-    printf(".SH EXIT STATUS\n");
-    roff(program_exit_codes);
-    printf(".SH SEE ALSO\n.BR wisplab\\-scene (5)\n");
+    roff(".SH EXIT STATUS\n", program_exit_codes, ".SH SEE ALSO\n.BR wisplab\\-scene (5)\n");
     return 0;
 }
 

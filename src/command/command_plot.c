@@ -1,6 +1,6 @@
 /* wisplab plot: figures again, from the tables of earlier experiments. */
 #include "base/complain.h"
-#include "base/files.h"
+#include "base/memory.h"
 #include "base/text_table.h"
 #include "cli.h"
 #include "experiments/common/plan.h"
@@ -39,8 +39,8 @@ struct wanted {
 
 /* Numbers and commas. */
 static int read_panels(struct wanted *wanted, const char *text) {
-    wanted->panels = calloc(strlen(text) + 1, sizeof *wanted->panels);
-    for (const char *at = text; wanted->panels;) {
+    wanted->panels = memory_needed(calloc(strlen(text) + 1, sizeof *wanted->panels));
+    for (const char *at = text;;) {
         int length = 0, *panel = &wanted->panels[wanted->request.panel_count++];
         if (sscanf(at, "%5d%n", panel, &length) != 1 || *panel < 1 ||
             (at[length] && at[length] != ','))
@@ -51,14 +51,12 @@ static int read_panels(struct wanted *wanted, const char *text) {
         at += length + 1;
     }
     wanted->request.panels = wanted->panels;
-    return wanted->panels ? 0 : complain(-1, "out of memory");
+    return 0;
 }
 
 static int read_methods(struct wanted *wanted, const char *text) {
-    wanted->words = strdup(text);
-    wanted->methods = calloc(strlen(text) + 1, sizeof *wanted->methods);
-    if (!wanted->words || !wanted->methods)
-        return complain(-1, "out of memory");
+    wanted->words = memory_needed(strdup(text));
+    wanted->methods = memory_needed(calloc(strlen(text) + 1, sizeof *wanted->methods));
     char *rest = wanted->words;
     for (char *word; (word = strsep(&rest, ",")) != NULL;) {
         if (!*word)
@@ -94,12 +92,6 @@ static int read_wanted(const struct arguments *arguments, struct wanted *wanted)
     wanted->request.figure = argument_text(arguments, "figure");
     return (panel && read_panels(wanted, panel)) || (methods && read_methods(wanted, methods)) ? -1
                                                                                                : 0;
-}
-
-static void free_wanted(struct wanted *wanted) {
-    free(wanted->panels);
-    free(wanted->methods);
-    free(wanted->words);
 }
 
 /* --- drawing --- */
@@ -146,13 +138,13 @@ static int plot_run(const char *folder, const struct wanted *wanted) {
 
 static int plot_experiments(const struct arguments *arguments, const struct wanted *wanted) {
     char folder[PATH_SIZE], reason[REASON_SIZE];
-    const char *out = argument_text(arguments, "out"), *name = arguments->words[0];
+    const char *out = argument_or(arguments, "out", "results"), *name = arguments->words[0];
     const int all = strcmp(name, "all") == 0;
     int drawn = 0;
     for (int i = 0; experiments[i]; i++) {
         if (!all && strcmp(experiments[i]->name, name) != 0)
             continue;
-        path_format(folder, "%s/%s", out ? out : "results", experiments[i]->name);
+        path_format(folder, "%s/%s", out, experiments[i]->name);
         const int count = count_tables(folder, "*.tsv", reason);
         if (count < 0)
             return complain(1, "%s", reason);
@@ -164,8 +156,8 @@ static int plot_experiments(const struct arguments *arguments, const struct want
         drawn++;
     }
     if (!drawn)
-        return complain(1, "no tables of '%s' in %s; run `wisplab experiment %s` first", name,
-                        out ? out : "results", all ? "NAME" : name);
+        return complain(1, "no tables of '%s' in %s; run `wisplab experiment %s` first", name, out,
+                        all ? "NAME" : name);
     return 0;
 }
 
@@ -177,7 +169,9 @@ static int plot(const struct arguments *arguments) {
         code = strcmp(name, "all") == 0 || experiment_find(name)
                    ? plot_experiments(arguments, &wanted)
                    : plot_run(name, &wanted);
-    free_wanted(&wanted);
+    free(wanted.panels);
+    free(wanted.methods);
+    free(wanted.words);
     return code;
 }
 

@@ -1,6 +1,6 @@
 /* wisplab render: pictures of hair, strips of them, films. */
 #include "base/complain.h"
-#include "base/files.h"
+#include "base/memory.h"
 #include "base/progress.h"
 #include "base/workers.h"
 #include "cli.h"
@@ -13,7 +13,6 @@
 #include <ctype.h>
 #include <errno.h>
 #include <limits.h>
-#include <math.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
@@ -83,17 +82,6 @@ static int read_size(struct task *task) {
     return 0;
 }
 
-static int read_whole(const struct arguments *arguments, const char *name, int most, int absent,
-                      int *value) {
-    double number;
-    if (argument_positive(arguments, name, absent, &number))
-        return -1;
-    if (number != floor(number) || number > most)
-        return complain(-1, "--%s %g: must be a whole number up to %d", name, number, most);
-    *value = (int)number;
-    return 0;
-}
-
 /* A GIF counts in hundredths of a second. */
 static int read_rate(struct task *task) {
     if (argument_positive(task->arguments, "rate", 30, &task->rate))
@@ -137,26 +125,25 @@ static int read_section(struct task *task) {
 
 static int read_task(struct task *task) {
     const struct arguments *arguments = task->arguments;
-    const char *out = argument_text(arguments, "out"), *format = argument_text(arguments, "format");
     task->as_strip = arguments->word_count > 1 || argument_given(arguments, "strip") ||
                      argument_given(arguments, "columns") || argument_given(arguments, "large");
     task->film = argument_given(arguments, "film");
-    task->out = out ? out : "results/render";
-    task->format = format ? format : "png";
+    task->out = argument_or(arguments, "out", "results/render");
+    task->format = argument_or(arguments, "format", "png");
     task->request.views = read_views(arguments);
     task->request.beside = argument_given(arguments, "beside");
     task->request.sets = argument_list(arguments, "set", &task->request.set_count);
     if (strcmp(task->format, "png") != 0 && strcmp(task->format, "svg") != 0)
-        return complain(-1, "--format %s: is not one of png, svg", format);
+        return complain(-1, "--format %s: is not one of png, svg", task->format);
     if (task->film && task->as_strip)
         return complain(-1, "--film: is of single pictures of one run; leave out the strip");
     if (task->film && strcmp(task->format, "png") != 0)
         return complain(-1, "--film: is made of png; leave out --format");
     return read_section(task) || read_size(task) || read_rate(task) ||
-                   read_whole(arguments, "columns", 400, 0, &task->request.columns) ||
-                   read_whole(arguments, "large", INT_MAX, 0, &task->request.large) ||
-                   read_whole(arguments, "threads", 1024, (int)sysconf(_SC_NPROCESSORS_ONLN),
-                              &task->threads)
+                   argument_whole(arguments, "columns", 0, 400, &task->request.columns) ||
+                   argument_whole(arguments, "large", 0, INT_MAX, &task->request.large) ||
+                   argument_whole(arguments, "threads", (int)sysconf(_SC_NPROCESSORS_ONLN), 1024,
+                                  &task->threads)
                ? -1
                : 0;
 }
@@ -249,48 +236,41 @@ static int has_frame(const struct task *task, int frame) {
     return i < task->count;
 }
 
-/* Those that are not there yet: two would be one file. */
-static int add_frames(struct task *task, const int range[2]) {
-    const int count = range[1] - range[0] + 1;
-    int *frames = realloc(task->frames, (size_t)(task->count + count) * sizeof *frames);
-    if (!frames)
-        return complain(2, "out of memory");
-    task->frames = frames;
-    for (int frame = range[0]; frame <= range[1]; frame++)
+/* Those that are not there yet: two would be one file. There is room for all. */
+static void add_frames(struct task *task, int first, int last) {
+    for (int frame = first; frame <= last; frame++)
         if (!has_frame(task, frame))
-            frames[task->count++] = frame;
-    return 0;
+            task->frames[task->count++] = frame;
 }
 
 /* From the first to the last. */
-static int some_frames(struct task *task, int last) {
+static void some_frames(struct task *task, int last) {
     const int count = last < 6 ? last : 6;
     for (int i = 0; i < count; i++) {
         const int frame = count > 1 ? 1 + i * (last - 1) / (count - 1) : 1;
-        if (add_frames(task, (const int[]){frame, frame}))
-            return 2;
+        add_frames(task, frame, frame);
     }
-    return 0;
 }
 
 /* Returns the exit code. */
 static int choose_frames(struct task *task) {
     const char *list = argument_text(task->arguments, "frames");
     const int last = strip_frames(task->strip);
-    int code = 0;
+    task->frames = memory_needed(calloc((size_t)last + 1, sizeof *task->frames));
     if (list ? strcmp(list, "all") == 0 : task->film)
-        return add_frames(task, (const int[]){1, last});
-    if (!list)
-        return some_frames(task, last);
-    for (const char *text = list; !code && *text;) {
+        add_frames(task, 1, last);
+    else if (!list)
+        some_frames(task, last);
+    for (const char *text = list; text && *text && strcmp(list, "all") != 0;) {
         int range[2] = {1, 1};
-        code = read_range(&text, last, range);
+        const int code = read_range(&text, last, range);
         if (code == -1)
-            return complain(1, "--frames %s: must be numbers and ranges, as 1,6,10 or 1-31, or all",
-                            list);
-        code = code ? 1 : add_frames(task, range);
+            complain(1, "--frames %s: must be numbers and ranges, as 1,6,10 or 1-31, or all", list);
+        if (code)
+            return 1;
+        add_frames(task, range[0], range[1]);
     }
-    return code;
+    return 0;
 }
 
 /* --- pictures --- */
@@ -337,10 +317,8 @@ static int write_pictures(struct task *task) {
     char first[100], last[100];
     struct workers *workers =
         workers_create(task->threads < task->count ? task->threads : task->count);
-    if (!workers) {
-        snprintf(task->reason, REASON_SIZE, "no threads to be had");
-        return 2;
-    }
+    if (!workers)
+        return fail_as(2, task->reason, "no threads to be had");
     task->progress = progress_start("pictures", !argument_given(task->arguments, "no-progress"));
     pthread_mutex_init(&task->shared, NULL);
     workers_run(workers, write_picture, task, task->count);
@@ -356,25 +334,19 @@ static int write_pictures(struct task *task) {
 }
 
 static int write_film(struct task *task) {
-    struct film film = {.count = task->count, .rate = task->rate};
-    char(*paths)[PATH_SIZE] = malloc((size_t)task->count * sizeof *paths);
-    const char **pictures = malloc((size_t)task->count * sizeof *pictures);
-    int code = 2, mp4 = 0;
-    snprintf(task->reason, REASON_SIZE, "out of memory");
-    for (int i = 0; paths && pictures && i < task->count; i++) {
+    char(*paths)[PATH_SIZE] = memory_needed(malloc((size_t)task->count * sizeof *paths));
+    struct film film = {.pictures = paths, .count = task->count, .rate = task->rate};
+    int mp4 = 0;
+    for (int i = 0; i < task->count; i++) {
         char name[100];
         picture_name(task, task->frames[i], name);
         path_format(paths[i], "%s/%s.png", task->out, name);
-        pictures[i] = paths[i];
     }
-    film.pictures = pictures;
     strip_size(task->strip, 1, &film.width, &film.height);
-    if (paths && pictures)
-        code = film_write(&film, task->out, task->name, &mp4, task->reason);
+    const int code = film_write(&film, task->out, task->name, &mp4, task->reason);
     if (!code)
         say("%s/%s.gif%s", task->out, task->name, mp4 ? " and .mp4" : " (no ffmpeg: no mp4)");
     free(paths);
-    free(pictures);
     return code;
 }
 
@@ -393,16 +365,14 @@ static int draw(struct task *task) {
     if (!code && make_folder(task->out, task->reason))
         code = 2;
     if (!code)
-        code = task->as_strip ? write_strip(task) : write_pictures(task);
+        code = (task->as_strip ? write_strip : write_pictures)(task);
     if (!code && task->film)
         code = write_film(task);
     return code ? complain(code, "%s", task->reason) : 0;
 }
 
 static int render(const struct arguments *arguments) {
-    struct task *task = calloc(1, sizeof *task);
-    if (!task)
-        return complain(2, "out of memory");
+    struct task *task = memory_needed(calloc(1, sizeof *task));
     task->arguments = arguments;
     task->trajectories = trajectories_create();
     int code = read_task(task) ? 1 : find_runs(task);
@@ -411,8 +381,7 @@ static int render(const struct arguments *arguments) {
     strip_free(task->strip);
     trajectories_free(task->trajectories);
     for (int i = 0; i < RUNS_MAX; i++)
-        if (task->scenes[i])
-            scene_free(task->scenes[i]);
+        scene_free(task->scenes[i]);
     free(task->frames);
     free(task);
     return code;

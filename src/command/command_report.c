@@ -3,14 +3,10 @@
 #include "base/files.h"
 #include "base/progress.h"
 #include "cli.h"
-#include "experiments/common/run_experiment.h"
 #include "experiments/registry.h"
 #include "report/report.h"
 
-#include <math.h>
-#include <string.h>
 #include <time.h>
-#include <unistd.h>
 
 static const struct cli_option options[] = {
     {"quick", NULL, "a small, stated subset, in less than two minutes on two cores", 0},
@@ -21,20 +17,6 @@ static const struct cli_option options[] = {
     CLI_LIMIT_OPTIONS,
     {0},
 };
-
-/* Returns 0, or -1 having said why. */
-static int read_manner(const struct arguments *arguments, struct manner *manner) {
-    double jobs;
-    *manner = (struct manner){.fresh = argument_given(arguments, "fresh"),
-                              .show_progress = !argument_given(arguments, "no-progress")};
-    if (argument_limits(arguments, 0, 4096, &manner->limits) ||
-        argument_positive(arguments, "jobs", (double)sysconf(_SC_NPROCESSORS_ONLN), &jobs))
-        return -1;
-    if (jobs != floor(jobs) || jobs > 1024)
-        return complain(-1, "--jobs %g: must be a whole number up to 1024", jobs);
-    manner->jobs = (int)jobs;
-    return 0;
-}
 
 /* Wall time that an experiment is known to take, s; 0: it is left out. */
 static double seconds_of(const struct experiment *experiment, int quick) {
@@ -112,9 +94,8 @@ static int write_page(const struct report *report) {
 }
 
 static int make_report(const struct arguments *arguments) {
-    const char *out = argument_text(arguments, "out");
     char command[512];
-    struct report report = {.root = out ? out : "results",
+    struct report report = {.root = argument_or(arguments, "out", "results"),
                             .quick = argument_given(arguments, "quick"),
                             .command = command};
     struct manner manner;
@@ -122,7 +103,7 @@ static int make_report(const struct arguments *arguments) {
                      sizeof command);
     const double start = monotonic_seconds();
     int code = 0;
-    if (read_manner(arguments, &manner))
+    if (argument_manner(arguments, &manner))
         return 1;
     struct trajectories *trajectories = trajectories_create();
     add_parts(&report);

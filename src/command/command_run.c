@@ -1,6 +1,6 @@
 /* wisplab run: one scene, one stepper, into one folder. */
 #include "base/complain.h"
-#include "base/files.h"
+#include "base/memory.h"
 #include "cli.h"
 #include "integrators/configurations.h"
 #include "model/problems.h"
@@ -42,21 +42,9 @@ static const struct cli_option options[] = {
     {0},
 };
 
-static int read_format(const struct arguments *arguments, enum states_format *format) {
-    const char *name = argument_text(arguments, "states");
-    for (int i = 0; i < STATES_FORMATS; i++)
-        if (!name || strcmp(name, states_format_names[i]) == 0) {
-            *format = (enum states_format)i;
-            return *format == STATES_TEXT || !argument_given(arguments, "save")
-                       ? 0
-                       : complain(-1, "--save takes its frame from states.tsv; leave out --states");
-        }
-    return complain(-1, "--states %.60s: must be text, binary or none", name);
-}
-
 /* The request of the command line. Returns 0, or -1 having said why. */
 static int read_request(const struct arguments *arguments, struct run_request *request) {
-    double rate, threads, draw;
+    double rate, draw;
     *request = (struct run_request){
         .stepper = argument_text(arguments, "stepper"),
         .treatment = argument_text(arguments, "treatment"),
@@ -71,23 +59,23 @@ static int read_request(const struct arguments *arguments, struct run_request *r
         argument_positive(arguments, "atol", 0, &request->atol) ||
         argument_positive(arguments, "perturb", 0, &request->perturbation) ||
         argument_positive(arguments, "draw", 1, &draw) ||
-        argument_positive(arguments, "threads", 1, &threads))
+        argument_whole(arguments, "threads", 1, 1024, &request->threads) ||
+        argument_states(arguments, STATES_TEXT, &request->states))
         return -1;
     if (draw != floor(draw) || draw > 1e9)
         return complain(-1, "--draw %g: must be a whole number up to 1e9", draw);
     if (argument_given(arguments, "draw") && request->perturbation == 0)
         return complain(-1, "--draw %g: says which of --perturb, which is not given", draw);
     request->draw = (int)draw;
-    if (threads != floor(threads) || threads > 1024)
-        return complain(-1, "--threads %g: must be a whole number up to 1024", threads);
-    request->threads = (int)threads;
     if (rate > 0 && request->step > 0)
         return complain(-1, "--step and --rate say the same thing; give one of them");
     if (rate > 0 && !isfinite(1 / rate))
         return complain(-1, "--rate %g: is too small", rate);
     if (rate > 0)
         request->step = 1 / rate;
-    return read_format(arguments, &request->states);
+    if (request->states != STATES_TEXT && argument_given(arguments, "save"))
+        return complain(-1, "--save takes its frame from states.tsv; leave out --states");
+    return 0;
 }
 
 static struct scene *load(const struct arguments *arguments, char *reason) {
@@ -102,8 +90,7 @@ static struct scene *load(const struct arguments *arguments, char *reason) {
         sets[i] = given[i];
     if (duration_text) {
         if (parse_real(duration_text, &value) || value <= 0) {
-            snprintf(reason, REASON_SIZE, "--duration %.60s: must be a positive number",
-                     duration_text);
+            fail_with(reason, "--duration %.60s: must be a positive number", duration_text);
             return NULL;
         }
         snprintf(duration, sizeof duration, "duration=%.17e", value);
@@ -180,9 +167,10 @@ static void suggest_solver(const struct run_case *run, const struct run_request 
     other.linear = own;
     if (!used || settings_resolve(run->scene, &other, &settings, reason))
         return;
-    struct configuration *all = configurations_choose(CONFIGURATION_ANY, STEPPER_SOLVES);
-    const struct configuration *expensive = all ? with_solver(all, run, used->name) : NULL,
-                               *cheap = all ? with_solver(all, run, own) : NULL;
+    struct configuration *all =
+        memory_needed(configurations_choose(CONFIGURATION_ANY, STEPPER_SOLVES));
+    const struct configuration *expensive = with_solver(all, run, used->name),
+                               *cheap = with_solver(all, run, own);
     if (expensive && cheap && expensive->cost > 2 * cheap->cost)
         say("%s: a step with --linear %s takes about 1/%.0f of the time of one with %s",
             run->scene->name, own, expensive->cost / cheap->cost, used->name);
@@ -214,10 +202,10 @@ static int run_scene(const struct arguments *arguments) {
     struct run_request request;
     struct run_limits limits;
     struct run_case run = {.sink = NULL};
-    const char *out = argument_text(arguments, "out"), *file = argument_text(arguments, "save");
+    const char *file = argument_text(arguments, "save");
     int code = 1;
 
-    if (read_request(arguments, &request) || argument_limits(arguments, 0, 0, &limits))
+    if (read_request(arguments, &request) || argument_limits(arguments, 0, &limits))
         return 1;
     struct scene *scene = load(arguments, reason);
     if (!scene)
@@ -226,7 +214,7 @@ static int run_scene(const struct arguments *arguments) {
     const int refused = settings_resolve(scene, &request, &run.settings, reason);
     if (refused) {
         code = complain(outcome_exit_code((enum outcome)refused), "%s", reason);
-    } else if (path_format(run.folder, "%s", out ? out : "results")) {
+    } else if (path_format(run.folder, "%s", argument_or(arguments, "out", "results"))) {
         code = complain(1, "--out: the path of a folder is too long");
     } else if (file && strlen(file) >= PATH_SIZE) {
         code = complain(1, "--save: the path of a file is too long");

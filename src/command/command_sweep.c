@@ -1,12 +1,11 @@
 /* wisplab sweep: one scene over the product of settings and steppers, into one table. */
 #include "base/complain.h"
+#include "base/memory.h"
 #include "cli.h"
 #include "experiments/sweep/sweep.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 static const struct cli_option options[] = {
     {"vary", "NAME=VALUES",
@@ -56,9 +55,7 @@ static int read_settings(const struct arguments *arguments, struct sweep *sweep,
     const char *const *option = argument_list(arguments, "option", &given);
     const char *const *vary = argument_list(arguments, "vary", &varied);
     const size_t most = sizeof same / sizeof *same + (size_t)(sets + given + varied);
-    sweep->vary = calloc(most, sizeof *sweep->vary);
-    if (!sweep->vary)
-        return fail_with(reason, "out of memory");
+    sweep->vary = memory_needed(calloc(most, sizeof *sweep->vary));
     for (int i = 0; i < sets; i++)
         if (fix_pair(sweep, "", set[i], "set", reason))
             return -1;
@@ -76,50 +73,29 @@ static int read_settings(const struct arguments *arguments, struct sweep *sweep,
     return 0;
 }
 
-static int read_format(const struct arguments *arguments, enum states_format *format) {
-    const char *name = argument_text(arguments, "states");
-    *format = STATES_NONE;
-    for (int i = 0; name && i < STATES_FORMATS; i++)
-        if (strcmp(name, states_format_names[i]) == 0) {
-            *format = (enum states_format)i;
-            return 0;
-        }
-    return name ? complain(-1, "--states %.60s: must be text, binary or none", name) : 0;
-}
-
 static int read_steppers(const struct arguments *arguments, struct sweep *sweep) {
     static const char *const usual[] = {"rk4"};
-    sweep->steppers = argument_list(arguments, "stepper", &sweep->stepper_count);
+    if (argument_steppers(arguments, &sweep->steppers, &sweep->stepper_count))
+        return -1;
     if (sweep->stepper_count == 0) {
         sweep->steppers = usual;
         sweep->stepper_count = 1;
     }
-    for (int i = 0; i < sweep->stepper_count; i++)
-        if (!stepper_find(sweep->steppers[i]))
-            return complain(-1, "no stepper '%s'; `wisplab list steppers` names them",
-                            sweep->steppers[i]);
     return 0;
 }
 
 static int sweep_scene(const struct arguments *arguments) {
     char reason[REASON_SIZE];
-    struct run_limits limits;
-    double jobs;
+    struct manner manner;
     struct sweep sweep = {.scene = arguments->words[0],
-                          .out = argument_text(arguments, "out"),
+                          .out = argument_or(arguments, "out", "results/sweep"),
                           .reference = argument_given(arguments, "reference")};
-    if (!sweep.out)
-        sweep.out = "results/sweep";
-    if (argument_limits(arguments, 0, 4096, &limits) ||
-        argument_positive(arguments, "jobs", (double)sysconf(_SC_NPROCESSORS_ONLN), &jobs) ||
-        read_format(arguments, &sweep.states) || read_steppers(arguments, &sweep))
+    if (argument_manner(arguments, &manner) ||
+        argument_states(arguments, STATES_NONE, &sweep.states) || read_steppers(arguments, &sweep))
         return 1;
-    if (jobs != floor(jobs) || jobs > 1024)
-        return complain(1, "--jobs %g: must be a whole number up to 1024", jobs);
-    const int code =
-        read_settings(arguments, &sweep, reason)
-            ? complain(1, "%s", reason)
-            : run_sweep(&sweep, &limits, (int)jobs, !argument_given(arguments, "no-progress"));
+    const int code = read_settings(arguments, &sweep, reason)
+                         ? complain(1, "%s", reason)
+                         : run_sweep(&sweep, &manner.limits, manner.jobs, manner.show_progress);
     sweep_free(&sweep);
     return code;
 }

@@ -6,8 +6,9 @@
 #include <stdio.h>
 #include <string.h>
 
-void roff(const char *text) {
+void roff(const char *before, const char *text, const char *after) {
     int start = 1;
+    printf("%s", before);
     for (; *text; text++) {
         if (start && (*text == '.' || *text == '\''))
             printf("\\&");
@@ -19,6 +20,7 @@ void roff(const char *text) {
             putchar(*text);
         start = *text == '\n';
     }
+    printf("%s", after);
 }
 
 /* Paragraphs, parted by empty lines; lines that begin with blanks are examples. */
@@ -33,10 +35,7 @@ static void paragraphs(const char *text) {
         if (is_example && line[0] != ' ')
             printf(".fi\n");
         is_example = line[0] == ' ';
-        if (!*line)
-            printf(".PP");
-        roff(line);
-        printf("\n");
+        roff(*line ? "" : ".PP", line, "\n");
         text += length + (text[length] == '\n');
     }
     if (is_example)
@@ -113,24 +112,16 @@ static void print_setting(const struct scene_setting *setting) {
     setting_right(setting, right, sizeof right);
     setting_with(setting, with, sizeof with);
     setting_problems(setting, problems, sizeof problems);
-    printf(".TP\n\\fB");
-    roff(path);
-    printf("\\fR\n");
-    roff(setting->meaning);
-    printf(".\n.br\n");
-    roff(right);
-    printf("%s%s", setting->initial ? "" : "; required", *with ? "; " : "");
-    roff(with);
-    printf("%s", *problems ? "; problems " : "");
-    roff(problems);
-    printf("\n");
+    roff(".TP\n\\fB", path, "\\fR\n");
+    roff("", setting->meaning, ".\n.br\n");
+    roff("", right, setting->initial ? "" : "; required");
+    roff(*with ? "; " : "", with, *problems ? "; problems " : "");
+    roff("", problems, "\n");
 }
 
 /* The settings of a group, and then of the groups in it. */
 static void print_group(const char *group) {
-    printf(".SS ");
-    roff(*group ? group : "the scene");
-    printf("\n");
+    roff(".SS ", *group ? group : "the scene", "\n");
     for (const struct scene_setting *s = scene_settings; s->name; s++)
         if (strcmp(s->group, group) == 0)
             print_setting(s);

@@ -34,9 +34,8 @@ int wisplab_tick(wisplab *w, int *changed) {
     const int parts = model->part_count;
     if (!clock_same(model->t, w->next.t))
         return library_fail(w, WISPLAB_REFUSED,
-                            "the state is at %.17g s, and the next stop is at "
-                            "%.17g s",
-                            model->t, w->next.t);
+                            "the state is at %.17g s, and the next stop is at %.17g s", model->t,
+                            w->next.t);
     memset(w->changed, 0, w->part_room * sizeof *w->changed);
     model->t = w->next.t;
     const enum outcome outcome = model->problem->tick

@@ -2,6 +2,7 @@
 
 #include "base/files.h"
 #include "base/markup.h"
+#include "base/memory.h"
 #include "base/visible.h"
 #include "raster.h"
 
@@ -15,7 +16,7 @@ static const char font[] = "sans-serif";
 
 struct canvas {
     int width, height;
-    struct {
+    struct window {
         int left, top, width, height;
     } window;
     double pen;
@@ -53,9 +54,7 @@ static int is_svg(const struct canvas *canvas) {
 /* --- the page --- */
 
 static void begin_svg(struct canvas *canvas) {
-    canvas->svg = open_memstream(&canvas->text, &canvas->size);
-    if (!canvas->svg)
-        return;
+    canvas->svg = memory_needed(open_memstream(&canvas->text, &canvas->size));
     fprintf(canvas->svg,
             "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n<svg width=\"%d\" height=\"%d\" "
             "viewBox=\"0 0 %d %d\" xmlns=\"http://www.w3.org/2000/svg\" "
@@ -73,17 +72,12 @@ static void begin_png(struct canvas *canvas) {
 }
 
 struct canvas *canvas_create(int width, int height, int as_svg) {
-    struct canvas *canvas = calloc(1, sizeof *canvas);
-    if (!canvas)
-        return NULL;
+    struct canvas *canvas = memory_needed(calloc(1, sizeof *canvas));
     canvas->width = width;
     canvas->height = height;
     canvas->ink = -1;
-    if (as_svg)
-        begin_svg(canvas);
-    else
-        begin_png(canvas);
-    if (as_svg ? canvas->svg != NULL : cairo_status(canvas->cairo) == CAIRO_STATUS_SUCCESS)
+    (as_svg ? begin_svg : begin_png)(canvas);
+    if (as_svg || cairo_status(canvas->cairo) == CAIRO_STATUS_SUCCESS)
         return canvas;
     canvas_free(canvas);
     return NULL;
@@ -128,8 +122,7 @@ void canvas_text(struct canvas *canvas, const struct canvas_text *how, const cha
         return;
     }
     fprintf(canvas->svg,
-            "<text x=\"%.2f\" y=\"%.2f\" font-family=\"%s\" font-size=\"%.4g\"%s%s "
-            "fill=\"#%06x\">",
+            "<text x=\"%.2f\" y=\"%.2f\" font-family=\"%s\" font-size=\"%.4g\"%s%s fill=\"#%06x\">",
             how->x, baseline, font, how->size, how->bold ? " font-weight=\"bold\"" : "",
             how->centred ? " text-anchor=\"middle\"" : "", how->colour);
     markup_text(canvas->svg, text);
@@ -139,10 +132,7 @@ void canvas_text(struct canvas *canvas, const struct canvas_text *how, const cha
 /* --- windows --- */
 
 void canvas_window(struct canvas *canvas, int left, int top, int width, int height) {
-    canvas->window.left = left;
-    canvas->window.top = top;
-    canvas->window.width = width;
-    canvas->window.height = height;
+    canvas->window = (struct window){left, top, width, height};
     if (is_svg(canvas)) {
         fprintf(canvas->svg,
                 "<svg x=\"%d\" y=\"%d\" width=\"%d\" height=\"%d\" overflow=\"hidden\">\n", left,
@@ -312,10 +302,9 @@ int canvas_write(struct canvas *canvas, const char *path, char *reason) {
         return fail_with(reason, "%.150s: cannot be drawn: out of memory", path);
     if (atomic_open(&file, path, reason))
         return -1;
-    if (is_svg(canvas) ? write_svg(canvas, file.stream) : write_png(canvas, file.stream)) {
-        snprintf(reason, REASON_SIZE, "%.150s: cannot write", path);
+    if ((is_svg(canvas) ? write_svg : write_png)(canvas, file.stream)) {
         atomic_discard(&file);
-        return -1;
+        return fail_with(reason, "%.150s: cannot write", path);
     }
     return atomic_commit(&file, reason);
 }

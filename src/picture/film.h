@@ -5,7 +5,7 @@
 #include "base/files.h"
 
 struct film {
-    const char *const *pictures; /* paths of png files of one size, in order */
+    char (*pictures)[PATH_SIZE]; /* paths of png files of one size, in order */
     int count;
     int width, height; /* pixels */
     double rate;       /* pictures a second */

@@ -1,6 +1,7 @@
 #include "frames.h"
 
 #include "base/files.h"
+#include "base/memory.h"
 #include "base/vector.h"
 #include "model/model.h"
 #include "run/results.h"
@@ -12,11 +13,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-
-static int out_of_memory(char *reason) {
-    snprintf(reason, REASON_SIZE, "out of memory");
-    return 2;
-}
 
 /* "file: what is wrong". Returns 1. */
 __attribute__((format(printf, 3, 4))) static int refuse(const char *file, char *reason,
@@ -152,13 +148,9 @@ static int take_frames(struct frames *f, int failed, const char *states, char *r
     for (int row = 0; row < rows; row++)
         if (number(f, row, STATE_WISP) >= f->wisp_count && number(f, row, STATE_WISP) < rows)
             f->wisp_count = (int)number(f, row, STATE_WISP) + 1;
-    int *nodes = calloc((size_t)f->wisp_count, sizeof *nodes);
-    f->first_row = calloc((size_t)rows + 2, sizeof *f->first_row);
-    f->offset = calloc((size_t)f->wisp_count + 1, sizeof *f->offset);
-    if (!nodes || !f->first_row || !f->offset) {
-        free(nodes);
-        return out_of_memory(reason);
-    }
+    int *nodes = memory_needed(calloc((size_t)f->wisp_count, sizeof *nodes));
+    f->first_row = memory_needed(calloc((size_t)rows + 2, sizeof *f->first_row));
+    f->offset = memory_needed(calloc((size_t)f->wisp_count + 1, sizeof *f->offset));
     for (int i = 0; i < known; i++)
         nodes[i] = f->scene->wisps[i].nodes;
     int code = 0;
@@ -203,11 +195,9 @@ static int check_parent(const struct frames *f, int wisp, const char *states, ch
 
 static int find_parents(struct frames *f, const char *states, char *reason) {
     const size_t count = (size_t)f->wisp_count;
-    f->wisps = calloc(count, sizeof *f->wisps);
-    f->born = calloc(count, sizeof *f->born);
+    f->wisps = memory_needed(calloc(count, sizeof *f->wisps));
+    f->born = memory_needed(calloc(count, sizeof *f->born));
     f->parent = f->states->parent;
-    if (!f->wisps || !f->born)
-        return out_of_memory(reason);
     int frame = 1, code = 0;
     for (int i = 0; i < f->wisp_count && !code; i++) {
         while (frames_wisps(f, frame) <= i)
@@ -300,26 +290,19 @@ int frames_open(struct frames *f, const char *states, struct trajectories *owner
     snprintf(f->run, sizeof f->run, failed ? "%.28s %.28s (%.16s)" : "%.28s %.28s",
              text_of(run, "settings", "stepper"), text_of(run, "settings", "treatment"),
              status ? status : "failed");
-    int code = open_scene(f, run, path, sets, set_count, reason);
+    const int code = open_scene(f, run, path, sets, set_count, reason);
     json_decref(run);
-    if (!code) {
-        f->states = trajectories_take(owner, states, reason);
-        code = f->states ? 0 : 1;
-    }
-    if (!code)
-        code = check_columns(f, states, reason);
-    if (!code)
-        code = check_numbers(f, states, reason);
-    if (!code)
-        code = take_frames(f, failed, states, reason);
-    return code ? code : find_parents(f, states, reason);
+    if (code)
+        return code;
+    f->states = trajectories_take(owner, states, reason);
+    return !f->states || check_columns(f, states, reason) || check_numbers(f, states, reason) ||
+           take_frames(f, failed, states, reason) || find_parents(f, states, reason);
 }
 
 void frames_close(struct frames *f) {
     if (f->states)
         trajectories_return(f->owner, f->states);
-    if (f->scene)
-        scene_free(f->scene);
+    scene_free(f->scene);
     free(f->wisps);
     free(f->born);
     free(f->first_row);
@@ -342,6 +325,19 @@ void frames_load(const struct frames *f, int frame, int wisp, struct strand *str
     head_placement(&f->scene->around.head, frames_time(f, frame), &head);
     strand_turn(strand, &head);
     strand_load(strand, position(f, frame, wisp, 0), f->states->table.column_count);
+}
+
+struct strand **frames_strands(const struct frames *f) {
+    struct strand **strands = memory_needed(calloc((size_t)f->wisp_count, sizeof *strands));
+    for (int i = 0; i < f->wisp_count; i++)
+        strands[i] = memory_needed(strand_create(&f->wisps[i], f->treatment));
+    return strands;
+}
+
+void frames_strands_free(const struct frames *f, struct strand **strands) {
+    for (int i = 0; i < f->wisp_count; i++)
+        strand_free(strands[i]);
+    free(strands);
 }
 
 int frames_ancestor(const struct frames *f, int wisp) {

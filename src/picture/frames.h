@@ -29,7 +29,7 @@ int frames_path(const char *word, char *states);
 /* Takes the file `states`, which must have its run.json beside it, from `owner` (or NULL); `sets`
  * change the scene as in scene_load. A last frame that is not complete is left out if the run says
  * that it failed. Returns 0, or with one line in `reason` (REASON_SIZE) the exit code: 1 where the
- * files are wrong, 2 where memory cannot be had. To be closed either way. */
+ * files are wrong, 2 where memory for the scene cannot be had. To be closed either way. */
 int frames_open(struct frames *frames, const char *states, struct trajectories *owner,
                 const char *const *sets, int set_count, char *reason);
 void frames_close(struct frames *frames);
@@ -39,6 +39,10 @@ int frames_wisps(const struct frames *frames, int frame);
 
 /* Puts a wisp's state at a frame into a strand that was made of its numbers and treatment. */
 void frames_load(const struct frames *frames, int frame, int wisp, struct strand *strand);
+
+/* A strand for each wisp, to be loaded. */
+struct strand **frames_strands(const struct frames *frames);
+void frames_strands_free(const struct frames *frames, struct strand **strands);
 
 /* Who of the wisps of the scene a wisp comes from, and which of its hairs the wisp has in a frame.
  */

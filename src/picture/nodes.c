@@ -1,6 +1,9 @@
 #include "nodes.h"
 
 #include "base/vector.h"
+#include "wisp/section.h"
+
+#include <string.h>
 
 /* The strain of the segment from node i to the next; those of the head do not stretch. */
 static double segment_strain(const struct strand *strand, int i) {
@@ -22,4 +25,11 @@ double node_radius(const struct strand *strand, int node) {
     for (int j = 0; j < samples; j++)
         sum += strand->r[node * samples + j];
     return samples > 0 ? sum / samples : 0;
+}
+
+void node_rim(const struct strand *strand, int node, double turn, double point[3]) {
+    const double rho = section_rim(strand, node, turn);
+    memcpy(point, strand->p[node], sizeof strand->p[node]);
+    vector_add(point, rho * cos(2 * M_PI * turn), strand->axis_u[node]);
+    vector_add(point, rho * sin(2 * M_PI * turn), strand->axis_v[node]);
 }

@@ -1,10 +1,11 @@
 #include "picture.h"
 
+#include "base/memory.h"
 #include "base/vector.h"
 #include "bodies.h"
+#include "nodes.h"
 #include "plane.h"
 #include "shade.h"
-#include "wisp/section.h"
 
 #include <stdint.h>
 #include <stdlib.h>
@@ -12,18 +13,13 @@
 
 /* --- what all frames have in common --- */
 
-int drawing_create(struct drawing *drawing, const struct frames *frames, unsigned views) {
+void drawing_create(struct drawing *drawing, const struct frames *frames, unsigned views) {
     const struct scene *scene = frames->scene;
     *drawing = (struct drawing){.frames = frames, .views = views};
-    drawing->hairs = calloc((size_t)scene->wisp_count, sizeof(struct hairs *));
-    if (!drawing->hairs)
-        return -1;
-    for (int i = 0; i < scene->wisp_count && views & (VIEW_HAIR | VIEW_PLANE); i++) {
-        drawing->hairs[i] = hairs_create(&scene->wisps[i], scene->seed, scene->render.hairs);
-        if (!drawing->hairs[i])
-            return -1;
-    }
-    return 0;
+    drawing->hairs = memory_needed(calloc((size_t)scene->wisp_count, sizeof(struct hairs *)));
+    for (int i = 0; i < scene->wisp_count && views & (VIEW_HAIR | VIEW_PLANE); i++)
+        drawing->hairs[i] =
+            memory_needed(hairs_create(&scene->wisps[i], scene->seed, scene->render.hairs));
 }
 
 void drawing_free(struct drawing *drawing) {
@@ -47,26 +43,13 @@ struct brush {
     struct strand *strand, *reference; /* of the wisp at hand */
     double (*controls)[3], (*points)[3];
     double *error; /* by node, m */
-    int failed;    /* memory could not be had */
 };
 
-int picture_add(struct picture *picture, enum layer_kind kind, const struct segment *segment) {
+void picture_add(struct picture *picture, enum layer_kind kind, const struct segment *segment) {
     struct layer *layer = &picture->layer[kind];
-    if (layer->count == layer->room) {
-        const size_t room = 2 * layer->room + 1024;
-        struct segment *segments = realloc(layer->segments, room * sizeof *segments);
-        if (!segments)
-            return -1;
-        layer->segments = segments;
-        layer->room = room;
-    }
+    layer->segments =
+        memory_for(layer->segments, layer->count + 1, &layer->room, sizeof *layer->segments);
     layer->segments[layer->count++] = *segment;
-    return 0;
-}
-
-static void add_segment(struct brush *brush, enum layer_kind kind, const struct segment *segment) {
-    if (picture_add(brush->picture, kind, segment))
-        brush->failed = 1;
 }
 
 /* A point, and where in the picture it is. */
@@ -129,7 +112,7 @@ static void stroke(struct brush *brush, enum layer_kind kind, struct spot a, str
                                     (float)(0.5 * (a.place[2] + b.place[2])),
                                     (float)error,
                                     colour};
-    add_segment(brush, kind, &segment);
+    picture_add(brush->picture, kind, &segment);
 }
 
 static void line(struct brush *brush, enum layer_kind kind, const double a[3], const double b[3],
@@ -204,7 +187,7 @@ static void draw_hairs(struct brush *brush, int wisp) {
     brush->tint = wisp < frames->scene->wisp_count ? plain : second;
     const struct hairs *hairs = brush->drawing->hairs[frames_ancestor(frames, wisp)];
     const struct hair_share share = frames_share(frames, brush->frame, wisp);
-    for (int i = 0; i < hairs->count && !brush->failed; i++)
+    for (int i = 0; i < hairs->count; i++)
         if (hair_share_has(share, i))
             draw_hair(brush, hairs, i);
 }
@@ -245,27 +228,19 @@ static void draw_crosses(struct brush *brush) {
     }
 }
 
-/* The envelope's rim in a plane, `turn` of the way round. */
-static void rim(const struct strand *strand, int node, double turn, double point[3]) {
-    const double rho = section_rim(strand, node, turn);
-    memcpy(point, strand->p[node], sizeof strand->p[node]);
-    vector_add(point, rho * cos(2 * M_PI * turn), strand->axis_u[node]);
-    vector_add(point, rho * sin(2 * M_PI * turn), strand->axis_v[node]);
-}
-
 static void draw_envelope(struct brush *brush) {
     const struct strand *strand = brush->strand;
     const int samples = strand->wisp->samples, around = 12 * samples;
     for (int i = 1; i < strand->wisp->nodes && samples > 0; i++) {
         double a[3], b[3];
-        rim(strand, i, 0, a);
+        node_rim(strand, i, 0, a);
         for (int k = 1; k <= around; k++, memcpy(a, b, sizeof a)) {
-            rim(strand, i, (double)(k % around) / around, b);
+            node_rim(strand, i, (double)(k % around) / around, b);
             line(brush, LAYER_ENVELOPE, a, b, outline_colour, brush->error[i]);
         }
         for (int j = 0; j < samples && i > 1; j++) {
-            rim(strand, i - 1, (double)j / samples, a);
-            rim(strand, i, (double)j / samples, b);
+            node_rim(strand, i - 1, (double)j / samples, a);
+            node_rim(strand, i, (double)j / samples, b);
             line(brush, LAYER_ENVELOPE, a, b, outline_colour, error_at(brush, i - 0.5));
         }
     }
@@ -305,7 +280,7 @@ static void draw_style(struct brush *brush) {
         const double dx = reach * vector_dot(field, camera->right),
                      dy = reach * vector_dot(field, camera->up);
         if (hypot(dx, dy) > 1) /* pixel; else there is no direction to be seen */
-            add_segment(brush, LAYER_STYLE,
+            picture_add(brush->picture, LAYER_STYLE,
                         &(struct segment){(float)(x - dx / 2), (float)(y - dy / 2), (float)dx,
                                           (float)dy, (float)root[2], 0, 0x9FB8D6});
     }
@@ -314,22 +289,19 @@ static void draw_style(struct brush *brush) {
 /* --- a frame --- */
 
 /* Makes room for the wisp at hand. */
-static int take_wisp(struct brush *brush, int wisp) {
+static void take_wisp(struct brush *brush, int wisp) {
     const struct drawing *drawing = brush->drawing;
     const struct frames *frames = drawing->frames, *reference = drawing->reference;
     const struct wisp *numbers = &frames->wisps[wisp];
     const size_t nodes = (size_t)numbers->nodes, pieces = (size_t)brush->render->pieces;
-    brush->strand = strand_create(numbers, frames->treatment);
-    brush->controls = malloc(nodes * sizeof *brush->controls);
-    brush->points = malloc(((nodes - 1) * pieces + 1) * sizeof *brush->points);
-    brush->error = calloc(nodes, sizeof *brush->error);
-    brush->reference = reference ? strand_create(numbers, reference->treatment) : NULL;
-    if (!brush->strand || !brush->controls || !brush->points || !brush->error ||
-        (reference && !brush->reference))
-        return -1;
+    brush->strand = memory_needed(strand_create(numbers, frames->treatment));
+    brush->controls = memory_needed(malloc(nodes * sizeof *brush->controls));
+    brush->points = memory_needed(malloc(((nodes - 1) * pieces + 1) * sizeof *brush->points));
+    brush->error = memory_needed(calloc(nodes, sizeof *brush->error));
     frames_load(frames, brush->frame, wisp, brush->strand);
     if (!reference)
-        return 0;
+        return;
+    brush->reference = memory_needed(strand_create(numbers, reference->treatment));
     frames_load(reference, brush->frame, wisp, brush->reference);
     for (size_t i = 0; i < nodes; i++) {
         double d[3];
@@ -337,7 +309,6 @@ static int take_wisp(struct brush *brush, int wisp) {
         vector_add(d, -1, brush->reference->p[i]);
         brush->error[i] = vector_length(d);
     }
-    return 0;
 }
 
 static void leave_wisp(struct brush *brush) {
@@ -350,17 +321,14 @@ static void leave_wisp(struct brush *brush) {
 
 static void draw_wisp(struct brush *brush, int wisp) {
     const unsigned views = brush->drawing->views;
-    if (take_wisp(brush, wisp)) {
-        brush->failed = 1;
-    } else {
-        if (views & VIEW_HAIR)
-            draw_hairs(brush, wisp);
-        if (views & VIEW_ENVELOPE)
-            draw_envelope(brush);
-        if (views & VIEW_SKELETON) {
-            draw_crosses(brush);
-            draw_skeleton(brush);
-        }
+    take_wisp(brush, wisp);
+    if (views & VIEW_HAIR)
+        draw_hairs(brush, wisp);
+    if (views & VIEW_ENVELOPE)
+        draw_envelope(brush);
+    if (views & VIEW_SKELETON) {
+        draw_crosses(brush);
+        draw_skeleton(brush);
     }
     leave_wisp(brush);
 }
@@ -369,34 +337,32 @@ static void paint_bodies(struct brush *brush) {
     struct picture *picture = brush->picture;
     if (brush->figure.count == 0)
         return;
-    picture->bodies = malloc(4 * (size_t)picture->width * (size_t)picture->height);
-    if (!picture->bodies) {
-        brush->failed = 1;
-    } else if (!figure_paint(&brush->figure, &brush->drawing->camera, brush->light,
-                             picture->bodies)) {
+    picture->bodies = memory_needed(malloc(4 * (size_t)picture->width * (size_t)picture->height));
+    if (!figure_paint(&brush->figure, &brush->drawing->camera, brush->light, picture->bodies)) {
         free(picture->bodies);
         picture->bodies = NULL;
     }
 }
 
-int picture_draw(struct picture *picture, const struct drawing *drawing, int frame) {
+void picture_draw(struct picture *picture, const struct drawing *drawing, int frame) {
     const struct scene *scene = drawing->frames->scene;
     struct brush brush = {
         .picture = picture, .drawing = drawing, .render = &scene->render, .frame = frame};
     *picture = (struct picture){.width = (int)drawing->camera.width,
                                 .height = (int)drawing->camera.height};
-    if (drawing->views & VIEW_PLANE)
-        return plane_draw(picture, drawing, frame);
+    if (drawing->views & VIEW_PLANE) {
+        plane_draw(picture, drawing, frame);
+        return;
+    }
     camera_light(&drawing->camera, &scene->render, brush.light);
     figure_place(&brush.figure, scene, frames_time(drawing->frames, frame));
     paint_bodies(&brush);
     if (drawing->views & VIEW_STYLE)
         draw_style(&brush);
-    for (int i = 0; i < frames_wisps(drawing->frames, frame) && !brush.failed; i++)
+    for (int i = 0; i < frames_wisps(drawing->frames, frame); i++)
         draw_wisp(&brush, i);
-    for (int i = 0; i < LAYER_COUNT && !brush.failed; i++)
-        brush.failed = layer_sort(&picture->layer[i]) != 0;
-    return brush.failed ? -1 : 0;
+    for (int i = 0; i < LAYER_COUNT; i++)
+        layer_sort(&picture->layer[i]);
 }
 
 void picture_free(struct picture *picture) {
@@ -437,15 +403,11 @@ static void sort_by_digit(const struct place_in_layer *from, struct place_in_lay
 
 /* By digits, from the last to the first: a third of the time that qsort takes for 800 000 hairs'
  * segments, whose order has to be found anew in each frame. */
-int layer_sort(struct layer *layer) {
+void layer_sort(struct layer *layer) {
     const size_t count = layer->count, room = count > 0 ? count : 1;
-    struct place_in_layer *places = calloc(2 * room, sizeof *places), *other = places + room;
-    struct segment *sorted = malloc(room * sizeof *sorted);
-    if (!places || !sorted) {
-        free(places);
-        free(sorted);
-        return -1;
-    }
+    struct place_in_layer *places = memory_needed(calloc(2 * room, sizeof *places)),
+                          *other = places + room;
+    struct segment *sorted = memory_needed(malloc(room * sizeof *sorted));
     for (size_t i = 0; i < count; i++)
         places[i] = (struct place_in_layer){key_of(layer->segments[i].depth), (uint32_t)i};
     for (int digit = 0; digit < DIGITS_OF_KEY; digit++)
@@ -456,5 +418,4 @@ int layer_sort(struct layer *layer) {
     free(layer->segments);
     layer->segments = sorted;
     layer->room = room;
-    return 0;
 }

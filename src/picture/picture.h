@@ -31,9 +31,8 @@ struct drawing {
     struct hairs **hairs;    /* by wisp of the scene; owned */
 };
 
-/* Makes the hairs. Both runs' frames must outlive it. Returns 0, or -1 where memory cannot be had.
- */
-int drawing_create(struct drawing *drawing, const struct frames *frames, unsigned views);
+/* Makes the hairs. Both runs' frames must outlive it. */
+void drawing_create(struct drawing *drawing, const struct frames *frames, unsigned views);
 void drawing_free(struct drawing *drawing);
 
 struct segment {
@@ -63,16 +62,14 @@ struct picture {
     } layer[LAYER_COUNT];
 };
 
-/* Draws a frame that both runs have. Returns 0, or -1 where memory cannot be had. To be freed
- * either way. Several threads may draw from one drawing. */
-int picture_draw(struct picture *picture, const struct drawing *drawing, int frame);
+/* Draws a frame that both runs have; to be freed. Several threads may draw from one drawing. */
+void picture_draw(struct picture *picture, const struct drawing *drawing, int frame);
 void picture_free(struct picture *picture);
 
-/* Adds to a layer. Returns 0, or -1 where memory cannot be had. */
-int picture_add(struct picture *picture, enum layer_kind kind, const struct segment *segment);
+/* Adds to a layer. */
+void picture_add(struct picture *picture, enum layer_kind kind, const struct segment *segment);
 
-/* Sorts a layer: the furthest first; of equal depth as they were. Returns 0, or -1 where memory
- * cannot be had. */
-int layer_sort(struct layer *layer);
+/* Sorts a layer: the furthest first; of equal depth as they were. */
+void layer_sort(struct layer *layer);
 
 #endif

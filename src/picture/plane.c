@@ -1,15 +1,14 @@
 #include "plane.h"
 
+#include "base/memory.h"
 #include "wisp/section.h"
 
 #include <math.h>
 
 double plane_extent(const struct frames *frames, int wisp, int node) {
     const struct wisp *numbers = &frames->wisps[wisp];
-    struct strand *strand = strand_create(numbers, frames->treatment);
+    struct strand *strand = memory_needed(strand_create(numbers, frames->treatment));
     double most = numbers->radius;
-    if (!strand)
-        return -1;
     for (int frame = 1; frame <= frames->count; frame++) {
         frames_load(frames, frame, wisp, strand);
         for (int j = 0; j < numbers->samples; j++)
@@ -26,7 +25,6 @@ struct plane {
     const struct strand *strand;
     int node;
     double middle[2], scale; /* pixels, and for 1 m */
-    int failed;
 };
 
 static const unsigned arrow_colour = 0x6C88A8, rim_colour = 0x3F6690, rest_colour = 0xB9C4D0,
@@ -41,7 +39,7 @@ static void put(struct plane *plane, enum layer_kind kind, const double a[2], co
                                     .dx = (float)(s * (b[0] - a[0])),
                                     .dy = (float)(s * (b[1] - a[1])),
                                     .colour = colour};
-    plane->failed |= picture_add(plane->picture, kind, &segment);
+    picture_add(plane->picture, kind, &segment);
 }
 
 /* The rim, or the circle that it is at rest. */
@@ -85,12 +83,11 @@ static void draw_hairs(struct plane *plane, const struct hairs *hairs, struct ha
     }
 }
 
-int plane_draw(struct picture *picture, const struct drawing *drawing, int frame) {
+void plane_draw(struct picture *picture, const struct drawing *drawing, int frame) {
     const struct frames *frames = drawing->frames;
     const struct plane_view *view = &drawing->plane;
-    struct strand *strand = strand_create(&frames->wisps[view->wisp], frames->treatment);
-    if (!strand)
-        return -1;
+    struct strand *strand =
+        memory_needed(strand_create(&frames->wisps[view->wisp], frames->treatment));
     frames_load(frames, frame, view->wisp, strand);
     struct plane plane = {.picture = picture,
                           .strand = strand,
@@ -102,5 +99,4 @@ int plane_draw(struct picture *picture, const struct drawing *drawing, int frame
     draw_hairs(&plane, drawing->hairs[view->wisp], frames_share(frames, frame, view->wisp));
     draw_samples(&plane);
     strand_free(strand);
-    return plane.failed ? -1 : 0;
 }

@@ -5,12 +5,11 @@
 
 #include "picture.h"
 
-/* How far out its samples ever are in a run's frames, m; -1 where memory cannot be had. */
+/* How far out its samples ever are in a run's frames, m. */
 double plane_extent(const struct frames *frames, int wisp, int node);
 
 /* Adds to a picture the lines to the samples and these, rim and rest shape, and the hairs with the
- * ways that they have gone from where they are in the rest shape. Returns 0, or -1 where memory
- * cannot be had. */
-int plane_draw(struct picture *picture, const struct drawing *drawing, int frame);
+ * ways that they have gone from where they are in the rest shape. */
+void plane_draw(struct picture *picture, const struct drawing *drawing, int frame);
 
 #endif

@@ -1,5 +1,6 @@
 #include "plot.h"
 
+#include "base/memory.h"
 #include "integrators/configurations.h"
 #include "run/program.h"
 #include "tips.h"
@@ -76,25 +77,23 @@ static void assign_folder(FILE *stream, const char *name, const char *folder) {
         assign(stream, name, path);
 }
 
-/* To be freed; NULL where memory cannot be had. */
+/* To be freed. */
 static char *variables_of(const char *plots, const char *folder, const char *to,
                           const struct plot_paper *paper, const char *format) {
-    struct configuration *all = configurations_choose(CONFIGURATION_ANY, 0);
+    struct configuration *all = memory_needed(configurations_choose(CONFIGURATION_ANY, 0));
     char *text = NULL;
     size_t size;
-    FILE *stream = all ? open_memstream(&text, &size) : NULL;
-    if (stream) {
-        assign_folder(stream, "plots", plots);
-        assign_folder(stream, "data", folder);
-        assign_folder(stream, "out", to);
-        assign(stream, "format", format);
-        assign(stream, "paper", paper ? paper->task : "");
-        assign_folder(stream, "layout", paper ? paper->layout : "");
-        write_styles(stream, all);
-        fclose(stream);
-    }
+    FILE *stream = memory_needed(open_memstream(&text, &size));
+    assign_folder(stream, "plots", plots);
+    assign_folder(stream, "data", folder);
+    assign_folder(stream, "out", to);
+    assign(stream, "format", format);
+    assign(stream, "paper", paper ? paper->task : "");
+    assign_folder(stream, "layout", paper ? paper->layout : "");
+    write_styles(stream, all);
+    fclose(stream);
     free(all);
-    return text;
+    return memory_needed(text);
 }
 
 /* --- one drawing --- */
@@ -128,8 +127,6 @@ int plot_draw(const char *name, const char *folder, const char *to, const struct
     if (!file_exists(script))
         return fail_with(reason, "%.150s: no such script", script);
     char *variables = variables_of(plots, folder, to, paper, format);
-    if (!variables)
-        return fail_with(reason, "out of memory");
     const char *const argv[] = {"gnuplot", "-d", "-e", variables, script, NULL};
 
     FILE *errors = tmpfile();
@@ -161,16 +158,12 @@ int plot_empty_folder(const char *from, const char *to, char *reason) {
         struct stat status;
         if (entry->d_name[0] == '.' || path_format(source, "%s/%s", from, entry->d_name))
             continue;
-        if (to && !code && (stat(source, &status) || status.st_size == 0)) {
-            snprintf(reason, REASON_SIZE, "gnuplot wrote an empty %.150s", entry->d_name);
-            code = -1;
-        }
-        if (!to || code) {
+        if (to && !code && (stat(source, &status) || status.st_size == 0))
+            code = fail_with(reason, "gnuplot wrote an empty %.150s", entry->d_name);
+        if (!to || code)
             unlink(source);
-        } else if (path_format(target, "%s/%s", to, entry->d_name) || file_put(source, target)) {
-            snprintf(reason, REASON_SIZE, "%.150s: cannot write: %s", target, strerror(errno));
-            code = -1;
-        }
+        else if (path_format(target, "%s/%s", to, entry->d_name) || file_put(source, target))
+            code = fail_with(reason, "%.150s: cannot write: %s", target, strerror(errno));
     }
     if (dir)
         closedir(dir);
@@ -178,11 +171,8 @@ int plot_empty_folder(const char *from, const char *to, char *reason) {
     return code;
 }
 
-/* Whether a folder has a figure of the format. */
-static int has_drawn(const char *folder, const char *format) {
-    char pattern[16];
+static int has_files(const char *folder, const char *pattern) {
     glob_t found;
-    snprintf(pattern, sizeof pattern, "*.%s", format);
     files_like(folder, pattern, &found);
     const int any = found.gl_pathc > 0;
     globfree(&found);
@@ -200,17 +190,15 @@ static int make_tips(const char *folder, char *reason) {
 
 /* Every figure of plots/NAME.gp, all or none. */
 static int plot_script(const char *name, const char *folder, char *reason) {
-    static const char *const formats[] = {"svg", "png"};
+    static const char *const formats[] = {"svg", "png"}, *const patterns[] = {"*.svg", "*.png"};
     char drawing[PATH_SIZE];
     if (temporary_folder(folder, drawing, reason))
         return -1;
     for (int i = 0; i < 2; i++) {
         int code = plot_draw(name, folder, drawing, NULL, formats[i], reason);
-        if (!code && !has_drawn(drawing, formats[i])) {
-            snprintf(reason, REASON_SIZE, "the figures of %s: gnuplot has drawn no %s", name,
-                     formats[i]);
-            code = -1;
-        }
+        if (!code && !has_files(drawing, patterns[i]))
+            code =
+                fail_with(reason, "the figures of %s: gnuplot has drawn no %s", name, formats[i]);
         if (!code && i == 1) /* all is there */
             code = make_tips(drawing, reason);
         if (code) {
@@ -223,11 +211,7 @@ static int plot_script(const char *name, const char *folder, char *reason) {
 }
 
 int plot_diagnostics(const char *folder, char *reason) {
-    glob_t found;
-    files_like(folder, "diagnostics*.tsv", &found);
-    const size_t count = found.gl_pathc;
-    globfree(&found);
-    if (count == 0)
+    if (!has_files(folder, "diagnostics*.tsv"))
         return 0;
     return plot_script("diagnostics", folder, reason) ? -1 : 1;
 }

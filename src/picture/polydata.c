@@ -2,6 +2,7 @@
 
 #include "base/digits.h"
 #include "base/files.h"
+#include "base/memory.h"
 
 #include <stdint.h>
 #include <stdlib.h>
@@ -23,7 +24,7 @@ void polydata_free(struct polydata *data) {
         free(data->at_points[i].value);
         free(data->at_cells[i].value);
     }
-    *data = (struct polydata){.failed = 0};
+    *data = (struct polydata){.time = 0};
 }
 
 static struct polydata_array *take(struct polydata_array *arrays, const char *name, int components,
@@ -42,24 +43,16 @@ struct polydata_array *polydata_at_cells(struct polydata *data, const char *name
     return take(data->at_cells, name, 1, 1);
 }
 
-void polydata_add(struct polydata *data, struct polydata_array *array, const double *value) {
+void polydata_add(struct polydata_array *array, const double *value) {
     const size_t count = (size_t)array->components;
-    if (array->count + count > array->room) {
-        const size_t room = 2 * array->room + 1024;
-        double *values = realloc(array->value, room * sizeof *values);
-        if (!values) {
-            data->failed = 1;
-            return;
-        }
-        array->value = values;
-        array->room = room;
-    }
+    array->value =
+        memory_for(array->value, array->count + count, &array->room, sizeof *array->value);
     memcpy(array->value + array->count, value, count * sizeof *value);
     array->count += count;
 }
 
-void polydata_add_whole(struct polydata *data, struct polydata_array *array, int value) {
-    polydata_add(data, array, (const double[]){value});
+void polydata_add_whole(struct polydata_array *array, int value) {
+    polydata_add(array, (const double[]){value});
 }
 
 int polydata_points(const struct polydata *data) {
@@ -67,11 +60,11 @@ int polydata_points(const struct polydata *data) {
 }
 
 void polydata_corner(struct polydata *data, int point) {
-    polydata_add_whole(data, &data->corners, point);
+    polydata_add_whole(&data->corners, point);
 }
 
 void polydata_end_cell(struct polydata *data) {
-    polydata_add_whole(data, &data->ends, (int)data->corners.count);
+    polydata_add_whole(&data->ends, (int)data->corners.count);
 }
 
 /* --- the file --- */
@@ -135,10 +128,6 @@ static void write_document(FILE *file, const struct polydata *data) {
 
 int polydata_write(const struct polydata *data, const char *path, char *reason) {
     struct atomic_file file;
-    if (data->failed) {
-        snprintf(reason, REASON_SIZE, "out of memory");
-        return 2;
-    }
     if (atomic_open(&file, path, reason))
         return 2;
     write_document(file.stream, data);

@@ -26,7 +26,6 @@ struct polydata {
     struct polydata_array at_cells[POLYDATA_ARRAYS];
     struct polydata_array corners; /* numbers of points, cell after cell */
     struct polydata_array ends;    /* of each cell: how many corners there are up to its end */
-    int failed;                    /* memory could not be had */
 };
 
 /* None of both is without a name of its own. */
@@ -37,8 +36,8 @@ void polydata_free(struct polydata *data);
 struct polydata_array *polydata_at_points(struct polydata *data, const char *name, int components);
 struct polydata_array *polydata_at_cells(struct polydata *data, const char *name);
 
-void polydata_add(struct polydata *data, struct polydata_array *array, const double *value);
-void polydata_add_whole(struct polydata *data, struct polydata_array *array, int value);
+void polydata_add(struct polydata_array *array, const double *value);
+void polydata_add_whole(struct polydata_array *array, int value);
 
 /* The number of the next point. */
 int polydata_points(const struct polydata *data);

@@ -1,6 +1,7 @@
 #include "strip.h"
 
 #include "base/files.h"
+#include "base/memory.h"
 #include "base/vector.h"
 #include "canvas.h"
 #include "layout.h"
@@ -25,27 +26,22 @@ struct strip {
     struct run *runs;
     int run_count;
     struct frames reference;
+    struct strip_request wanted; /* with defaults for width, height */
     char title[200];
-    int width, height, columns, beside, untitled, large, large_row;
     int longest; /* letters in a label */
     double most; /* of all distances from the reference, m; 0: there is none */
 };
 
 /* --- reading --- */
 
-/* "file: what is wrong". Returns 1. */
-static int refuse(const char *file, const char *what, char *reason) {
-    snprintf(reason, REASON_SIZE, "%.120s: %.110s", file, what);
-    return 1;
-}
-
 static int check_views(const struct frames *frames, unsigned views, const char *states,
                        char *reason) {
     if (views & (VIEW_HAIR | VIEW_ENVELOPE) && frames->scene->wisps[0].samples == 0)
-        return refuse(states, "wisps without an envelope have no hair; --skeleton shows them",
-                      reason);
+        return fail_as(1, reason,
+                       "%.120s: wisps without an envelope have no hair; --skeleton shows them",
+                       states);
     if (views & VIEW_STYLE && frames->scene->around.style.knots == 0)
-        return refuse(states, "the scene has no style field to be shown", reason);
+        return fail_as(1, reason, "%.120s: the scene has no style field to be shown", states);
     return 0;
 }
 
@@ -53,18 +49,16 @@ static int check_views(const struct frames *frames, unsigned views, const char *
 static int check_plane(const struct frames *frames, const struct plane_view *plane,
                        const char *states, char *reason) {
     const struct scene *scene = frames->scene;
-    char what[100];
     if (scene->wisps[0].samples == 0)
-        return refuse(states, "wisps without an envelope have no sections", reason);
+        return fail_as(1, reason, "%.120s: wisps without an envelope have no sections", states);
     if (plane->wisp >= scene->wisp_count)
-        snprintf(what, sizeof what, "--section: there is no wisp %d; there are wisps 0 to %d",
-                 plane->wisp, scene->wisp_count - 1);
-    else if (plane->node < 2 || plane->node >= scene->wisps[plane->wisp].nodes)
-        snprintf(what, sizeof what, "--section: wisp %d has no free node %d, but nodes 2 to %d",
-                 plane->wisp, plane->node, scene->wisps[plane->wisp].nodes - 1);
-    else
-        return 0;
-    return refuse(states, what, reason);
+        return fail_as(1, reason, "%.120s: --section: there is no wisp %d; there are wisps 0 to %d",
+                       states, plane->wisp, scene->wisp_count - 1);
+    if (plane->node < 2 || plane->node >= scene->wisps[plane->wisp].nodes)
+        return fail_as(1, reason,
+                       "%.120s: --section: wisp %d has no free node %d, but nodes 2 to %d", states,
+                       plane->wisp, plane->node, scene->wisps[plane->wisp].nodes - 1);
+    return 0;
 }
 
 static int open_run(struct strip *strip, int i, const struct strip_request *request, char *reason) {
@@ -87,25 +81,20 @@ static int open_run(struct strip *strip, int i, const struct strip_request *requ
     code = check_views(&run->frames, request->views, row->states, reason);
     if (!code && request->views & VIEW_PLANE)
         code = check_plane(&run->frames, &request->plane, row->states, reason);
-    if (!code && drawing_create(&run->drawing, &run->frames, request->views)) {
-        snprintf(reason, REASON_SIZE, "out of memory");
-        code = 2;
-    }
+    if (!code)
+        drawing_create(&run->drawing, &run->frames, request->views);
     return code;
 }
 
-/* Towards where gravity does not pull; y where there is none. */
-static void find_upwards(const struct scene *scene, double upwards[3]) {
-    const double *g = scene->around.gravity, length = vector_length(g);
-    for (int k = 0; k < 3; k++)
-        upwards[k] = length > 0 ? -g[k] / length : k == 1;
-}
-
+/* Upwards is where gravity does not pull; y where there is none. */
 static void place_camera(struct strip *strip) {
     double upwards[3], sides[4][3], most[4] = {-INFINITY, -INFINITY, -INFINITY, -INFINITY};
     const struct scene *scene = strip->runs[0].frames.scene;
-    find_upwards(scene, upwards);
-    struct camera camera = camera_make(&scene->render, upwards, strip->width, strip->height);
+    const double *g = scene->around.gravity, length = vector_length(g);
+    for (int k = 0; k < 3; k++)
+        upwards[k] = length > 0 ? -g[k] / length : k == 1;
+    struct camera camera =
+        camera_make(&scene->render, upwards, strip->wanted.width, strip->wanted.height);
     camera_sides(&camera, sides);
     for (int i = 0; i < strip->run_count; i++)
         frames_extent(&strip->runs[i].frames, (const double(*)[3])sides, most);
@@ -114,19 +103,14 @@ static void place_camera(struct strip *strip) {
         strip->runs[i].drawing.camera = camera;
 }
 
-/* All planes are drawn in one measure. Returns 0, or 2 where memory cannot be had. */
-static int place_planes(struct strip *strip, struct plane_view plane, char *reason) {
-    for (int i = 0; i < strip->run_count; i++) {
-        const double extent = plane_extent(&strip->runs[i].frames, plane.wisp, plane.node);
-        if (extent < 0) {
-            snprintf(reason, REASON_SIZE, "out of memory");
-            return 2;
-        }
-        plane.extent = fmax(plane.extent, extent);
-    }
+/* All planes are drawn in one measure. */
+static void place_planes(struct strip *strip) {
+    struct plane_view plane = strip->wanted.plane;
+    for (int i = 0; i < strip->run_count; i++)
+        plane.extent =
+            fmax(plane.extent, plane_extent(&strip->runs[i].frames, plane.wisp, plane.node));
     for (int i = 0; i < strip->run_count; i++)
         strip->runs[i].drawing.plane = plane;
-    return 0;
 }
 
 /* --- the reference --- */
@@ -173,9 +157,10 @@ static int open_reference(struct strip *strip, const struct strip_request *reque
     for (int i = 0; i < strip->run_count && !code; i++) {
         struct run *run = &strip->runs[i];
         if (!comparable(&run->frames, &strip->reference))
-            return refuse(request->rows[i].states,
-                          "has other wisps or frames than the reference: nothing to be compared",
-                          reason);
+            return fail_as(
+                1, reason,
+                "%.120s: has other wisps or frames than the reference: nothing to be compared",
+                request->rows[i].states);
         run->drawing.reference = &strip->reference;
         const int common = MIN(run->frames.count, strip->reference.count);
         for (int frame = 1; frame <= common; frame++)
@@ -184,8 +169,8 @@ static int open_reference(struct strip *strip, const struct strip_request *reque
     }
     strip->most = code ? 0 : fmin(strip->most, farthest(&strip->reference));
     if (!code && !(strip->most > 0))
-        return refuse(request->reference, "no run is different from it: no error to be shown",
-                      reason);
+        return fail_as(1, reason, "%.120s: no run is different from it: no error to be shown",
+                       request->reference);
     return code;
 }
 
@@ -207,42 +192,30 @@ static void make_title(struct strip *strip, const struct strip_request *request)
 static int open_strip(struct strip *strip, const struct strip_request *request, char *reason) {
     int code = 0;
     const double scale = request->scale > 0 ? request->scale : 1;
-    strip->width = (int)(scale * (request->width > 0 ? request->width : 320));
-    strip->height = (int)(scale * (request->height > 0 ? request->height : 240));
-    strip->columns = request->columns;
-    strip->beside = request->beside;
-    strip->untitled = request->untitled;
-    strip->large = request->large;
-    strip->large_row = request->large_row;
+    strip->wanted = *request;
+    strip->wanted.width = (int)(scale * (request->width > 0 ? request->width : 320));
+    strip->wanted.height = (int)(scale * (request->height > 0 ? request->height : 240));
     for (int i = 0; i < request->row_count && !code; i++)
         code = open_run(strip, i, request, reason);
     if (!code && request->reference)
         code = open_reference(strip, request, reason);
-    if (!code && request->views & VIEW_PLANE)
-        code = place_planes(strip, request->plane, reason);
-    if (!code) {
-        place_camera(strip);
-        make_title(strip, request);
-    }
-    return code;
+    if (code)
+        return code;
+    if (request->views & VIEW_PLANE)
+        place_planes(strip);
+    place_camera(strip);
+    make_title(strip, request);
+    return 0;
 }
 
 struct strip *strip_create(const struct strip_request *request, int *code, char *reason) {
-    struct strip *strip = calloc(1, sizeof *strip);
-    if (strip)
-        strip->runs = calloc((size_t)request->row_count, sizeof *strip->runs);
-    if (!strip || !strip->runs) {
-        free(strip);
-        snprintf(reason, REASON_SIZE, "out of memory");
-        *code = 2;
-        return NULL;
-    }
+    struct strip *strip = memory_needed(calloc(1, sizeof *strip));
+    strip->runs = memory_needed(calloc((size_t)request->row_count, sizeof *strip->runs));
     *code = open_strip(strip, request, reason);
-    if (*code) {
-        strip_free(strip);
-        return NULL;
-    }
-    return strip;
+    if (!*code)
+        return strip;
+    strip_free(strip);
+    return NULL;
 }
 
 void strip_free(struct strip *strip) {
@@ -271,18 +244,19 @@ const char *strip_name(const struct strip *strip) {
 /* --- a page --- */
 
 static struct layout layout_of(const struct strip *strip, int count) {
+    const struct strip_request *wanted = &strip->wanted;
     struct layout page = {.runs = strip->run_count,
                           .frames = count,
-                          .width = strip->width,
-                          .height = strip->height,
-                          .columns = strip->columns,
-                          .label = strip->longest > 0 && !strip->beside
+                          .width = wanted->width,
+                          .height = wanted->height,
+                          .columns = wanted->columns,
+                          .label = strip->longest > 0 && !wanted->beside
                                        ? 2 * LAYOUT_GAP + LETTER * strip->longest
                                        : 0,
-                          .beside = strip->beside,
-                          .untitled = strip->untitled,
+                          .beside = wanted->beside,
+                          .untitled = wanted->untitled,
                           .has_bar = strip->most > 0,
-                          .has_large = strip->large > 0};
+                          .has_large = wanted->large > 0};
     lay_out(&page);
     return page;
 }
@@ -303,9 +277,9 @@ static struct panel panel_at(const struct strip *strip, const struct layout *pag
                              const int *frames, int i) {
     const int is_large = i == page->groups * page->each;
     struct panel panel = is_large ? layout_large(page) : layout_panel(page, i);
-    panel.frame = is_large ? strip->large : frames[panel.frame];
+    panel.frame = is_large ? strip->wanted.large : frames[panel.frame];
     if (is_large)
-        panel.run = strip->large_row;
+        panel.run = strip->wanted.large_row;
     return panel;
 }
 
@@ -313,7 +287,7 @@ static struct panel panel_at(const struct strip *strip, const struct layout *pag
  * of one. */
 static void draw_caption(const struct strip *strip, const struct panel *panel, int count,
                          struct canvas *canvas) {
-    const struct canvas_text how = {.x = panel->x + panel->scale * strip->width / 2,
+    const struct canvas_text how = {.x = panel->x + panel->scale * strip->wanted.width / 2,
                                     .y = panel->y - LAYOUT_CAPTION / 2.,
                                     .size = LETTERS,
                                     .centred = 1,
@@ -321,9 +295,9 @@ static void draw_caption(const struct strip *strip, const struct panel *panel, i
     const char *label = strip->runs[panel->run].label;
     const double t = frames_time(&strip->runs[0].frames, panel->frame);
     char text[256];
-    if (strip->beside && *label && count == 1)
+    if (strip->wanted.beside && *label && count == 1)
         snprintf(text, sizeof text, "%s", label);
-    else if (strip->beside && *label)
+    else if (strip->wanted.beside && *label)
         snprintf(text, sizeof text, "%s, %.3f s", label, t);
     else
         snprintf(text, sizeof text, "%s%sframe %d, %.3f s", panel->scale > 1 ? label : "",
@@ -346,12 +320,12 @@ static void draw_title(const struct strip *strip, const struct layout *page, con
 
 static void draw_labels(const struct strip *strip, const struct layout *page, const int *frames,
                         int count, struct canvas *canvas) {
-    if (!strip->untitled)
+    if (!strip->wanted.untitled)
         draw_title(strip, page, frames, canvas);
     for (int i = 0; i < panel_count(page) && !layout_is_alone(page); i++) {
         const struct panel panel = panel_at(strip, page, frames, i);
         const struct canvas_text row = {
-            .x = page->left - page->label + 10, .y = panel.y + strip->height / 2., .size = LETTERS};
+            .x = page->left - page->label + 10, .y = panel.y + page->height / 2., .size = LETTERS};
         if (i % page->each == 0 && page->label > 0 && panel.scale == 1)
             canvas_text(canvas, &row, strip->runs[panel.run].label);
         if (i < page->each || page->lines > 1 || panel.scale > 1) /* else the first row's will do */
@@ -459,52 +433,46 @@ static void draw_picture(const struct strip *strip, struct picture *picture,
     }
 }
 
-/* Returns 0, or -1 where memory cannot be had. */
-static int draw_panel(const struct strip *strip, const struct panel *panel, struct canvas *canvas) {
+static void draw_panel(const struct strip *strip, const struct panel *panel,
+                       struct canvas *canvas) {
     struct drawing drawing = strip->runs[panel->run].drawing;
     struct picture picture;
     camera_enlarge(&drawing.camera, panel->scale);
-    const int code = picture_draw(&picture, &drawing, panel->frame);
+    picture_draw(&picture, &drawing, panel->frame);
     canvas_window(canvas, panel->x, panel->y, picture.width, picture.height);
-    if (!code)
-        draw_picture(strip, &picture, canvas);
+    draw_picture(strip, &picture, canvas);
     canvas_window_end(canvas);
     picture_free(&picture);
-    return code;
 }
 
-/* Returns 0, or -1 where memory cannot be had. */
-static int draw_page(const struct strip *strip, const struct layout *page, const int *frames,
-                     int count, struct canvas *canvas) {
-    int code = 0;
+static void draw_page(const struct strip *strip, const struct layout *page, const int *frames,
+                      int count, struct canvas *canvas) {
     draw_labels(strip, page, frames, count, canvas);
-    for (int i = 0; i < panel_count(page) && !code; i++) {
+    for (int i = 0; i < panel_count(page); i++) {
         const struct panel panel = panel_at(strip, page, frames, i);
-        code = draw_panel(strip, &panel, canvas);
+        draw_panel(strip, &panel, canvas);
     }
     if (strip->most > 0)
         draw_bar(strip, page, canvas);
-    return code;
+}
+
+static int check_frame(int frame, int last, char *reason) {
+    if (frame >= 1 && frame <= last)
+        return 0;
+    return fail_as(1, reason, "there is no frame %d; there are frames 1 to %d", frame, last);
 }
 
 static int check_frames(const struct strip *strip, const int *frames, int count, char *reason) {
-    const int last = strip_frames(strip);
-    if (strip->large > last) {
-        snprintf(reason, REASON_SIZE, "there is no frame %d; there are frames 1 to %d",
-                 strip->large, last);
+    const int last = strip_frames(strip), large = strip->wanted.large;
+    if (large && check_frame(large, last, reason))
         return 1;
-    }
     for (int i = 0; i < count; i++)
-        if (frames[i] < 1 || frames[i] > last) {
-            snprintf(reason, REASON_SIZE, "there is no frame %d; there are frames 1 to %d",
-                     frames[i], last);
+        if (check_frame(frames[i], last, reason))
             return 1;
-        }
-    if (count >= 1 && strip->run_count * count <= PANELS_MAX)
-        return 0;
-    snprintf(reason, REASON_SIZE, "%d pictures are not from 1 to %d, what a page can have",
-             strip->run_count * count, PANELS_MAX);
-    return 1;
+    if (count < 1 || strip->run_count * count > PANELS_MAX)
+        return fail_as(1, reason, "%d pictures are not from 1 to %d, what a page can have",
+                       strip->run_count * count, PANELS_MAX);
+    return 0;
 }
 
 int strip_check_size(const struct strip *strip, int count, const char *format, char *reason) {
@@ -513,34 +481,30 @@ int strip_check_size(const struct strip *strip, int count, const char *format, c
     if (strcmp(format, "svg") == 0 || most <= CANVAS_SIDE_MOST)
         return 0;
     const double part = 0.99 * CANVAS_SIDE_MOST / most; /* gaps and words do not become less */
-    snprintf(
-        reason, REASON_SIZE,
+    return fail_as(
+        1, reason,
         "a page of %d x %d pixels is larger than a PNG can be, %d each way: pictures of --size "
         "%dx%d, fewer --frames, other --columns or --format svg would do",
-        page.page_width, page.page_height, CANVAS_SIDE_MOST, (int)(part * strip->width),
-        (int)(part * strip->height));
-    return 1;
+        page.page_width, page.page_height, CANVAS_SIDE_MOST, (int)(part * strip->wanted.width),
+        (int)(part * strip->wanted.height));
 }
 
 int strip_write(const struct strip *strip, const int *frames, int count, const char *folder,
                 const char *name, const char *format, char *reason) {
     char file[PATH_SIZE];
-    int code = check_frames(strip, frames, count, reason);
-    if (code)
-        return code;
+    if (check_frames(strip, frames, count, reason))
+        return 1;
     const struct layout page = layout_of(strip, count);
     struct canvas *canvas =
         canvas_create(page.page_width, page.page_height, strcmp(format, "svg") == 0);
-    path_format(file, "%s/%s.%s", folder, name, format);
-    if (!canvas || draw_page(strip, &page, frames, count, canvas)) {
-        snprintf(
-            reason, REASON_SIZE,
+    if (!canvas)
+        return fail_as(
+            2, reason,
             "no memory for a page of %d x %d pixels: a smaller --size or fewer --frames need less",
             page.page_width, page.page_height);
-        code = 2;
-    } else if (canvas_write(canvas, file, reason)) {
-        code = 2;
-    }
+    path_format(file, "%s/%s.%s", folder, name, format);
+    draw_page(strip, &page, frames, count, canvas);
+    const int code = canvas_write(canvas, file, reason) ? 2 : 0;
     canvas_free(canvas);
     return code;
 }

@@ -1,6 +1,7 @@
 #include "tips.h"
 
 #include "base/files.h"
+#include "base/memory.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -92,25 +93,24 @@ char *tips_text(const char *svg) {
     char *text = NULL;
     size_t length;
     struct tip tip;
-    FILE *stream = open_memstream(&text, &length);
-    if (!stream)
-        return NULL;
+    FILE *stream = memory_needed(open_memstream(&text, &length));
     for (; find_tip(svg, &tip); svg = tip.to) {
         fwrite(svg, 1, (size_t)(tip.from - svg), stream);
         write_tip(stream, &tip);
     }
     fputs(svg, stream);
-    return fclose(stream) ? NULL : text;
+    fclose(stream);
+    return memory_needed(text);
 }
 
 int tips_make(const char *path, char *reason) {
     char *svg = file_text(path);
-    char *text = svg ? tips_text(svg) : NULL;
     struct atomic_file out;
-    int code = -1;
-    if (!text)
-        snprintf(reason, REASON_SIZE, "%.150s: cannot be read: %s", path, strerror(errno));
-    else if (atomic_open(&out, path, reason) == 0) {
+    if (!svg)
+        return fail_with(reason, "%.150s: cannot be read: %s", path, strerror(errno));
+    char *text = tips_text(svg);
+    int code = atomic_open(&out, path, reason);
+    if (!code) {
         fputs(text, out.stream);
         code = atomic_commit(&out, reason);
     }

@@ -8,7 +8,7 @@
  * Returns 0, or -1 with one line in `reason` (REASON_SIZE). */
 int tips_make(const char *path, char *reason);
 
-/* Gives a text its tips; to be freed; NULL where there is no memory. */
+/* Gives a text its tips; to be freed. */
 char *tips_text(const char *svg);
 
 #endif

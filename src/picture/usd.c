@@ -2,9 +2,8 @@
 
 #include "base/digits.h"
 #include "base/files.h"
+#include "bodies.h"
 #include "nodes.h"
-
-#include <stdlib.h>
 
 static const double thin = 2e-3; /* of a wisp without an envelope, m: only to be seen */
 
@@ -35,7 +34,7 @@ static void write_node(FILE *file, const struct strand *strand, int node, enum q
 }
 
 /* A value for each wisp of a frame, or for each of its nodes. */
-static void write_frame(struct layer_of_frames *layer, int frame, enum quantity quantity) {
+static void write_frame(const struct layer_of_frames *layer, int frame, enum quantity quantity) {
     fprintf(layer->file, "            %d: [", frame);
     for (int wisp = 0; wisp < frames_wisps(layer->frames, frame); wisp++) {
         const struct strand *strand = layer->strands[wisp];
@@ -52,7 +51,7 @@ static void write_frame(struct layer_of_frames *layer, int frame, enum quantity 
     fputs("],\n", layer->file);
 }
 
-static void write_wisps(struct layer_of_frames *layer) {
+static void write_wisps(const struct layer_of_frames *layer) {
     static const char *const attributes[] = {"int[] curveVertexCounts", "point3f[] points",
                                              "float[] widths"};
     fputs("    def BasisCurves \"wisps\"\n    {\n        uniform token type = \"linear\"\n",
@@ -72,31 +71,28 @@ static void write_wisps(struct layer_of_frames *layer) {
 
 /* The matrix that makes the unit sphere the body: as USD has rows of vectors on its left, its rows
  * are what becomes of the axes, and of the origin. */
-static void write_matrix(FILE *file, const double radii[3], const struct body_motion *motion) {
+static void write_matrix(FILE *file, const struct figure_body *body) {
+    const struct body_motion *motion = &body->motion;
     fputs("( ", file);
     for (int axis = 0; axis < 3; axis++)
-        fprintf(file, "(%s, %s, %s, 0), ", DIGITS(radii[axis] * motion->axes[0][axis]),
-                DIGITS(radii[axis] * motion->axes[1][axis]),
-                DIGITS(radii[axis] * motion->axes[2][axis]));
+        fprintf(file, "(%s, %s, %s, 0), ", DIGITS(body->radii[axis] * motion->axes[0][axis]),
+                DIGITS(body->radii[axis] * motion->axes[1][axis]),
+                DIGITS(body->radii[axis] * motion->axes[2][axis]));
     fprintf(file, "(%s, %s, %s, 1) )", DIGITS(motion->centre[0]), DIGITS(motion->centre[1]),
             DIGITS(motion->centre[2]));
 }
 
 static void write_body(const struct layer_of_frames *layer, int number) {
-    const struct scene *scene = layer->frames->scene;
-    const struct body *body = &scene->bodies[number];
     fprintf(layer->file,
             "    def Sphere \"body_%d\"\n    {\n        double radius = 1\n"
             "        float3[] extent = [(-1, -1, -1), (1, 1, 1)]\n",
             number);
     begin_samples(layer->file, "matrix4d xformOp:transform");
     for (int frame = 1; frame <= layer->frames->count; frame++) {
-        const double t = frames_time(layer->frames, frame);
-        struct placement head;
-        head_placement(&scene->around.head, t, &head);
-        const struct body_motion motion = body_motion(body, &head, t);
+        struct figure figure;
+        figure_place(&figure, layer->frames->scene, frames_time(layer->frames, frame));
         fprintf(layer->file, "            %d: ", frame);
-        write_matrix(layer->file, body->radii, &motion);
+        write_matrix(layer->file, &figure.body[number]);
         fputs(",\n", layer->file);
     }
     end_samples(layer->file);
@@ -105,7 +101,7 @@ static void write_body(const struct layer_of_frames *layer, int number) {
 
 /* --- the file --- */
 
-static void write_layer(struct layer_of_frames *layer) {
+static void write_layer(const struct layer_of_frames *layer) {
     const struct scene *scene = layer->frames->scene;
     fprintf(layer->file,
             "#usda 1.0\n(\n    defaultPrim = \"scene\"\n    endTimeCode = %d\n"
@@ -119,32 +115,14 @@ static void write_layer(struct layer_of_frames *layer) {
     fputs("}\n", layer->file);
 }
 
-static int write_file(struct layer_of_frames *layer, const char *path, char *reason) {
-    struct atomic_file file;
-    if (atomic_open(&file, path, reason))
-        return 2;
-    layer->file = file.stream;
-    write_layer(layer);
-    return atomic_commit(&file, reason) ? 2 : 0;
-}
-
 int usd_write(const struct frames *frames, const char *folder, const char *name, char *reason) {
     char path[PATH_SIZE];
-    struct layer_of_frames layer = {.frames = frames};
-    int code = 0;
-    layer.strands = calloc((size_t)frames->wisp_count, sizeof(struct strand *));
-    for (int i = 0; i < frames->wisp_count && !code; i++) {
-        if (layer.strands)
-            layer.strands[i] = strand_create(&frames->wisps[i], frames->treatment);
-        code = layer.strands && layer.strands[i] ? 0 : 2;
-    }
+    struct atomic_file file;
     path_format(path, "%s/%s.usda", folder, name);
-    if (code)
-        snprintf(reason, REASON_SIZE, "out of memory");
-    else
-        code = write_file(&layer, path, reason);
-    for (int i = 0; layer.strands && i < frames->wisp_count; i++)
-        strand_free(layer.strands[i]);
-    free(layer.strands);
-    return code;
+    if (atomic_open(&file, path, reason))
+        return 2;
+    const struct layer_of_frames layer = {frames, frames_strands(frames), file.stream};
+    write_layer(&layer);
+    frames_strands_free(frames, layer.strands);
+    return atomic_commit(&file, reason) ? 2 : 0;
 }

@@ -2,14 +2,16 @@
 
 #include "base/digits.h"
 #include "base/files.h"
-#include "base/vector.h"
+#include "base/memory.h"
+#include "bodies.h"
 #include "nodes.h"
 #include "picture.h"
 #include "polydata.h"
-#include "wisp/section.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/param.h>
 
 /* A frame with what all frames have in common. */
 struct shown {
@@ -22,8 +24,8 @@ struct shown {
 
 /* Whose cell it is. */
 static void add_owner(struct polydata *data, const struct shown *view, int wisp) {
-    polydata_add_whole(data, &data->at_cells[0], wisp);
-    polydata_add_whole(data, &data->at_cells[1], view->frames->parent[wisp]);
+    polydata_add_whole(&data->at_cells[0], wisp);
+    polydata_add_whole(&data->at_cells[1], view->frames->parent[wisp]);
 }
 
 static void begin_wisps(struct polydata *data, const struct shown *view, enum polydata_kind kind) {
@@ -43,10 +45,10 @@ static void make_skeletons(struct polydata *data, const struct shown *view) {
         const struct strand *strand = view->strands[wisp];
         for (int i = 0; i < strand->wisp->nodes; i++) {
             polydata_corner(data, polydata_points(data));
-            polydata_add(data, &data->points, strand->p[i]);
-            polydata_add(data, velocity, strand->v[i]);
-            polydata_add(data, strain, (const double[]){node_strain(strand, i)});
-            polydata_add(data, radius, (const double[]){node_radius(strand, i)});
+            polydata_add(&data->points, strand->p[i]);
+            polydata_add(velocity, strand->v[i]);
+            polydata_add(strain, (const double[]){node_strain(strand, i)});
+            polydata_add(radius, (const double[]){node_radius(strand, i)});
         }
         polydata_end_cell(data);
         add_owner(data, view, wisp);
@@ -61,12 +63,9 @@ static void make_envelope(struct polydata *data, const struct shown *view, int w
     const int around = 6 * strand->wisp->samples, first = polydata_points(data);
     for (int i = 1; i < strand->wisp->nodes; i++)
         for (int k = 0; k < around; k++) {
-            const double turn = (double)k / around, rho = section_rim(strand, i, turn);
             double point[3];
-            memcpy(point, strand->p[i], sizeof point);
-            vector_add(point, rho * cos(2 * M_PI * turn), strand->axis_u[i]);
-            vector_add(point, rho * sin(2 * M_PI * turn), strand->axis_v[i]);
-            polydata_add(data, &data->points, point);
+            node_rim(strand, i, (double)k / around, point);
+            polydata_add(&data->points, point);
         }
     for (int i = 0; i + 2 < strand->wisp->nodes; i++)
         for (int k = 0; k < around; k++) {
@@ -88,7 +87,7 @@ static void make_envelopes(struct polydata *data, const struct shown *view) {
 
 /* --- hairs --- */
 
-static void make_hair(struct polydata *data, struct shown *view, int wisp,
+static void make_hair(struct polydata *data, const struct shown *view, int wisp,
                       const struct hairs *hairs, int hair) {
     const double(*place)[2] =
         (const double(*)[2])(hairs->place + (size_t)hair * (size_t)hairs->nodes);
@@ -99,14 +98,14 @@ static void make_hair(struct polydata *data, struct shown *view, int wisp,
                    view->frames->scene->render.pieces, hairs->length[hair], view->points, &end);
     for (int i = 0; i < count; i++) {
         polydata_corner(data, polydata_points(data));
-        polydata_add(data, &data->points, view->points[i]);
+        polydata_add(&data->points, view->points[i]);
     }
     polydata_end_cell(data);
     add_owner(data, view, wisp);
-    polydata_add_whole(data, &data->at_cells[2], hair);
+    polydata_add_whole(&data->at_cells[2], hair);
 }
 
-static void make_hairs(struct polydata *data, struct shown *view) {
+static void make_hairs(struct polydata *data, const struct shown *view) {
     begin_wisps(data, view, POLYDATA_LINES);
     polydata_at_cells(data, "hair");
     for (int wisp = 0; wisp < frames_wisps(view->frames, view->frame); wisp++) {
@@ -122,25 +121,23 @@ static void make_hairs(struct polydata *data, struct shown *view) {
 
 enum { ROUND = 48, UP = 24 }; /* faces of a body around its third axis, and along it */
 
-static void add_body_point(struct polydata *data, const struct body *body,
-                           const struct body_motion *motion, int ring, int k) {
+static void add_body_point(struct polydata *data, const struct figure_body *body, int ring, int k) {
     const double down = M_PI * ring / UP, turn = 2 * M_PI * k / ROUND;
     const double on_sphere[3] = {sin(down) * cos(turn), sin(down) * sin(turn), cos(down)};
     double point[3];
-    memcpy(point, motion->centre, sizeof point);
+    memcpy(point, body->motion.centre, sizeof point);
     for (int axis = 0; axis < 3; axis++)
         for (int i = 0; i < 3; i++)
-            point[i] += body->radii[axis] * on_sphere[axis] * motion->axes[i][axis];
-    polydata_add(data, &data->points, point);
+            point[i] += body->radii[axis] * on_sphere[axis] * body->motion.axes[i][axis];
+    polydata_add(&data->points, point);
 }
 
 /* Faces with their outside on the side from which their corners go round to the left. */
-static void make_body(struct polydata *data, const struct body *body,
-                      const struct body_motion *motion, int number) {
+static void make_body(struct polydata *data, const struct figure_body *body, int number) {
     const int first = polydata_points(data);
     for (int ring = 0; ring <= UP; ring++)
         for (int k = 0; k < ROUND; k++)
-            add_body_point(data, body, motion, ring, k);
+            add_body_point(data, body, ring, k);
     for (int ring = 0; ring < UP; ring++)
         for (int k = 0; k < ROUND; k++) {
             const int next = (k + 1) % ROUND, upper = first + ring * ROUND, lower = upper + ROUND;
@@ -151,50 +148,38 @@ static void make_body(struct polydata *data, const struct body *body,
             if (ring < UP - 1)
                 polydata_corner(data, lower + next);
             polydata_end_cell(data);
-            polydata_add_whole(data, &data->at_cells[0], number);
+            polydata_add_whole(&data->at_cells[0], number);
         }
 }
 
 static void make_bodies(struct polydata *data, const struct shown *view) {
-    const struct scene *scene = view->frames->scene;
     const double t = frames_time(view->frames, view->frame);
-    struct placement head;
-    head_placement(&scene->around.head, t, &head);
+    struct figure figure;
+    figure_place(&figure, view->frames->scene, t);
     polydata_begin(data, POLYDATA_POLYGONS, t);
     polydata_at_cells(data, "body");
-    for (int i = 0; i < scene->body_count; i++) {
-        const struct body_motion motion = body_motion(&scene->bodies[i], &head, t);
-        make_body(data, &scene->bodies[i], &motion, i);
-    }
+    for (int i = 0; i < figure.count; i++)
+        make_body(data, &figure.body[i], i);
 }
 
 /* --- files --- */
 
 enum thing { SKELETONS, ENVELOPES, HAIRS, BODIES, THINGS };
-static const char *const endings[THINGS] = {"", "-envelopes", "-hairs", "-bodies"};
+static const struct {
+    const char *ending; /* of the files' names */
+    void (*make)(struct polydata *data, const struct shown *view);
+} things[THINGS] = {[SKELETONS] = {"", make_skeletons},
+                    [ENVELOPES] = {"-envelopes", make_envelopes},
+                    [HAIRS] = {"-hairs", make_hairs},
+                    [BODIES] = {"-bodies", make_bodies}};
 
 static int has(const struct frames *frames, enum thing thing) {
     return thing == SKELETONS ||
            (thing == BODIES ? frames->scene->body_count > 0 : frames->wisps[0].samples > 0);
 }
 
-static void make(struct polydata *data, struct shown *view, enum thing thing) {
-    switch (thing) {
-    case SKELETONS:
-        make_skeletons(data, view);
-        break;
-    case ENVELOPES:
-        make_envelopes(data, view);
-        break;
-    case HAIRS:
-        make_hairs(data, view);
-        break;
-    default:
-        make_bodies(data, view);
-    }
-}
-
-static int write_frame(struct shown *view, const char *folder, const char *name, char *reason) {
+static int write_frame(const struct shown *view, const char *folder, const char *name,
+                       char *reason) {
     char path[PATH_SIZE];
     int code = 0;
     for (int wisp = 0; wisp < frames_wisps(view->frames, view->frame); wisp++)
@@ -203,8 +188,8 @@ static int write_frame(struct shown *view, const char *folder, const char *name,
         struct polydata data;
         if (!has(view->frames, thing))
             continue;
-        path_format(path, "%s/%s%s-%04d.vtp", folder, name, endings[thing], view->frame);
-        make(&data, view, thing);
+        path_format(path, "%s/%s%s-%04d.vtp", folder, name, things[thing].ending, view->frame);
+        things[thing].make(&data, view);
         code = polydata_write(&data, path, reason);
         polydata_free(&data);
     }
@@ -230,49 +215,34 @@ static int write_collection(const struct frames *frames, const char *folder, con
 
 /* --- all of them --- */
 
-/* Returns 0, or -1 where memory cannot be had. */
-static int open_view(struct shown *view) {
-    const struct frames *frames = view->frames;
+static void open_view(struct shown *view, const struct frames *frames) {
     size_t nodes = 2;
-    view->strands = calloc((size_t)frames->wisp_count, sizeof(struct strand *));
-    for (int i = 0; i < frames->wisp_count; i++) {
-        if (!view->strands ||
-            !(view->strands[i] = strand_create(&frames->wisps[i], frames->treatment)))
-            return -1;
-        if ((size_t)frames->wisps[i].nodes > nodes)
-            nodes = (size_t)frames->wisps[i].nodes;
-    }
-    view->controls = malloc(nodes * sizeof *view->controls);
-    view->points =
-        malloc(((nodes - 1) * (size_t)frames->scene->render.pieces + 1) * sizeof *view->points);
-    return !view->controls || !view->points ||
-                   drawing_create(&view->drawing, frames, has(frames, HAIRS) ? VIEW_HAIR : 0)
-               ? -1
-               : 0;
+    for (int i = 0; i < frames->wisp_count; i++)
+        nodes = MAX(nodes, (size_t)frames->wisps[i].nodes);
+    const size_t points = (nodes - 1) * (size_t)frames->scene->render.pieces + 1;
+    *view = (struct shown){.frames = frames,
+                           .strands = frames_strands(frames),
+                           .controls = memory_needed(malloc(nodes * sizeof *view->controls)),
+                           .points = memory_needed(malloc(points * sizeof *view->points))};
+    drawing_create(&view->drawing, frames, has(frames, HAIRS) ? VIEW_HAIR : 0);
 }
 
 static void close_view(struct shown *view) {
-    if (view->drawing.frames)
-        drawing_free(&view->drawing);
-    for (int i = 0; view->strands && i < view->frames->wisp_count; i++)
-        strand_free(view->strands[i]);
-    free(view->strands);
+    drawing_free(&view->drawing);
+    frames_strands_free(view->frames, view->strands);
     free(view->controls);
     free(view->points);
 }
 
 int vtk_write(const struct frames *frames, const char *folder, const char *name, char *reason) {
-    struct shown view = {.frames = frames};
+    struct shown view;
     int code = 0;
-    if (open_view(&view)) {
-        snprintf(reason, REASON_SIZE, "out of memory");
-        code = 2;
-    }
+    open_view(&view, frames);
     for (view.frame = 1; view.frame <= frames->count && !code; view.frame++)
         code = write_frame(&view, folder, name, reason);
     for (enum thing thing = 0; thing < THINGS && !code; thing++)
         if (has(frames, thing))
-            code = write_collection(frames, folder, name, endings[thing], reason);
+            code = write_collection(frames, folder, name, things[thing].ending, reason);
     close_view(&view);
     return code;
 }

@@ -18,10 +18,6 @@ static void count(struct tally *tally, const struct text_table *rows, int row) {
     tally->of++;
 }
 
-static int answers(const struct report_part *part, enum question question) {
-    return part->included && (part->experiment->answers & 1u << question) != 0;
-}
-
 /* Rows of a part that answer a question: those that sum up, which are of no figure, or the others;
  * claims of the thesis or what we found. */
 struct chosen {
@@ -47,36 +43,38 @@ static void write_row(FILE *stream, const struct text_table *rows, int row, int 
         html_statement(stream, rows, row);
 }
 
-/* Writes them, of all parts, and counts those of the thesis; where `stream` is NULL only counts.
- * Returns how many there are, or -1 with a reason. */
-static int write_rows(FILE *stream, const struct report *report, struct chosen chosen,
-                      struct tally *tally, char *reason) {
-    int written = 0;
-    for (int i = 0; i < report->part_count; i++) {
-        const struct report_part *part = &report->parts[i];
-        char folder[PATH_SIZE];
-        struct text_table rows;
-        if (!answers(part, chosen.question))
+/* Writes them, of all parts, or only counts them, and in `tally` (NULL: they are written) those of
+ * the thesis. Returns how many there are. */
+static int each_row(const struct page *page, struct chosen chosen, struct tally *tally) {
+    int done = 0;
+    for (int i = 0; i < page->report->part_count; i++) {
+        const struct page_part part = page_part(page, i);
+        if (!part.part->included || !(part.part->experiment->answers & 1u << chosen.question))
             continue;
-        if (path_format(folder, "%s/%s", report->root, part->experiment->name) ||
-            statements_read(&rows, folder, reason))
-            return -1;
-        for (int row = 0; row < rows.row_count; row++) {
-            if (!is_chosen(&rows, row, chosen))
+        for (int row = 0; row < part.rows->row_count; row++) {
+            if (!is_chosen(part.rows, row, chosen))
                 continue;
-            if (stream)
-                write_row(stream, &rows, row, written == 0);
+            if (tally)
+                count(tally, part.rows, row);
             else
-                count(tally, &rows, row);
-            written++;
+                write_row(page->stream, part.rows, row, done == 0);
+            done++;
         }
-        text_table_free(&rows);
     }
-    if (stream && written > 0 && chosen.claims)
-        html_claims_end(stream);
-    else if (stream && written > 0)
-        fputs("</ul>\n", stream);
-    return written;
+    return done;
+}
+
+static void write_rows(const struct page *page, enum question question, int sums_up) {
+    if (each_row(page, (struct chosen){question, sums_up, 1}, NULL) > 0)
+        html_claims_end(page->stream);
+    if (each_row(page, (struct chosen){question, sums_up, 0}, NULL) > 0)
+        fputs("</ul>\n", page->stream);
+}
+
+static int count_rows(const struct page *page, enum question question, int sums_up,
+                      struct tally *tally) {
+    return each_row(page, (struct chosen){question, sums_up, 0}, tally) +
+           each_row(page, (struct chosen){question, sums_up, 1}, tally);
 }
 
 static void write_tally(FILE *stream, const struct tally *tally) {
@@ -92,56 +90,21 @@ static void write_tally(FILE *stream, const struct tally *tally) {
     fputs("</p>\n", stream);
 }
 
-/* How many rows sum a question up, and how many are of single scenes; the claims among these in
- * `tally`. Returns 0, or -1 with a reason. */
-static int count_rows(const struct report *report, enum question question, int counts[2],
-                      struct tally *tally, char *reason) {
-    for (int sums_up = 0; sums_up < 2; sums_up++) {
-        struct tally other = {0};
-        counts[sums_up] = 0;
-        for (int claims = 0; claims < 2; claims++) {
-            const int rows = write_rows(NULL, report, (struct chosen){question, sums_up, claims},
-                                        sums_up ? &other : tally, reason);
-            if (rows < 0)
-                return -1;
-            counts[sums_up] += rows;
-        }
-    }
-    return 0;
-}
-
-/* A question that many sentences answer is answered by those that sum up; the others are in a fold.
- */
-static int write_answer(FILE *stream, const struct report *report, enum question question,
-                        char *reason) {
+void answers_write(const struct page *page, enum question question) {
     const int few = 8;
-    struct tally tally = {0};
-    int counts[2];
-    fputs("<h3>", stream);
-    html_text(stream, question_text(question));
-    fputs("</h3>\n", stream);
-    if (count_rows(report, question, counts, &tally, reason))
-        return -1;
-    if (counts[0] + counts[1] == 0) {
-        fputs("<p>No experiment of this report answers it.</p>\n", stream);
-        return 0;
+    struct tally tally = {0}, other = {0};
+    const int single = count_rows(page, question, 0, &tally),
+              sums = count_rows(page, question, 1, &other);
+    html_element(page->stream, "h3", question_text(question), "\n");
+    if (single + sums == 0) {
+        fputs("<p>No experiment of this report answers it.</p>\n", page->stream);
+        return;
     }
-    const int folds = counts[0] > 0 && (counts[1] > 0 || counts[0] > few);
-    for (int claims = 1; claims >= 0; claims--)
-        write_rows(stream, report, (struct chosen){question, 1, claims}, &tally, reason);
-    write_tally(stream, &tally);
+    const int folds = single > 0 && (sums > 0 || single > few);
+    write_rows(page, question, 1);
+    write_tally(page->stream, &tally);
     if (folds)
-        fprintf(stream, "<details><summary>Scene by scene: %d sentences</summary>\n", counts[0]);
-    for (int claims = 1; claims >= 0; claims--)
-        write_rows(stream, report, (struct chosen){question, 0, claims}, &tally, reason);
-    fputs(folds ? "</details>\n" : "", stream);
-    return 0;
-}
-
-int answers_write(FILE *stream, const struct report *report, unsigned questions, char *reason) {
-    int code = 0;
-    for (int question = ANSWERS_NONE + 1; question < QUESTION_COUNT && !code; question++)
-        if (questions & 1u << question)
-            code = write_answer(stream, report, (enum question)question, reason);
-    return code;
+        fprintf(page->stream, "<details><summary>Scene by scene: %d sentences</summary>\n", single);
+    write_rows(page, question, 0);
+    fputs(folds ? "</details>\n" : "", page->stream);
 }

@@ -59,23 +59,11 @@ static const struct {
 #undef X
 };
 
-/* Which questions a chapter answers, bit k for question k. */
-static unsigned questions_of(enum chapter chapter) {
-    static const unsigned questions[CHAPTER_COUNT] = {
-        [CHAPTER_ACCURACY] = 1 << ANSWERS_TARGETS,
-        [CHAPTER_STABILITY] = 1 << ANSWERS_FAILURES,
-        [CHAPTER_MODEL] = 1 << ANSWERS_NEEDS,
-        [CHAPTER_THESIS] = 1 << ANSWERS_CHOICE,
-    };
-    return questions[chapter];
-}
-
-const struct report_part *report_part_of(const struct report *report, const char *experiment) {
-    for (int i = 0; i < report->part_count; i++)
-        if (report->parts[i].included && strcmp(report->parts[i].experiment->name, experiment) == 0)
-            return &report->parts[i];
-    return NULL;
-}
+/* The question that each chapter answers. */
+static const enum question questions[CHAPTER_COUNT] = {[CHAPTER_ACCURACY] = ANSWERS_TARGETS,
+                                                       [CHAPTER_STABILITY] = ANSWERS_FAILURES,
+                                                       [CHAPTER_MODEL] = ANSWERS_NEEDS,
+                                                       [CHAPTER_THESIS] = ANSWERS_CHOICE};
 
 void chapters_write_links(FILE *stream) {
     for (int c = 0; c < CHAPTER_COUNT; c++) {
@@ -85,42 +73,37 @@ void chapters_write_links(FILE *stream) {
     }
 }
 
-static int write_lead_table(FILE *stream, const struct report *report, const struct lead *lead,
-                            char *reason) {
+static int write_lead_table(const struct page_part *part, const struct lead *lead) {
     struct text_table table;
     char path[PATH_SIZE];
-    if (path_format(path, "%s/%s/%s.tsv", report->root, lead->experiment, lead->table) ||
-        !file_exists(path))
+    path_format(path, "%s/%s/%s.tsv", part->report->root, lead->experiment, lead->table);
+    if (!file_exists(path))
         return 0; /* the user's own scenes have tables of other names */
-    if (text_table_read(&table, path, reason))
+    if (text_table_read(&table, path, part->reason))
         return -1;
-    html_table(stream, &table, lead->columns);
-    fprintf(
-        stream,
-        "<details class=\"small\"><summary>From <a href=\"%s/%s.tsv\">%s.tsv</a></summary>\n<p>",
-        lead->experiment, lead->table, lead->table);
-    html_text(stream, table.about);
-    fputs("</p></details>\n", stream);
+    html_table(part->stream, &table, lead->columns);
+    fprintf(part->stream,
+            "<details class=\"small\"><summary>From <a href=\"%s/%s.tsv\">%s.tsv</a></summary>\n",
+            lead->experiment, lead->table, lead->table);
+    html_element(part->stream, "p", table.about, "</details>\n");
     text_table_free(&table);
     return 0;
 }
 
-static int write_lead(FILE *stream, const struct report *report, const struct lead *lead,
-                      char *reason) {
-    const struct report_part *part = report_part_of(report, lead->experiment);
-    if (!part)
+static int write_lead(const struct page *page, const struct lead *lead) {
+    struct page_part part;
+    if (!page_find(page, lead->experiment, &part))
         return 0;
-    if (part_write_lead(stream, report, part, lead->figure, reason) < 0)
-        return -1;
-    return lead->table ? write_lead_table(stream, report, lead, reason) : 0;
+    const int code = part_write_lead(&part, lead->figure);
+    return code || !lead->table ? code : write_lead_table(&part, lead);
 }
 
-int chapters_write_front(FILE *stream, const struct report *report, char *reason) {
+int chapters_write_front(const struct page *page) {
     int code = 0;
-    fputs("<div class=\"first\">\n", stream);
+    fputs("<div class=\"first\">\n", page->stream);
     for (int i = 0; i < FRONT && !code; i++)
-        code = write_lead(stream, report, &front[i], reason);
-    fputs("</div>\n", stream);
+        code = write_lead(page, &front[i]);
+    fputs("</div>\n", page->stream);
     return code;
 }
 
@@ -135,68 +118,62 @@ static const char *shown_outside(const char *experiment) {
     return NULL;
 }
 
+/* Whether a part is of a chapter, in the report or not. */
+static int is_of(const struct page_part *part, enum chapter chapter, int included) {
+    return part->part->experiment->chapter == chapter && part->part->included == included;
+}
+
 /* The thesis's claims that the chapter's experiments are about, one of each. */
-static int write_claims(FILE *stream, const struct report *report, enum chapter chapter,
-                        char *reason) {
+static void write_claims(const struct page *page, enum chapter chapter) {
     int count = 0;
-    for (int i = 0; i < report->part_count; i++) {
-        const struct report_part *part = &report->parts[i];
-        if (!part->included || part->experiment->chapter != chapter)
-            continue;
-        const int written = part_write_claim(stream, report, part, count == 0, reason);
-        if (written < 0)
-            return -1;
-        count += written;
+    for (int i = 0; i < page->report->part_count; i++) {
+        const struct page_part part = page_part(page, i);
+        if (is_of(&part, chapter, 1))
+            count += part_write_claim(&part, count == 0);
     }
     if (count > 0)
-        html_claims_end(stream);
-    return 0;
+        html_claims_end(page->stream);
 }
 
 /* What is not there, with its question and why, in one paragraph. */
-static void write_missing(FILE *stream, const struct report *report, enum chapter chapter) {
+static void write_missing(const struct page *page, enum chapter chapter) {
+    FILE *stream = page->stream;
     int count = 0;
-    for (int i = 0; i < report->part_count; i++) {
-        const struct report_part *part = &report->parts[i];
+    for (int i = 0; i < page->report->part_count; i++) {
+        const struct page_part part = page_part(page, i);
         char title[256];
-        if (part->included || part->experiment->chapter != chapter)
+        if (!is_of(&part, chapter, 0))
             continue;
-        experiment_title(part->experiment, title);
+        experiment_title(part.part->experiment, title);
         fputs(count++ ? "" : "<p class=\"small\">Not in this report: ", stream);
-        fprintf(stream, "<span id=\"%s\"><b>%s</b> ", part->experiment->name,
-                part->experiment->name);
-        html_print(stream, "(%s), %s. ", title, part->note);
+        fprintf(stream, "<span id=\"%s\"><b>%s</b> ", part.name, part.name);
+        html_print(stream, "(%s), %s. ", title, part.part->note);
         fputs("</span>", stream);
     }
     fputs(count ? "</p>\n" : "", stream);
 }
 
-static int write_chapter(FILE *stream, const struct report *report, enum chapter chapter,
-                         char *reason) {
-    fprintf(stream, "<section id=\"%s\"><h2>", chapters[chapter].anchor);
-    html_text(stream, chapters[chapter].title);
-    fputs("</h2>\n<p>", stream);
-    html_text(stream, chapters[chapter].about);
-    fputs("</p>\n", stream);
-    int code = answers_write(stream, report, questions_of(chapter), reason);
+static int write_chapter(const struct page *page, enum chapter chapter) {
+    fprintf(page->stream, "<section id=\"%s\">", chapters[chapter].anchor);
+    html_element(page->stream, "h2", chapters[chapter].title, "\n");
+    html_element(page->stream, "p", chapters[chapter].about, "\n");
+    answers_write(page, questions[chapter]);
+    int code = write_lead(page, &leads[chapter]);
     if (!code)
-        code = write_lead(stream, report, &leads[chapter], reason);
-    if (!code)
-        code = write_claims(stream, report, chapter, reason);
-    for (int i = 0; i < report->part_count && !code; i++) {
-        const struct report_part *part = &report->parts[i];
-        if (!part->included || part->experiment->chapter != chapter)
-            continue;
-        code = part_write(stream, report, part, shown_outside(part->experiment->name), reason);
+        write_claims(page, chapter);
+    for (int i = 0; i < page->report->part_count && !code; i++) {
+        const struct page_part part = page_part(page, i);
+        if (is_of(&part, chapter, 1))
+            code = part_write(&part, shown_outside(part.name));
     }
-    write_missing(stream, report, chapter);
-    fputs("</section>\n", stream);
+    write_missing(page, chapter);
+    fputs("</section>\n", page->stream);
     return code;
 }
 
-int chapters_write(FILE *stream, const struct report *report, char *reason) {
+int chapters_write(const struct page *page) {
     int code = 0;
     for (int c = 0; c < CHAPTER_COUNT && !code; c++)
-        code = write_chapter(stream, report, (enum chapter)c, reason);
+        code = write_chapter(page, (enum chapter)c);
     return code;
 }

@@ -2,21 +2,17 @@
 #ifndef WISPLAB_REPORT_CHAPTERS_H
 #define WISPLAB_REPORT_CHAPTERS_H
 
-#include "report.h"
+#include "page.h"
 
 /* Links to the chapters, for a list of contents. */
 void chapters_write_links(FILE *stream);
 
 /* The figures that the page begins with, where their experiments are in it. Returns as
- * report_write.
- */
-int chapters_write_front(FILE *stream, const struct report *report, char *reason);
+ * report_write. */
+int chapters_write_front(const struct page *page);
 
 /* All chapters, each with what answers its question, its figure, a table of few rows, and its
  * experiments in folds. Returns as report_write. */
-int chapters_write(FILE *stream, const struct report *report, char *reason);
-
-/* The part of an experiment that is in the report, or NULL. */
-const struct report_part *report_part_of(const struct report *report, const char *experiment);
+int chapters_write(const struct page *page);
 
 #endif

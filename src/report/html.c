@@ -24,20 +24,23 @@ void html_print(FILE *stream, const char *format, ...) {
     html_text(stream, text);
 }
 
+void html_element(FILE *stream, const char *tag, const char *text, const char *after) {
+    fprintf(stream, "<%s>", tag);
+    html_text(stream, text);
+    fprintf(stream, "</%.*s>%s", (int)strcspn(tag, " "), tag, after);
+}
+
 /* --- tables --- */
 
 static void write_cell(FILE *stream, const char *cell, double factor) {
     char *end;
     const double number = strtod(cell, &end);
-    if (text_cell_is_empty(cell)) {
+    if (text_cell_is_empty(cell))
         fputs("<td class=\"none\">–</td>", stream); /* the row says why */
-    } else if (end != cell && !*end) {
+    else if (end != cell && !*end)
         fprintf(stream, "<td class=\"number\">%.4g</td>", number * factor);
-    } else {
-        fputs("<td>", stream);
-        html_text(stream, cell);
-        fputs("</td>", stream);
-    }
+    else
+        html_element(stream, "td", cell, "");
 }
 
 static void write_heading(FILE *stream, const char *name) {
@@ -172,9 +175,9 @@ void html_claim(FILE *stream, const struct text_table *rows, int row, const char
     write_claim(stream, rows, row);
     if (part)
         fprintf(stream, " <a href=\"#%s\">%s</a>", part, part);
-    fputs("</td><td>", stream);
-    html_text(stream, finding ? finding : "");
-    fputs("</td><td>", stream);
+    fputs("</td>", stream);
+    html_element(stream, "td", finding ? finding : "", "");
+    fputs("<td>", stream);
     write_verdict(stream, rows, row);
     fputs("</td></tr>\n", stream);
 }
@@ -189,9 +192,8 @@ int html_svg(FILE *stream, const char *path, const char *prefix, const char *lab
     char *text = file_text(path);
     const char *start = text ? strstr(text, "<svg") : NULL;
     if (!start || !strstr(start, "</svg>")) {
-        snprintf(reason, REASON_SIZE, "%.150s: is not a whole picture", path);
         free(text);
-        return -1;
+        return fail_with(reason, "%.150s: is not a whole picture", path);
     }
     /* Below this width its letters of 12 points are smaller than 10. */
     const char *width = strstr(start, "width=\"");

@@ -15,6 +15,9 @@ void html_text(FILE *stream, const char *text);
 /* Writes a text that printf makes, escaped. */
 void html_print(FILE *stream, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
+/* A text in an element, whose `tag` may have attributes behind its name, and what follows it. */
+void html_element(FILE *stream, const char *tag, const char *text, const char *after);
+
 /* A column of a table as it is shown: its heading, and what its numbers are multiplied with. */
 struct html_column {
     const char *name, *heading;

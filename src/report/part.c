@@ -1,31 +1,8 @@
 #include "part.h"
 
-#include "base/files.h"
 #include "html.h"
 
-#include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-
-/* --- which files belong to a part --- */
-
-static int is_of_report(const struct report_part *part, const char *path) {
-    struct stat status;
-    return stat(path, &status) == 0 &&
-           (double)status.st_mtim.tv_sec + 1e-9 * (double)status.st_mtim.tv_nsec >= part->since;
-}
-
-/* The files of a kind in the part's folder, "svg" or "tsv", in the order of their names. globfree
- * it. Returns 0, or -1 where there is no memory. */
-static int find_files(const struct report *report, const struct report_part *part, const char *kind,
-                      glob_t *found) {
-    char folder[PATH_SIZE], pattern[16];
-    *found = (glob_t){0};
-    if (path_format(folder, "%s/%s", report->root, part->experiment->name))
-        return 0;
-    snprintf(pattern, sizeof pattern, "*.%s", kind);
-    return files_like(folder, pattern, found);
-}
 
 /* "results/circle/radius.svg" -> "radius" */
 static void stem_of(const char *path, char stem[128]) {
@@ -51,23 +28,20 @@ static int has_word(const char *list, const char *word) {
 enum { ROWS_SHOWN = 12, COLUMNS_SHOWN = 9 };
 
 /* A table of a part: a line with its name, size and file, behind which it is where it is small.
- * Returns 0, or -1 or 1 with a reason as report_write. */
-static int write_table(FILE *stream, const struct report *report, const struct report_part *part,
-                       const char *name, char *reason) {
-    char path[PATH_SIZE];
+ * Returns 0, or -1 or 1 with a reason as part_write. */
+static int write_table(const struct page_part *part, const char *name, const char *path) {
+    FILE *stream = part->stream;
     struct text_table table;
-    if (path_format(path, "%s/%s/%s.tsv", report->root, part->experiment->name, name) ||
-        text_table_read(&table, path, reason))
+    if (text_table_read(&table, path, part->reason))
         return -1;
-    const int code = text_table_check(&table, path, reason) ? 1 : 0;
+    const int code = text_table_check(&table, path, part->reason) ? 1 : 0;
     const int shown = table.row_count <= ROWS_SHOWN && table.column_count <= COLUMNS_SHOWN;
     fprintf(stream, shown ? "<details><summary>" : "<p class=\"small\">");
-    fprintf(stream, "<a href=\"%s/%s.tsv\">%s.tsv</a> (%d row%s)", part->experiment->name, name,
-            name, table.row_count, table.row_count == 1 ? "" : "s");
+    fprintf(stream, "<a href=\"%s/%s.tsv\">%s.tsv</a> (%d row%s)", part->name, name, name,
+            table.row_count, table.row_count == 1 ? "" : "s");
     if (shown) {
-        fputs("</summary>\n<p class=\"small\">", stream);
-        html_text(stream, table.about);
-        fputs("</p>\n", stream);
+        fputs("</summary>\n", stream);
+        html_element(stream, "p class=\"small\"", table.about, "\n");
         html_table(stream, &table, NULL);
     }
     fputs(shown ? "</details>\n" : "</p>\n", stream);
@@ -76,15 +50,15 @@ static int write_table(FILE *stream, const struct report *report, const struct r
 }
 
 /* Every table of the part but its statements, which the page shows as sentences. */
-static int write_tables(FILE *stream, const struct report *report, const struct report_part *part,
-                        char *reason) {
+static int write_tables(const struct page_part *part) {
     glob_t found;
-    char stem[128];
-    int code = find_files(report, part, "tsv", &found);
+    int code = 0;
+    page_files(part, "tsv", &found);
     for (size_t i = 0; i < found.gl_pathc && !code; i++) {
+        char stem[128], path[PATH_SIZE];
         stem_of(found.gl_pathv[i], stem);
-        if (is_of_report(part, found.gl_pathv[i]) && strcmp(stem, "statements") != 0)
-            code = write_table(stream, report, part, stem, reason);
+        if (page_file(part, stem, "tsv", path) && strcmp(stem, "statements") != 0)
+            code = write_table(part, stem, path);
     }
     globfree(&found);
     return code;
@@ -98,39 +72,34 @@ static int is_of_figure(const struct text_table *rows, int row, const char *figu
 
 /* The sentences of a figure, a file, as one text, for who cannot see it. Returns 0, or -1 with a
  * reason where there are none. */
-static int read_label(const struct text_table *rows, const char *path, char label[2048],
-                      char *reason) {
+static int read_label(const struct page_part *part, const char *path, char label[2048]) {
     char figure[128];
     stem_of(path, figure);
     label[0] = '\0';
-    for (int row = 0; row < rows->row_count; row++) {
+    for (int row = 0; row < part->rows->row_count; row++) {
         const size_t used = strlen(label);
-        if (is_of_figure(rows, row, figure))
+        if (is_of_figure(part->rows, row, figure))
             snprintf(label + used, 2048 - used, "%s%s", used ? " " : "",
-                     text_table_cell(rows, row, "statement"));
+                     text_table_cell(part->rows, row, "statement"));
     }
     if (label[0])
         return 0;
-    return fail_with(reason, "%.150s: nothing is stated of it in statements.tsv", path);
+    return fail_with(part->reason, "%.150s: nothing is stated of it in statements.tsv", path);
 }
 
-static int has_figure(const struct report *report, const struct report_part *part,
-                      const char *figure) {
-    static const char *const kinds[] = {"svg", "png"};
+static int find_figure(const struct page_part *part, const char *figure, char path[PATH_SIZE]) {
+    return page_file(part, figure, "svg", path) || page_file(part, figure, "png", path);
+}
+
+static int has_figure(const struct page_part *part, const char *figure) {
     char path[PATH_SIZE];
-    for (int k = 0; k < 2; k++)
-        if (path_format(path, "%s/%s/%s.%s", report->root, part->experiment->name, figure,
-                        kinds[k]) == 0 &&
-            is_of_report(part, path))
-            return 1;
-    return 0;
+    return find_figure(part, figure, path);
 }
 
 /* Whether a row stands under the figure, or where that is NULL, under none that is on the page. */
-static int stands_under(const struct report *report, const struct report_part *part,
-                        const struct text_table *rows, int row, const char *figure) {
-    return figure ? is_of_figure(rows, row, figure)
-                  : !has_figure(report, part, text_table_cell(rows, row, "figure"));
+static int stands_under(const struct page_part *part, int row, const char *figure) {
+    return figure ? is_of_figure(part->rows, row, figure)
+                  : !has_figure(part, text_table_cell(part->rows, row, "figure"));
 }
 
 /* Which statements: those under a figure or, where that is NULL, under none that is on the page;
@@ -140,50 +109,46 @@ struct chosen {
     int claims, but;
 };
 
-static int is_chosen(const struct report *report, const struct report_part *part,
-                     const struct text_table *rows, int row, struct chosen chosen) {
-    return html_is_claim(rows, row) == chosen.claims && row != chosen.but &&
-           stands_under(report, part, rows, row, chosen.figure);
+static int is_chosen(const struct page_part *part, int row, struct chosen chosen) {
+    return html_is_claim(part->rows, row) == chosen.claims && row != chosen.but &&
+           stands_under(part, row, chosen.figure);
 }
 
-static int count_chosen(const struct report *report, const struct report_part *part,
-                        const struct text_table *rows, struct chosen chosen) {
+static int count_chosen(const struct page_part *part, struct chosen chosen) {
     int count = 0;
-    for (int row = 0; row < rows->row_count; row++)
-        count += is_chosen(report, part, rows, row, chosen);
+    for (int row = 0; row < part->rows->row_count; row++)
+        count += is_chosen(part, row, chosen);
     return count;
 }
 
-static void write_claims(FILE *stream, const struct report *report, const struct report_part *part,
-                         const struct text_table *rows, struct chosen chosen) {
+static void write_claims(const struct page_part *part, struct chosen chosen) {
     chosen.claims = 1;
     chosen.but = -1; /* a title has no verdict */
-    if (count_chosen(report, part, rows, chosen) == 0)
+    if (count_chosen(part, chosen) == 0)
         return;
-    html_claims_begin(stream);
-    for (int row = 0; row < rows->row_count; row++)
-        if (is_chosen(report, part, rows, row, chosen))
-            html_claim(stream, rows, row, NULL);
-    html_claims_end(stream);
+    html_claims_begin(part->stream);
+    for (int row = 0; row < part->rows->row_count; row++)
+        if (is_chosen(part, row, chosen))
+            html_claim(part->stream, part->rows, row, NULL);
+    html_claims_end(part->stream);
 }
 
 /* The claims of a figure in a table, then what we found: the first rows, and the others in a fold.
  */
-static void write_statements(FILE *stream, const struct report *report,
-                             const struct report_part *part, const struct text_table *rows,
-                             struct chosen chosen) {
+static void write_statements(const struct page_part *part, struct chosen chosen) {
+    FILE *stream = part->stream;
     const int open_rows = 3;
     int count = 0;
-    write_claims(stream, report, part, rows, chosen);
-    const int all = count_chosen(report, part, rows, chosen), folds = all > open_rows + 1;
-    for (int row = 0; row < rows->row_count; row++) {
-        if (!is_chosen(report, part, rows, row, chosen))
+    write_claims(part, chosen);
+    const int all = count_chosen(part, chosen), folds = all > open_rows + 1;
+    for (int row = 0; row < part->rows->row_count; row++) {
+        if (!is_chosen(part, row, chosen))
             continue;
         if (folds && count == open_rows)
             fprintf(stream, "</ul>\n<details><summary>%d more</summary>\n<ul>\n", all - count);
         else if (count == 0)
             fputs("<ul>\n", stream);
-        html_statement(stream, rows, row);
+        html_statement(stream, part->rows, row);
         count++;
     }
     fputs(all > 0 ? "</ul>\n" : "", stream);
@@ -198,18 +163,19 @@ static int ends_with(const char *text, const char *end) {
 }
 
 /* The row that says most of the whole experiment; -1 where there is none. */
-static int headline_of(const struct experiment *experiment, const struct text_table *rows) {
-    for (int row = 0; row < rows->row_count && experiment->headline; row++)
-        if (ends_with(text_table_cell(rows, row, "key"), experiment->headline))
+static int headline_of(const struct page_part *part) {
+    const char *headline = part->part->experiment->headline;
+    for (int row = 0; row < part->rows->row_count && headline; row++)
+        if (ends_with(text_table_cell(part->rows, row, "key"), headline))
             return row;
-    return rows->row_count > 0 ? 0 : -1;
+    return part->rows->row_count > 0 ? 0 : -1;
 }
 
 /* And of a figure: the same where it is the figure's, else the figure's first that says something.
  */
-static int title_of(const struct report_part *part, const struct text_table *rows,
-                    const char *figure) {
-    const int headline = headline_of(part->experiment, rows);
+static int title_of(const struct page_part *part, const char *figure) {
+    const struct text_table *rows = part->rows;
+    const int headline = headline_of(part);
     int first = -1;
     if (headline >= 0 && is_of_figure(rows, headline, figure))
         return headline;
@@ -222,11 +188,10 @@ static int title_of(const struct report_part *part, const struct text_table *row
 
 /* The row for the figure that stands for the experiment: what says most of it, even if it is no
  * figure's. */
-static int lead_title_of(const struct report_part *part, const struct text_table *rows,
-                         const char *figure) {
-    const int headline = headline_of(part->experiment, rows);
-    return headline >= 0 && is_of_figure(rows, headline, "-") ? headline
-                                                              : title_of(part, rows, figure);
+static int lead_title_of(const struct page_part *part, const char *figure) {
+    const int headline = headline_of(part);
+    return headline >= 0 && is_of_figure(part->rows, headline, "-") ? headline
+                                                                    : title_of(part, figure);
 }
 
 /* --- figures --- */
@@ -244,8 +209,8 @@ static void add_words(char list[512], const char *words) {
 
 /* The figure that a table belongs to by its name: the longest that this is, or begins with before a
  * dash. Leaves it in `stem`, cut; returns whether there is one. */
-static int belongs(const struct report *report, const struct report_part *part, char stem[128]) {
-    while (!has_figure(report, part, stem)) {
+static int belongs(const struct page_part *part, char stem[128]) {
+    while (!has_figure(part, stem)) {
         char *dash = strrchr(stem, '-');
         if (!dash)
             return 0;
@@ -255,34 +220,31 @@ static int belongs(const struct report *report, const struct report_part *part, 
 }
 
 /* The tables of a figure: those that belong to it by their names, and those that its statements
- * follow from. Returns 0, or -1 where there is no memory. */
-static int find_tables(const struct report *report, const struct report_part *part,
-                       const struct text_table *rows, const char *figure, char tables[512]) {
+ * follow from. */
+static void find_tables(const struct page_part *part, const char *figure, char tables[512]) {
     glob_t found;
     tables[0] = '\0';
-    const int code = find_files(report, part, "tsv", &found);
-    for (size_t i = 0; i < found.gl_pathc && !code; i++) {
-        char stem[128], owner[128];
+    page_files(part, "tsv", &found);
+    for (size_t i = 0; i < found.gl_pathc; i++) {
+        char stem[128], owner[128], path[PATH_SIZE];
         stem_of(found.gl_pathv[i], stem);
         memcpy(owner, stem, sizeof owner);
-        if (is_of_report(part, found.gl_pathv[i]) && belongs(report, part, owner) &&
+        if (page_file(part, stem, "tsv", path) && belongs(part, owner) &&
             strcmp(owner, figure) == 0)
             add_words(tables, stem);
     }
     globfree(&found);
-    for (int row = 0; row < rows->row_count; row++)
-        if (is_of_figure(rows, row, figure))
-            add_words(tables, text_table_cell(rows, row, "tables"));
-    return code;
+    for (int row = 0; row < part->rows->row_count; row++)
+        if (is_of_figure(part->rows, row, figure))
+            add_words(tables, text_table_cell(part->rows, row, "tables"));
 }
 
 /* Frames of a film, which is a sheet with one for each row of its table; 0: the figure is none. */
-static int film_frames(const struct report *report, const struct report_part *part,
-                       const char *figure) {
+static int film_frames(const struct page_part *part, const char *figure) {
     struct text_table table;
     char path[PATH_SIZE], none[REASON_SIZE];
     if (strcmp(figure, "film") != 0 ||
-        path_format(path, "%s/%s/film.tsv", report->root, part->experiment->name) ||
+        path_format(path, "%s/%s/film.tsv", part->report->root, part->name) ||
         text_table_read(&table, path, none))
         return 0;
     const int frames = table.row_count;
@@ -292,30 +254,27 @@ static int film_frames(const struct report *report, const struct report_part *pa
 
 /* A picture under what it shows, the row `title`, with what else is stated of it and what it is
  * drawn from. Returns 0, or -1 with a reason. */
-static int write_figure(FILE *stream, const struct report *report, const struct report_part *part,
-                        const char *path, const struct text_table *rows, int title, char *reason) {
+static int write_figure(const struct page_part *part, const char *path, int title) {
+    FILE *stream = part->stream;
     char figure[128], prefix[256], label[2048], tables[512], *at = tables;
-    const char *name = part->experiment->name;
     stem_of(path, figure);
-    if (read_label(rows, path, label, reason))
+    if (read_label(part, path, label))
         return -1;
-    if (find_tables(report, part, rows, figure, tables))
-        return fail_with(reason, "out of memory");
-    snprintf(prefix, sizeof prefix, "%s-%s-", name, figure);
-    fprintf(stream, "<figure id=\"%s-%s\">\n<p class=\"claim\">", name, figure);
-    html_title(stream, rows, title);
-    fprintf(stream, " <a class=\"here\" href=\"#%s-%s\">#</a></p>\n", name, figure);
-    const int is_png = strcmp(path + strlen(path) - 4, ".png") == 0,
-              frames = is_png ? film_frames(report, part, figure) : 0;
-    if (frames > 0 ? html_film(stream, path, frames, label, reason)
-        : is_png   ? html_png(stream, path, label, reason)
-                   : html_svg(stream, path, prefix, label, reason))
+    find_tables(part, figure, tables);
+    snprintf(prefix, sizeof prefix, "%s-%s-", part->name, figure);
+    fprintf(stream, "<figure id=\"%s-%s\">\n<p class=\"claim\">", part->name, figure);
+    html_title(stream, part->rows, title);
+    fprintf(stream, " <a class=\"here\" href=\"#%s-%s\">#</a></p>\n", part->name, figure);
+    const int is_png = ends_with(path, ".png"), frames = is_png ? film_frames(part, figure) : 0;
+    if (frames > 0 ? html_film(stream, path, frames, label, part->reason)
+        : is_png   ? html_png(stream, path, label, part->reason)
+                   : html_svg(stream, path, prefix, label, part->reason))
         return -1;
     fputs("<figcaption>\n", stream);
-    write_statements(stream, report, part, rows, (struct chosen){figure, 0, title});
-    fprintf(stream, "<p class=\"small\">Figure %s/%s, from", name, figure);
+    write_statements(part, (struct chosen){figure, 0, title});
+    fprintf(stream, "<p class=\"small\">Figure %s/%s, from", part->name, figure);
     for (char *table; at && *at && (table = strsep(&at, " ")) != NULL;)
-        fprintf(stream, " <a href=\"%s/%s.tsv\">%s.tsv</a>", name, table, table);
+        fprintf(stream, " <a href=\"%s/%s.tsv\">%s.tsv</a>", part->name, table, table);
     fputs("</p></figcaption></figure>\n", stream);
     return 0;
 }
@@ -323,9 +282,8 @@ static int write_figure(FILE *stream, const struct report *report, const struct 
 /* Whether a .png is only the same as an .svg that is there. */
 static int has_twin(const char *path) {
     char twin[PATH_SIZE];
-    const int stem = (int)strlen(path) - 4;
-    return strcmp(path + stem, ".png") == 0 && path_format(twin, "%.*s.svg", stem, path) == 0 &&
-           file_exists(twin);
+    return ends_with(path, ".png") &&
+           path_format(twin, "%.*s.svg", (int)strlen(path) - 4, path) == 0 && file_exists(twin);
 }
 
 /* Whether a figure is only linked: what diagnoses a run is for who doubts it. */
@@ -333,40 +291,38 @@ static int is_linked(const char *figure) {
     return strncmp(figure, "diagnostics", strlen("diagnostics")) == 0;
 }
 
-static int write_link(FILE *stream, const struct report_part *part, const char *path,
-                      const struct text_table *rows, char *reason) {
+static int write_link(const struct page_part *part, const char *path) {
     char figure[128], label[2048];
     stem_of(path, figure);
-    if (read_label(rows, path, label, reason))
+    if (read_label(part, path, label))
         return -1;
-    fprintf(stream, "<p class=\"small\"><a href=\"%s/%s%s\">%s</a>: ", part->experiment->name,
-            figure, strrchr(path, '.'), figure);
-    html_text(stream, label);
-    fputs("</p>\n", stream);
+    fprintf(part->stream, "<p class=\"small\"><a href=\"%s/%s%s\">%s</a>: ", part->name, figure,
+            strrchr(path, '.'), figure);
+    html_text(part->stream, label);
+    fputs("</p>\n", part->stream);
     return 0;
 }
 
 /* All figures of a kind but the one that is elsewhere on the page. */
-static int write_figures(FILE *stream, const struct report *report, const struct report_part *part,
-                         const char *kind, const struct text_table *rows, const char *elsewhere,
-                         int *figures, char *reason) {
+static int write_figures(const struct page_part *part, const char *kind, const char *elsewhere,
+                         int *figures) {
     glob_t found;
-    int code = find_files(report, part, kind, &found);
+    int code = 0;
+    page_files(part, kind, &found);
     for (size_t i = 0; i < found.gl_pathc && !code; i++) {
-        const char *path = found.gl_pathv[i];
-        char figure[128];
-        if (!is_of_report(part, path) || has_twin(path))
+        char figure[128], path[PATH_SIZE];
+        stem_of(found.gl_pathv[i], figure);
+        if (!page_file(part, figure, kind, path) || has_twin(path))
             continue;
         ++*figures;
-        stem_of(path, figure);
         if (elsewhere && strcmp(figure, elsewhere) == 0)
-            fprintf(stream, "<p class=\"small\"><a href=\"#%s-%s\">%s</a> is shown above.</p>\n",
-                    part->experiment->name, figure, figure);
+            fprintf(part->stream,
+                    "<p class=\"small\"><a href=\"#%s-%s\">%s</a> is shown above.</p>\n",
+                    part->name, figure, figure);
         else if (is_linked(figure))
-            code = write_link(stream, part, path, rows, reason);
+            code = write_link(part, path);
         else
-            code = write_figure(stream, report, part, path, rows, title_of(part, rows, figure),
-                                reason);
+            code = write_figure(part, path, title_of(part, figure));
     }
     globfree(&found);
     return code;
@@ -374,115 +330,75 @@ static int write_figures(FILE *stream, const struct report *report, const struct
 
 /* --- a part --- */
 
-static int read_statements(const struct report *report, const struct report_part *part,
-                           struct text_table *rows, char *reason) {
-    char folder[PATH_SIZE];
-    return path_format(folder, "%s/%s", report->root, part->experiment->name) ||
-                   statements_read(rows, folder, reason)
-               ? -1
-               : 0;
-}
-
-static void write_summary(FILE *stream, const struct report_part *part,
-                          const struct text_table *rows) {
+static void write_summary(const struct page_part *part) {
     char title[256];
-    experiment_title(part->experiment, title);
-    fprintf(stream, "<summary><b>%s</b>: ", part->experiment->name);
-    html_text(stream, title);
-    const int row = headline_of(part->experiment, rows);
-    if (row >= 0 && !html_is_claim(rows, row)) { /* claims are in their chapter's table */
-        fputs("<span class=\"headline\">", stream);
-        html_sentence(stream, rows, row);
-        fputs("</span>", stream);
+    experiment_title(part->part->experiment, title);
+    fprintf(part->stream, "<summary><b>%s</b>: ", part->name);
+    html_text(part->stream, title);
+    const int row = headline_of(part);
+    if (row >= 0 && !html_is_claim(part->rows, row)) { /* claims are in their chapter's table */
+        fputs("<span class=\"headline\">", part->stream);
+        html_sentence(part->stream, part->rows, row);
+        fputs("</span>", part->stream);
     }
-    fputs("</summary>\n", stream);
+    fputs("</summary>\n", part->stream);
 }
 
-int part_write(FILE *stream, const struct report *report, const struct report_part *part,
-               const char *elsewhere, char *reason) {
-    struct text_table rows;
+int part_write(const struct page_part *part, const char *elsewhere) {
     int figures = 0;
-    if (read_statements(report, part, &rows, reason))
-        return -1;
-    fprintf(stream, "<details class=\"part\" id=\"%s\">", part->experiment->name);
-    write_summary(stream, part, &rows);
-    if (part->note[0]) {
-        fputs("<p class=\"small\">", stream);
-        html_print(stream, "It is %s.", part->note);
-        fputs("</p>\n", stream);
+    fprintf(part->stream, "<details class=\"part\" id=\"%s\">", part->name);
+    write_summary(part);
+    if (part->part->note[0]) {
+        fputs("<p class=\"small\">", part->stream);
+        html_print(part->stream, "It is %s.", part->part->note);
+        fputs("</p>\n", part->stream);
     }
-    write_statements(stream, report, part, &rows, (struct chosen){.but = -1});
-    int code = write_figures(stream, report, part, "png", &rows, elsewhere, &figures, reason);
+    write_statements(part, (struct chosen){.but = -1});
+    int code = write_figures(part, "png", elsewhere, &figures);
     if (!code)
-        code = write_figures(stream, report, part, "svg", &rows, elsewhere, &figures, reason);
-    text_table_free(&rows);
+        code = write_figures(part, "svg", elsewhere, &figures);
     if (!code && !figures)
-        return fail_with(reason, "%.150s/%.80s: no figure is there", report->root,
-                         part->experiment->name);
+        return fail_with(part->reason, "%.150s/%.80s: no figure is there", part->report->root,
+                         part->name);
     if (!code)
-        code = write_tables(stream, report, part, reason);
-    fputs("</details>\n", stream);
+        code = write_tables(part);
+    fputs("</details>\n", part->stream);
     return code;
 }
 
-int part_write_lead(FILE *stream, const struct report *report, const struct report_part *part,
-                    const char *figure, char *reason) {
-    static const char *const kinds[] = {"svg", "png"};
-    struct text_table rows;
+int part_write_lead(const struct page_part *part, const char *figure) {
     char path[PATH_SIZE];
-    int code = read_statements(report, part, &rows, reason), there = 0;
-    if (code)
-        return -1;
-    for (int k = 0; k < 2 && !there; k++)
-        there = path_format(path, "%s/%s/%s.%s", report->root, part->experiment->name, figure,
-                            kinds[k]) == 0 &&
-                is_of_report(part, path);
-    if (there)
-        code = write_figure(stream, report, part, path, &rows, lead_title_of(part, &rows, figure),
-                            reason);
-    text_table_free(&rows);
-    return code ? -1 : there;
+    return find_figure(part, figure, path) ? write_figure(part, path, lead_title_of(part, figure))
+                                           : 0;
 }
 
-int part_write_headline(FILE *stream, const struct report *report, const struct report_part *part,
-                        char *reason) {
-    struct text_table rows;
-    if (read_statements(report, part, &rows, reason))
-        return -1;
-    if (rows.row_count == 0) {
-        text_table_free(&rows);
-        return 0;
-    }
-    fputs("<li>", stream);
-    html_sentence(stream, &rows, headline_of(part->experiment, &rows));
-    fprintf(stream, " <a href=\"#%s\">%s</a></li>\n", part->experiment->name,
-            part->experiment->name);
-    text_table_free(&rows);
-    return 0;
+void part_write_headline(const struct page_part *part) {
+    const int row = headline_of(part);
+    if (row < 0)
+        return;
+    fputs("<li>", part->stream);
+    html_sentence(part->stream, part->rows, row);
+    fprintf(part->stream, " <a href=\"#%s\">%s</a></li>\n", part->name, part->name);
 }
 
 /* The claim that stands for all of an experiment: of the thesis, and none that answers a question
  * of the report, which has them all. -1: there is none. */
-static int telling_claim(const struct experiment *experiment, const struct text_table *rows) {
-    const int headline = headline_of(experiment, rows);
+static int telling_claim(const struct page_part *part) {
+    const int headline = headline_of(part);
     int told = -1;
-    for (int row = rows->row_count - 1; row >= 0; row--)
-        if (html_is_claim(rows, row) && told != headline &&
-            strcmp(text_table_cell(rows, row, "question"), question_word(ANSWERS_NONE)) == 0)
+    for (int row = part->rows->row_count - 1; row >= 0; row--)
+        if (html_is_claim(part->rows, row) && told != headline &&
+            strcmp(text_table_cell(part->rows, row, "question"), question_word(ANSWERS_NONE)) == 0)
             told = row;
     return told;
 }
 
-int part_write_claim(FILE *stream, const struct report *report, const struct report_part *part,
-                     int first, char *reason) {
-    struct text_table rows;
-    if (read_statements(report, part, &rows, reason))
-        return -1;
-    const int row = telling_claim(part->experiment, &rows);
-    if (row >= 0 && first)
-        html_claims_begin(stream);
-    if (row >= 0)
-        html_claim(stream, &rows, row, part->experiment->name);
-    text_table_free(&rows);
-    return row >= 0;
+int part_write_claim(const struct page_part *part, int first) {
+    const int row = telling_claim(part);
+    if (row < 0)
+        return 0;
+    if (first)
+        html_claims_begin(part->stream);
+    html_claim(part->stream, part->rows, row, part->name);
+    return 1;
 }

@@ -10,7 +10,6 @@
 #include "run/program.h"
 
 #include <errno.h>
-#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
@@ -48,11 +47,9 @@ static const char style[] =
     ".verdict{font-size:.8rem;border:1px solid #767676;border-radius:.3rem;padding:0 .3rem;"
     "white-space:nowrap}.fails{background:#fbe3d6}\n"
     "@media (max-width:48rem){.first{display:block}.claims "
-    "td:last-child{width:auto}.wide:has(svg,img)::before{content:\"scroll "
-    "sideways "
+    "td:last-child{width:auto}.wide:has(svg,img)::before{content:\"scroll sideways "
     "\\2194\";display:block;position:sticky;left:0;font-size:.75rem;color:#555}"
-    ".wide svg,.wide img{max-width:none;"
-    "min-width:var(--legible,0)}}\n"
+    ".wide svg,.wide img{max-width:none;min-width:var(--legible,0)}}\n"
     "@media print{html{font-size:9.5pt}body{max-width:none;font-size:1rem;padding:0}"
     "nav,.here{display:none}.first{display:grid}"
     "h2,h3,summary{break-after:avoid}figure,tr{break-inside:avoid}thead{display:table-header-group}"
@@ -84,17 +81,14 @@ static void write_head(FILE *stream) {
 }
 
 /* Answers of three chapters in a sentence each; that of the first is the chart's title. */
-static int write_first_answers(FILE *stream, const struct report *report, char *reason) {
+static void write_first_answers(const struct page *page) {
     static const char *const first[] = {"stability", "needs", "wind"};
-    int code = 0;
-    fputs("<ol class=\"answers\">\n", stream);
-    for (size_t i = 0; i < sizeof first / sizeof *first && !code; i++) {
-        const struct report_part *part = report_part_of(report, first[i]);
-        if (part)
-            code = part_write_headline(stream, report, part, reason);
-    }
-    fputs("</ol>\n", stream);
-    return code;
+    struct page_part part;
+    fputs("<ol class=\"answers\">\n", page->stream);
+    for (size_t i = 0; i < sizeof first / sizeof *first; i++)
+        if (page_find(page, first[i], &part))
+            part_write_headline(&part);
+    fputs("</ol>\n", page->stream);
 }
 
 static void write_left_out(FILE *stream, const struct report *report) {
@@ -120,13 +114,13 @@ static void write_contents(FILE *stream) {
     fputs(" · <a href=\"#methods\">Methods</a> · <a href=\"#machine\">Machine</a></nav>\n", stream);
 }
 
-static void write_row(FILE *stream, const char *const *cells, int count, const char *kind) {
+/* Two cells of a row, or three; `kind` is th or td. */
+static void write_row(FILE *stream, const char *kind, const char *a, const char *b, const char *c) {
     fputs("<tr>", stream);
-    for (int i = 0; i < count; i++) {
-        fprintf(stream, "<%s>", kind);
-        html_text(stream, cells[i]);
-        fprintf(stream, "</%s>", kind);
-    }
+    html_element(stream, kind, a, "");
+    html_element(stream, kind, b, "");
+    if (c)
+        html_element(stream, kind, c, "");
     fputs("</tr>\n", stream);
 }
 
@@ -135,35 +129,25 @@ static void write_methods(FILE *stream) {
     fputs(
         "<section id=\"methods\"><h2>Methods</h2>\n"
         "<p>Every stepper runs on the same forces. Errors are distances from a reference solution "
-        "of "
-        "the same problem with the same treatment, which a second method confirms; the first line "
-        "of each table says of what. CPU times are of runs that are alone on the machine; a run "
-        "is a process with limits on time and memory, and one that fails is a result.</p>\n"
+        "of the same problem with the same treatment, which a second method confirms; the first "
+        "line of each table says of what. CPU times are of runs that are alone on the machine; a "
+        "run is a process with limits on time and memory, and one that fails is a result.</p>\n"
         "<div class=\"wide\"><table><thead>",
         stream);
-    write_row(stream, (const char *const[]){"name", "what it is", "reference"}, 3, "th");
+    write_row(stream, "th", "name", "what it is", "reference");
     fputs("</thead><tbody>\n", stream);
     for (int i = 0; stepper_methods[i]; i++) {
         const struct stepper_method *m = stepper_methods[i];
-        write_row(stream, (const char *const[]){m->name, m->summary, m->reference}, 3, "td");
+        write_row(stream, "td", m->name, m->summary, m->reference);
     }
     for (int i = 0; linear_methods[i]; i++)
-        write_row(stream,
-                  (const char *const[]){linear_methods[i]->name, linear_methods[i]->summary,
-                                        linear_methods[i]->reference},
-                  3, "td");
+        write_row(stream, "td", linear_methods[i]->name, linear_methods[i]->summary,
+                  linear_methods[i]->reference);
     for (int p = 0; problems[p]; p++)
         for (int i = 0; problems[p]->treatments[i].name; i++)
-            write_row(stream,
-                      (const char *const[]){problems[p]->treatments[i].name,
-                                            problems[p]->treatments[i].summary, problems[p]->name},
-                      3, "td");
+            write_row(stream, "td", problems[p]->treatments[i].name,
+                      problems[p]->treatments[i].summary, problems[p]->name);
     fputs("</tbody></table></div></section>\n", stream);
-}
-
-/* Two cells of a row: what it is, and a text. */
-static void write_fact(FILE *stream, const char *what, const char *text) {
-    write_row(stream, (const char *const[]){what, text}, 2, "td");
 }
 
 /* Members of an object under other names; which goes with it. */
@@ -172,7 +156,8 @@ static void write_facts(FILE *stream, json_t *object, const char *const names[][
         const json_t *value = json_object_get(object, names[i][0]);
         char number[32];
         snprintf(number, sizeof number, "%g", json_number_value(value));
-        write_fact(stream, names[i][1], json_is_string(value) ? json_string_value(value) : number);
+        write_row(stream, "td", names[i][1],
+                  json_is_string(value) ? json_string_value(value) : number, NULL);
     }
     json_decref(object);
 }
@@ -219,31 +204,42 @@ static void write_machine(FILE *stream, const struct report *report) {
                                          {"flags", "its flags"},
                                          {"libraries", "libraries"},
                                          {NULL, NULL}});
-    write_fact(stream, "figures drawn by", version);
-    write_fact(stream, "command", report->command ? report->command : "unknown");
-    write_fact(stream, "date", date);
-    write_fact(stream, "timed runs", "each alone: no other run of the program at the same time");
+    write_row(stream, "td", "figures drawn by", version, NULL);
+    write_row(stream, "td", "command", report->command ? report->command : "unknown", NULL);
+    write_row(stream, "td", "date", date, NULL);
+    write_row(stream, "td", "timed runs",
+              "each alone: no other run of the program at the same time", NULL);
     fputs("</tbody></table></div></section>\n", stream);
 }
 
+/* Returns as report_write. */
+static int write_page(const struct page *page) {
+    write_head(page->stream);
+    int code = chapters_write_front(page);
+    write_first_answers(page);
+    write_left_out(page->stream, page->report);
+    write_contents(page->stream);
+    if (!code)
+        code = chapters_write(page);
+    write_methods(page->stream);
+    write_machine(page->stream, page->report);
+    fputs("</body>\n</html>\n", page->stream);
+    return code;
+}
+
 int report_write(const struct report *report, char *reason) {
+    struct page page = {.report = report, .reason = reason};
     char path[PATH_SIZE];
     struct atomic_file file;
     if (path_format(path, "%s/report.html", report->root))
         return fail_with(reason, "the path of the report is too long");
     if (make_folder(report->root, reason) || atomic_open(&file, path, reason))
         return -1;
-    write_head(file.stream);
-    int code = chapters_write_front(file.stream, report, reason);
+    page.stream = file.stream;
+    int code = page_read_statements(&page);
     if (!code)
-        code = write_first_answers(file.stream, report, reason);
-    write_left_out(file.stream, report);
-    write_contents(file.stream);
-    if (!code)
-        code = chapters_write(file.stream, report, reason);
-    write_methods(file.stream);
-    write_machine(file.stream, report);
-    fputs("</body>\n</html>\n", file.stream);
+        code = write_page(&page);
+    page_free(&page);
     if (!code)
         return atomic_commit(&file, reason);
     atomic_discard(&file);

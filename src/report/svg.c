@@ -11,24 +11,22 @@ static int begins(const char *at, const char *with) {
 
 /* --- what a page does without --- */
 
-/* The end of an element that begins at `at`, where it is the drawing program's own name for a part
- * of the picture, which would show as a tip; or NULL. */
-static const char *skip_names(const char *at) {
-    static const char *const names[][2] = {{"<title>", "</title>"}, {"<desc>", "</desc>"}};
-    for (int i = 0; i < 2; i++) {
-        const char *end = begins(at, names[i][0]) ? strstr(at, names[i][1]) : NULL;
-        if (end)
-            return end + strlen(names[i][1]);
-    }
-    return NULL;
+/* The end of an element, where one that begins so is at `at`, or NULL. */
+static const char *skip(const char *at, const char *opens, const char *closes) {
+    const char *end = begins(at, opens) ? strstr(at, closes) : NULL;
+    return end ? end + strlen(closes) : NULL;
 }
 
-/* The end of a filter, where it begins at `at`, or NULL. Every picture has two, and hardly one uses
- * them. */
+/* The same of the drawing program's own name for a part of the picture, which would show as a tip.
+ */
+static const char *skip_names(const char *at) {
+    const char *end = skip(at, "<title>", "</title>");
+    return end ? end : skip(at, "<desc>", "</desc>");
+}
+
+/* Every picture has two filters, and hardly one uses them. */
 static const char *skip_filter(const char *at) {
-    static const char closes[] = "</filter>";
-    const char *end = begins(at, "<filter ") ? strstr(at, closes) : NULL;
-    return end ? end + strlen(closes) : NULL;
+    return skip(at, "<filter ", "</filter>");
 }
 
 /* The end of a group without content, or NULL. */

@@ -20,11 +20,6 @@ struct round {
     size_t length[ROUND_TASKS];
 };
 
-/* No number has more letters than DIGITS_SIZE, which is also what it needs of room. */
-static size_t task_size(const struct model *model) {
-    return (size_t)TASK_ROWS * (size_t)(model->column_count + 2) * DIGITS_SIZE;
-}
-
 static char *put_row(const struct round *round, int i, char *text) {
     const int columns = round->model->column_count;
     const double *row = round->rows + (size_t)i * (size_t)columns;
@@ -59,7 +54,11 @@ static int make_room(struct frame_text *text, size_t size) {
 
 int frame_text_write(struct frame_text *text, FILE *stream, const struct model *model, double t,
                      const double *rows) {
-    struct round round = {.model = model, .rows = rows, .place = task_size(model)};
+    /* No number has more letters than DIGITS_SIZE, which is also what it needs of room. */
+    struct round round = {.model = model,
+                          .rows = rows,
+                          .place =
+                              (size_t)TASK_ROWS * (size_t)(model->column_count + 2) * DIGITS_SIZE};
     if (make_room(text, ROUND_TASKS * round.place))
         return -1;
     round.room = text->room;

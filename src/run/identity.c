@@ -14,33 +14,34 @@ json_t *build_to_json(void) {
                      "libraries", WISPLAB_LIBRARIES, "program_hash", program_hash());
 }
 
-/* The processor's name as the kernel gives it. */
-static void processor_name(char *name, size_t size) {
-    char line[256];
-    FILE *file = fopen("/proc/cpuinfo", "r");
-    snprintf(name, size, "unknown");
-    while (file && fgets(line, sizeof line, file)) {
-        const char *colon = strchr(line, ':');
-        if (strncmp(line, "model name", 10) != 0 || !colon)
-            continue;
-        snprintf(name, size, "%.*s", (int)strcspn(colon + 2, "\n"), colon + 2);
-        break;
-    }
+/* The first line of a file that begins with a word, or an empty one. */
+static void find_line(const char *path, const char *word, char line[256]) {
+    FILE *file = fopen(path, "r");
+    int found = 0;
+    while (file && !found && fgets(line, 256, file))
+        found = strncmp(line, word, strlen(word)) == 0;
+    if (!found)
+        line[0] = '\0';
     if (file)
         fclose(file);
 }
 
-/* The first number of a file behind a word at the start of its line, or 0. */
+/* The processor's name as the kernel gives it. */
+static void processor_name(char *name, size_t size) {
+    char line[256];
+    find_line("/proc/cpuinfo", "model name", line);
+    const char *colon = strchr(line, ':');
+    if (colon)
+        snprintf(name, size, "%.*s", (int)strcspn(colon + 2, "\n"), colon + 2);
+    else
+        snprintf(name, size, "unknown");
+}
+
+/* The first number of such a line, or 0. */
 static double number_in(const char *path, const char *word) {
     char line[256];
-    double number = 0;
-    FILE *file = fopen(path, "r");
-    while (file && number == 0 && fgets(line, sizeof line, file))
-        if (strncmp(line, word, strlen(word)) == 0)
-            number = strtod(line + strcspn(line, "0123456789"), NULL);
-    if (file)
-        fclose(file);
-    return number;
+    find_line(path, word, line);
+    return strtod(line + strcspn(line, "0123456789"), NULL);
 }
 
 /* The clock that the processor was made for, MHz: where the kernel sets clocks, its highest, so

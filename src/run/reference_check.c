@@ -57,6 +57,10 @@ static int compare_frame(void *ctx, const struct model *model, double t, const d
     return 0;
 }
 
+static json_t *no_bound(const char *method, const char *reason) {
+    return json_pack("{s:s, s:n, s:s}", "stepper", method, "bound", "reason", reason);
+}
+
 json_t *cross_check(const struct scene *scene, const struct settings *settings,
                     const struct kept_frames *kept, const struct watch *watch) {
     struct settings second;
@@ -66,19 +70,18 @@ json_t *cross_check(const struct scene *scene, const struct settings *settings,
     const char *method = settings->method->checked_by->method;
 
     if (settings_cross_check(scene, settings, &second, reason))
-        return json_pack("{s:s, s:n, s:s}", "stepper", method, "bound", "reason", reason);
+        return no_bound(method, reason);
     const struct watch stop_only = {.stop = watch ? watch->stop : NULL};
     simulate(scene, &second, &(struct observer){compare_frame, &comparison}, &stop_only, &result);
     if (result.outcome != FINISHED)
-        return json_pack("{s:s, s:n, s:s}", "stepper", method, "bound", "reason",
-                         outcome_name(result.outcome));
+        return no_bound(method, outcome_name(result.outcome));
     if (!isnan(comparison.history_diverged)) {
         snprintf(
             reason, sizeof reason,
             "wisps split at other ticks: at %.6g s their numbers differ; up to then the largest "
             "difference is %.3g m",
             comparison.history_diverged, comparison.difference);
-        return json_pack("{s:s, s:n, s:s}", "stepper", method, "bound", "reason", reason);
+        return no_bound(method, reason);
     }
     return json_pack("{s:o, s:f}", "settings", settings_to_json(scene, &second), "bound",
                      comparison.difference);

@@ -22,10 +22,6 @@ static int has_all_frames(const struct run_files *run) {
     return states->table.row_count - last >= before;
 }
 
-static int states_fail(const char *path, const char *what, char *reason) {
-    return fail_with(reason, "%.150s: %s", path, what);
-}
-
 int run_read(struct run_files *run, const char *folder, char *reason) {
     char path[PATH_SIZE];
     json_error_t error;
@@ -39,7 +35,7 @@ int run_read(struct run_files *run, const char *folder, char *reason) {
     if (run->outcome != OUTCOME_COUNT)
         return 0;
     run_free(run);
-    return states_fail(path, "unknown status", reason);
+    return fail_at(reason, path, 0, "unknown status");
 }
 
 /* A run that died early has no frames. */
@@ -51,9 +47,9 @@ static int read_states(struct run_files *run, const char *path, char *reason) {
         return -1;
     run->states = states;
     if (states->table.column_count < STATE_SAMPLES)
-        return states_fail(path, "has not the columns of states", reason);
+        return fail_at(reason, path, 0, "has not the columns of states");
     if (run->outcome == FINISHED && !has_all_frames(run))
-        return states_fail(path, "has not all frames of a run that finished", reason);
+        return fail_at(reason, path, 0, "has not all frames of a run that finished");
     return 0;
 }
 
@@ -71,7 +67,7 @@ int run_read_states(struct run_files *run, const char *folder, struct trajectori
     run->owner = owner;
     trajectory_path(folder, path);
     if (run_left_no_states(run->json))
-        states_fail(folder, LEFT_NO_STATES, reason);
+        fail_at(reason, folder, 0, LEFT_NO_STATES);
     else if (read_states(run, path, reason) == 0)
         return 0;
     run_free(run);

@@ -1,6 +1,7 @@
 #include "runs.h"
 
 #include "base/complain.h"
+#include "base/memory.h"
 #include "base/progress.h"
 #include "child.h"
 #include "host.h"
@@ -348,18 +349,13 @@ static int run_kind(const struct run_case *cases, int count, int timed,
                         .jobs = timed ? 1 : jobs,
                         .progress = progress,
                         .pause = shortest_look};
-    pool.tasks = calloc((size_t)count + 1, sizeof *pool.tasks);
-    pool.slots = calloc((size_t)pool.jobs, sizeof *pool.slots);
-    int code = -OUT_OF_MEMORY;
-    if (pool.tasks && pool.slots) {
-        for (int i = 0; i < count; i++)
-            if ((cases[i].settings.timings > 0) == timed)
-                pool.tasks[pool.count++].run = &cases[i];
-        code = run_pool(&pool, *total_done, count, reason);
-        *total_done += pool.settled;
-    } else {
-        snprintf(reason, REASON_SIZE, "out of memory");
-    }
+    pool.tasks = memory_needed(calloc((size_t)count + 1, sizeof *pool.tasks));
+    pool.slots = memory_needed(calloc((size_t)pool.jobs, sizeof *pool.slots));
+    for (int i = 0; i < count; i++)
+        if ((cases[i].settings.timings > 0) == timed)
+            pool.tasks[pool.count++].run = &cases[i];
+    const int code = run_pool(&pool, *total_done, count, reason);
+    *total_done += pool.settled;
     free(pool.tasks);
     free(pool.slots);
     return code ? code : pool.ran;

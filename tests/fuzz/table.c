@@ -39,7 +39,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     }
     if (text_table_check(&texts, path, reason))
         fuzz_refusal(reason);
-    text_table_find(&texts, "rk4", "free");
     for (int row = 0; row < texts.row_count; row++)
         text_table_number(&texts, row, "error");
     show(&texts);
