@@ -160,9 +160,9 @@ static double predicted_radius(const struct configuration *configuration, double
 enum { WORK, SLOPES, RADIUS, TABLES };
 static const struct table_form tables[TABLES] = {
     [WORK] = {"work-precision",
-              "largest position error at the 9 frames of 160 s, m, against force evaluations "
-              "and CPU time, s, of 9 repeated runs; setting: step, s, or rtol = atol; nan: "
-              "there is no number, see status",
+              "largest position error at the 9 frames of 160 s, m, against force evaluations and "
+              "CPU time, s, of 9 repeated runs; setting: step, s, or rtol = atol; nan: there is no "
+              "number, see status",
               COLUMNS(WORK_COLUMNS)},
     [SLOPES] = {"work-precision-slopes",
                 "slopes of log error over log evaluations, between 1e-10 and 0.05 m, " SLOPE_RULE,

@@ -108,11 +108,10 @@ static int write_orbits(struct plan *plan, const char *folder) {
     for (int e = 0; e < 2; e++) {
         struct atomic_file file;
         const char *group = e ? "160 s" : "30 s";
-        if (open_table(
-                &file, folder, e ? "orbits-160s" : "orbits-30s",
-                "trajectories, one block for each panel: s, m; error: distance from the exact "
-                "position, m; force_evaluations: of the whole run",
-                circle_table_scene(plan), COLUMNS(ORBIT_COLUMNS), plan->reason))
+        if (open_table(&file, folder, e ? "orbits-160s" : "orbits-30s",
+                       "trajectories, one block for each panel: s, m; error: distance from the "
+                       "exact position, m; force_evaluations: of the whole run",
+                       circle_table_scene(plan), COLUMNS(ORBIT_COLUMNS), plan->reason))
             return -1;
         if (each_panel(plan, group, file.stream, orbit_rows)) {
             atomic_discard(&file);
@@ -235,16 +234,15 @@ static void state_euler(struct statements *statements, const struct panel_errors
                 "Explicit Euler leaves the circle of %.1f m very fast: after 160 s it is %.3g m "
                 "from the centre.",
                 CIRCLE_RADIUS, e[EULER].radius);
-    state_claim(
-        statements, e,
-        (struct claim){.key = "explicit Euler, shorter steps",
-                       .panel = FINE,
-                       .other = EULER,
-                       .shown = e[FINE].error[1] < e[EULER].error[1] / shorter,
-                       .value = e[FINE].error[1]},
-        "Explicit Euler's error gets as small as its step: with steps %.0f times as short it "
-        "is %.3g m off after 160 s, and not %.3g m.",
-        shorter, e[FINE].error[1], e[EULER].error[1]);
+    state_claim(statements, e,
+                (struct claim){.key = "explicit Euler, shorter steps",
+                               .panel = FINE,
+                               .other = EULER,
+                               .shown = e[FINE].error[1] < e[EULER].error[1] / shorter,
+                               .value = e[FINE].error[1]},
+                "Explicit Euler's error gets as small as its step: with steps %.0f times as short "
+                "it is %.3g m off after 160 s, and not %.3g m.",
+                shorter, e[FINE].error[1], e[EULER].error[1]);
     state_claim(statements, e,
                 (struct claim){.panel = FINE,
                                .other = RK4,
@@ -288,26 +286,26 @@ static void state_higher_orders(struct statements *statements, const struct pane
                 "Runge-Kutta 4 strays but little from the circle: after 160 s it is %.3g m off it.",
                 off);
     /* "pas du tout": farther off than what the thesis calls a visible gap in another panel */
-    state_claim(statements, e,
-                (struct claim){.key = "Runge-Kutta 4, not at all",
-                               .panel = RK4,
-                               .other = PROJECTED,
-                               .shown = e[RK4].error[1] >= e[PROJECTED].error[1],
-                               .value = e[RK4].error[1]},
-                "Runge-Kutta 4 is not at all where the particle should be: after 160 s it is %.3g "
-                "m off, and explicit Euler with projection, whose gap the thesis calls visible, "
-                "%.3g m.",
-                e[RK4].error[1], e[PROJECTED].error[1]);
-    state_claim(statements, e,
-                (struct claim){.key = "Runge-Kutta 4, speed",
-                               .panel = RK4,
-                               .other = RK4,
-                               .shown = behind > 0.01,
-                               .value = behind,
-                               .unit = "rad"},
-                "Runge-Kutta 4 goes round at another speed: in 160 s it is %.2g rad of %.3g off, "
-                "%.2g %%.",
-                behind, 160 * CIRCLE_RATE, 100 * behind / (160 * CIRCLE_RATE));
+    state_claim(
+        statements, e,
+        (struct claim){.key = "Runge-Kutta 4, not at all",
+                       .panel = RK4,
+                       .other = PROJECTED,
+                       .shown = e[RK4].error[1] >= e[PROJECTED].error[1],
+                       .value = e[RK4].error[1]},
+        "Runge-Kutta 4 is not at all where the particle should be: after 160 s it is %.3g m off, "
+        "and explicit Euler with projection, whose gap the thesis calls visible, %.3g m.",
+        e[RK4].error[1], e[PROJECTED].error[1]);
+    state_claim(
+        statements, e,
+        (struct claim){.key = "Runge-Kutta 4, speed",
+                       .panel = RK4,
+                       .other = RK4,
+                       .shown = behind > 0.01,
+                       .value = behind,
+                       .unit = "rad"},
+        "Runge-Kutta 4 goes round at another speed: in 160 s it is %.2g rad of %.3g off, %.2g %%.",
+        behind, 160 * CIRCLE_RATE, 100 * behind / (160 * CIRCLE_RATE));
 }
 
 static void state_implicit(struct statements *statements, const struct panel_errors *e) {
@@ -318,8 +316,8 @@ static void state_implicit(struct statements *statements, const struct panel_err
                                .shown = e[IMPLICIT].error[0] < e[EULER].error[0] &&
                                         e[IMPLICIT].error[0] > 0.1 * e[EULER].error[0],
                                .value = e[IMPLICIT].error[0]},
-                "Implicit Euler is a little better than explicit Euler: it is %.3g m off after "
-                "30 s, explicit Euler %.3g m.",
+                "Implicit Euler is a little better than explicit Euler: it is %.3g m off after 30 "
+                "s, explicit Euler %.3g m.",
                 e[IMPLICIT].error[0], e[EULER].error[0]);
     state_claim(statements, e,
                 (struct claim){.key = "implicit Euler, far off",

@@ -291,8 +291,8 @@ static const struct table_form tables[TABLES] = {
      "or over all frames where there is none: their distance from the reference's, in the shape "
      "(rms over nodes and frames, m), energy (J), number of contacts; yardstick: the same between "
      "two halves of the reference's ensemble. Two independent ensembles of one distribution are "
-     "about 0.7 yardsticks apart; all ensembles have the same starts, and are nearer to each "
-     "other where these still matter; nan: no run failed, or none was left to tell",
+     "about 0.7 yardsticks apart; all ensembles have the same starts, and are nearer to each other "
+     "where these still matter; nan: no run failed, or none was left to tell",
      COLUMNS(ENSEMBLE_COLUMNS)},
 };
 

@@ -108,11 +108,10 @@ static int treatments_plan(struct plan *plan) {
                              "scene %s has no envelope, so there is no treatment to compare",
                              plan->subjects[i].scene->name);
         if (plan->subjects[i].scene->subdivision.limit > plan->subjects[i].scene->wisp_count)
-            return fail_with(
-                plan->reason,
-                "scene %s: its wisps split, at ticks that depend on the treatment, and are not "
-                "the same then; set subdivision.limit to %d in it",
-                plan->subjects[i].scene->name, plan->subjects[i].scene->wisp_count);
+            return fail_with(plan->reason,
+                             "scene %s: its wisps split, at ticks that depend on the treatment, "
+                             "and are not the same then; set subdivision.limit to %d in it",
+                             plan->subjects[i].scene->name, plan->subjects[i].scene->wisp_count);
         for (int v = 0; v < VARIANTS; v++)
             if (is_in(plan, v) && plan_variant(plan, &plan->subjects[i], v))
                 return -1;
@@ -167,12 +166,11 @@ static int read_reference(struct plan *plan, struct study *study) {
         variant->cost = run_cost(&variant->reference);
         if (variant->reference.outcome == FINISHED)
             continue;
-        snprintf(
-            plan->reason, REASON_SIZE,
-            "scene %s, %s: no reference solution to compare with: %s at t = %g s; try --fresh and "
-            "--time-limit",
-            study->subject->name, variant->name, outcome_name(variant->reference.outcome),
-            run_number(&variant->reference, "simulated_time"));
+        snprintf(plan->reason, REASON_SIZE,
+                 "scene %s, %s: no reference solution to compare with: %s at t = %g s; try --fresh "
+                 "and --time-limit",
+                 study->subject->name, variant->name, outcome_name(variant->reference.outcome),
+                 run_number(&variant->reference, "simulated_time"));
         return 1;
     }
     return 0;
@@ -354,15 +352,13 @@ static void state_study(struct statements *statements, const struct study *study
 
 static const char what[] =
     "distance of reference solutions from the exact constrained motion, m: end = rms over free "
-    "nodes "
-    "at the end, end_largest, end_all = rms over all nodes; rms and largest over all frames. "
+    "nodes at the end, end_largest, end_all = rms over all nodes; rms and largest over all frames. "
     "Exact: penalty at ratios 300, 1000, 3000, each state a polynomial of degree 2 in "
-    "1/sqrt(ratio), at 0; uncertainty = twice what ratio 100 and one more degree change in it "
-    "(rms at the end, m); reference_limited = within ten times that. Costs: of the reference "
-    "solution; of rk4 "
-    "at the longest stable step (error below a tenth, each node's over its wisp's length); and at "
-    "the longest whose error is a tenth of the distance; nan: of ratio, it is penalty's alone; of "
-    "others, no run is there to tell";
+    "1/sqrt(ratio), at 0; uncertainty = twice what ratio 100 and one more degree change in it (rms "
+    "at the end, m); reference_limited = within ten times that. Costs: of the reference solution; "
+    "of rk4 at the longest stable step (error below a tenth, each node's over its wisp's length); "
+    "and at the longest whose error is a tenth of the distance; nan: of ratio, it is penalty's "
+    "alone; of others, no run is there to tell";
 
 static int tabulate_subject(struct plan *plan, const struct subject *subject, const char *folder,
                             struct statements *statements) {

@@ -55,9 +55,8 @@ static int write_scenes(const struct tables *tables) {
     const int is_thesis = strcmp(tables->scene->name, thesis_scene) == 0;
     if (open_table(&file, tables->folder, "scenes",
                    "the whole scene without frames; setting: step, s, or rtol; real_time: "
-                   "simulated over wall time, median and "
-                   "quartiles over rounds; over_thesis: the thesis's 28474 s over this; nan: the "
-                   "scene is not the thesis's",
+                   "simulated over wall time, median and quartiles over rounds; over_thesis: the "
+                   "thesis's 28474 s over this; nan: the scene is not the thesis's",
                    tables->scene, COLUMNS(SCENE_COLUMNS), tables->reason))
         return -1;
     for (int i = 0; i < tables->choices->count; i++)
@@ -97,13 +96,13 @@ static void state_scene(const struct tables *tables, const struct choice *choice
     snprintf(key, sizeof key, "real time, %s", choice->subject);
     const struct statement row = {
         .key = key, .figure = "speed", .tables = "scenes", .value = two.median, .unit = "1"};
-    statements_add(tables->statements, row,
-                   "Within %g mm, %s in treatment %s at %s (error %.2g mm) runs %s %.3g times "
-                   "as fast as real time on one thread and %.3g times on two, a gain of %.3g (%.3g "
-                   "to %.3g).",
-                   1e3 * choice->target, choice->method, choice->treatment,
-                   setting_of(choice, setting), 1e3 * choice->error, tables->scene->name,
-                   one.median, two.median, gain.median, gain.lower, gain.upper);
+    statements_add(
+        tables->statements, row,
+        "Within %g mm, %s in treatment %s at %s (error %.2g mm) runs %s %.3g times as fast as real "
+        "time on one thread and %.3g times on two, a gain of %.3g (%.3g to %.3g).",
+        1e3 * choice->target, choice->method, choice->treatment, setting_of(choice, setting),
+        1e3 * choice->error, tables->scene->name, one.median, two.median, gain.median, gain.lower,
+        gain.upper);
 }
 
 static void state_thousand(const struct tables *tables, const struct choice *choice) {
@@ -141,8 +140,8 @@ static void state_targets(const struct tables *tables) {
                                       .value = ratio.median,
                                       .unit = "1"};
         statements_add(tables->statements, row,
-                       "Within %g mm the thesis's recipe at %s takes %.3g (%.3g to %.3g) times "
-                       "as long on %s as %s.",
+                       "Within %g mm the thesis's recipe at %s takes %.3g (%.3g to %.3g) times as "
+                       "long on %s as %s.",
                        1e3 * best->target, setting_of(recipe, setting), ratio.median, ratio.lower,
                        ratio.upper, tables->scene->name, best->method);
     }

@@ -161,8 +161,8 @@ static int doubtful(const struct samples *samples, const char *subject,
     if (!(roots < need->square_roots - 1e-9 || divisions < need->divisions - angle - 1e-9 ||
           others < 0.9 * (need->others - 45 * angle)))
         return 0;
-    printf("  %s: the program executes fewer operations than the floor is made of (%g, %g, %g; "
-           "%g, %g, %g)\n",
+    printf("  %s: the program executes fewer operations than the floor is made of (%g, %g, %g; %g, "
+           "%g, %g)\n",
            subject, roots, divisions, others, need->square_roots, need->divisions, need->others);
     return 1;
 }
@@ -175,8 +175,8 @@ static int write_operations(const struct tables *tables) {
     int doubts = 0;
     if (open_table(&file, tables->folder, "operations",
                    "operations per free node and wisp: what the model needs, and what the kernel "
-                   "executes with 4 lanes, 1 and 8 (of the first three kinds, results per lane; "
-                   "of the others, instructions; nan: not counted)",
+                   "executes with 4 lanes, 1 and 8 (of the first three kinds, results per lane; of "
+                   "the others, instructions; nan: not counted)",
                    tables->scene, COLUMNS(OPERATION_COLUMNS), tables->reason))
         return -1;
     for (int i = 0; i < count; i++) {
@@ -374,13 +374,12 @@ static void write_pair(FILE *stream, const struct samples *samples, const char *
 static int write_steppers(const struct tables *tables) {
     const struct samples *s = tables->samples;
     struct atomic_file file;
-    if (open_table(
-            &file, tables->folder, "steppers",
-            "ns per step and wisp, and their ratio round by round; seam: rk4 of the "
-            "registry against one by hand; cvode: as it comes against ours; digits: ns a "
-            "number as text; stops: a step with the clamp after it, and nine of ten without; "
-            "nan: steps are as long, and not counted",
-            tables->scene, COLUMNS(PAIR_COLUMNS), tables->reason))
+    if (open_table(&file, tables->folder, "steppers",
+                   "ns per step and wisp, and their ratio round by round; seam: rk4 of the "
+                   "registry against one by hand; cvode: as it comes against ours; digits: ns a "
+                   "number as text; stops: a step with the clamp after it, and nine of ten "
+                   "without; nan: steps are as long, and not counted",
+                   tables->scene, COLUMNS(PAIR_COLUMNS), tables->reason))
         return -1;
     write_pair(file.stream, s, "seam", "skeleton skip 0 64", "stepper", "by hand");
     write_pair(file.stream, s, "seam", "generalised skip 4 64", "stepper", "by hand");

@@ -179,14 +179,13 @@ static int read_prices(struct plan *plan, struct price *prices) {
 
 static int write_prices(struct plan *plan, const char *folder, const struct price *prices) {
     struct atomic_file file;
-    if (open_table(
-            &file, folder, "figures",
-            "what a wisp of the scene takes for a frame: CPU time, s, of repeated runs; over "
-            "the first row's, with what the spreads allow, and the thesis's (up to four wisps "
-            "are computed side by side, for the price of one: where there are two, each is "
-            "twice as expensive); evaluations of forces; contacts, at all ticks of a frame, with "
-            "wisps and bodies",
-            NULL, COLUMNS(PRICE_COLUMNS), plan->reason))
+    if (open_table(&file, folder, "figures",
+                   "what a wisp of the scene takes for a frame: CPU time, s, of repeated runs; "
+                   "over the first row's, with what the spreads allow, and the thesis's (up to "
+                   "four wisps are computed side by side, for the price of one: where there are "
+                   "two, each is twice as expensive); evaluations of forces; contacts, at all "
+                   "ticks of a frame, with wisps and bodies",
+                   NULL, COLUMNS(PRICE_COLUMNS), plan->reason))
         return -1;
     for (int i = 0; i < ROWS; i++) {
         const struct price *price = &prices[i];
@@ -234,11 +233,10 @@ static void state_all(struct plan *plan, struct statements *statements,
                                       .value = price->ours,
                                       .unit = "1"};
         if (i == NONE)
-            statements_add(
-                statements, row,
-                "A wisp of figure %s, by which the others are measured, takes %.3g ms of "
-                "CPU time and %.0f evaluations a frame.",
-                rows[i].label, 1e3 * price->cpu.median, price->evaluations);
+            statements_add(statements, row,
+                           "A wisp of figure %s, by which the others are measured, takes %.3g ms "
+                           "of CPU time and %.0f evaluations a frame.",
+                           rows[i].label, 1e3 * price->cpu.median, price->evaluations);
         else
             statements_add(
                 statements, row,

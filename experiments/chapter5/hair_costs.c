@@ -123,15 +123,13 @@ static void state_variant(struct hair_study *study, int i) {
 
 int hair_costs(struct plan *plan, const char *folder, struct hair_study *study) {
     struct atomic_file file;
-    if (open_table(
-            &file, folder, "table",
-            "CPU time, s per frame, of repeated runs, beside the thesis's (one processor, MIPS "
-            "R4400 at 200 MHz); normalised: over the first row's, with what the spreads allow; "
-            "real_time: simulated over CPU time; force_evaluations: of a wisp's forces; "
-            "wisp_contacts: how often a node or sample was in "
-            "a "
-            "section of another wisp at a tick, body_contacts: in a body; nan: there is no number",
-            study->subject->scene, COLUMNS(VARIANT_COLUMNS), plan->reason))
+    if (open_table(&file, folder, "table",
+                   "CPU time, s per frame, of repeated runs, beside the thesis's (one processor, "
+                   "MIPS R4400 at 200 MHz); normalised: over the first row's, with what the "
+                   "spreads allow; real_time: simulated over CPU time; force_evaluations: of a "
+                   "wisp's forces; wisp_contacts: how often a node or sample was in a section of "
+                   "another wisp at a tick, body_contacts: in a body; nan: there is no number",
+                   study->subject->scene, COLUMNS(VARIANT_COLUMNS), plan->reason))
         return -1;
     for (int i = 0; i < study->count; i++) {
         write_variant(file.stream, study, i);

@@ -332,9 +332,9 @@ int hair_steppers(struct plan *plan, const char *folder, struct hair_study *stud
         &file, folder, "steppers",
         "every stepper, one run, treatment projection; CPU time, s per frame (up to its failure, "
         "where it failed); real_time: simulated over CPU time; largest |L/l - 1| of a stretch "
-        "spring; distance: rms over free nodes and common frames from the run it is compared "
-        "with, m; until: the last frame before it is more than 1 mm, s; work: per frame, in "
-        "evaluations of a wisp's forces, a linear solution as one and a factorisation as five",
+        "spring; distance: rms over free nodes and common frames from the run it is compared with, "
+        "m; until: the last frame before it is more than 1 mm, s; work: per frame, in evaluations "
+        "of a wisp's forces, a linear solution as one and a factorisation as five",
         main_scene, COLUMNS(ATTEMPT_COLUMNS), plan->reason);
     if (!code) {
         code = write_attempts(plan, folder, study, file.stream, there ? &base : NULL);

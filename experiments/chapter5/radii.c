@@ -81,8 +81,8 @@ static void state_inclination(struct hair_study *study, int series) {
         series == LARGEST
             ? "The widest wisps lean far less than the others: their %s inclination is at most "
               "%.1f degrees, %.1f degrees less than that of the others, and %.0f would be seen."
-            : "The greatest %s inclination of the widest wisps is %.1f degrees, %.1f degrees "
-              "less than that of the others, and %.0f would be seen.",
+            : "The greatest %s inclination of the widest wisps is %.1f degrees, %.1f degrees less "
+              "than that of the others, and %.0f would be seen.",
         name, widest, least - widest, visible);
 }
 

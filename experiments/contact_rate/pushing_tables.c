@@ -54,11 +54,11 @@ static const struct table_form tables[TABLES] = {
      COLUMNS(PUSHED_COLUMNS)},
     {"penalty-steps",
      "the longest fixed step of a method with which one wisp of `swing` that falls onto a ball "
-     "stays within a twentieth of its length from `reference` (rms over free nodes and frames, "
-     "0.6 s, generalised), s; hair: default springs, or rigid segments, which only explicit "
-     "methods take; frequency: of the ball's penalty, Hz; 0: ticks at 300 Hz, which a step never "
-     "goes beyond; error: of that step, m; beyond: the shortest step tried that does not, s; nan: "
-     "there is none",
+     "stays within a twentieth of its length from `reference` (rms over free nodes and frames, 0.6 "
+     "s, generalised), s; hair: default springs, or rigid segments, which only explicit methods "
+     "take; frequency: of the ball's penalty, Hz; 0: ticks at 300 Hz, which a step never goes "
+     "beyond; error: of that step, m; beyond: the shortest step tried that does not, s; nan: there "
+     "is none",
      COLUMNS(TRIAL_COLUMNS)},
 };
 

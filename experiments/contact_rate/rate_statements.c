@@ -154,9 +154,9 @@ static void state_after(struct statements *statements, const struct study *study
                            .verdict = holds_if(point->after.median <= yardstick->after.upper),
                            .value = millimetres(point->after.median),
                            .unit = "mm"},
-        "On %s with %s, after %.3g s, hair at 90 Hz is no farther from hair at 9000 Hz "
-        "than that is from itself after starts 1e-6 m apart: median %.3g mm (quartiles "
-        "%.3g, %.3g) against %.3g (%.3g, %.3g).",
+        "On %s with %s, after %.3g s, hair at 90 Hz is no farther from hair at 9000 Hz than that "
+        "is from itself after starts 1e-6 m apart: median %.3g mm (quartiles %.3g, %.3g) against "
+        "%.3g (%.3g, %.3g).",
         scene, series->name, series->horizon, millimetres(point->after.median),
         millimetres(point->after.lower), millimetres(point->after.upper),
         millimetres(yardstick->after.median), millimetres(yardstick->after.lower),
@@ -232,10 +232,10 @@ static void state_control(struct statements *statements, const struct study *stu
     make_key(key, study, "contact", "");
     row.verdict = NOT_REACHED;
     row.unit = NULL;
-    statements_add(statements, row,
-                   "On %s wisps do nothing to each other, and nothing is told of how often they "
-                   "should.",
-                   scene);
+    statements_add(
+        statements, row,
+        "On %s wisps do nothing to each other, and nothing is told of how often they should.",
+        scene);
 }
 
 static void state_cost(struct statements *statements, const struct study *study) {
@@ -337,10 +337,10 @@ static void state_sources(struct statements *statements, const struct study *stu
         statements_add(statements, row, "On %s there is no envelope, and no treatment to compare.",
                        scene);
     else if (!there)
-        statements_add(statements, row,
-                       "On %s no error can be told from another: a run fails, or wisps split at "
-                       "other times.",
-                       scene);
+        statements_add(
+            statements, row,
+            "On %s no error can be told from another: a run fails, or wisps split at other times.",
+            scene);
     else if (!touches)
         statements_add(statements, row,
                        "On %s nothing touches, and nothing is told of where the largest error is.",

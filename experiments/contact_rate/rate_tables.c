@@ -89,13 +89,12 @@ static const struct table_form tables[TABLES] = {
      "distance from that at 9000 Hz up to the horizon (series.tsv), rms over free nodes and "
      "frames, m; largest: of a node there, m; whole: rms over all frames, m, after the horizon a "
      "draw from a distribution; history_diverged: when its wisps are no longer the same "
-     "(subdivision), s; "
-     "contacts: points found in other wisps (wisps), or in bodies; sections: in which points were "
-     "looked for; stops: of the smooth advance, at ticks and frames; evaluations: of forces; cpu: "
-     "time, s, which depends on the machine and is no part of any statement; pairs, after_*: "
-     "quartiles of the distance, after the horizon, of runs from starts displaced by 1e-6 m (rms; "
-     "draws 2 to 9, --quick 2 to 5) from as many at 9000 Hz, there from each other, m; nan: it "
-     "failed, or there is no such thing or run",
+     "(subdivision), s; contacts: points found in other wisps (wisps), or in bodies; sections: in "
+     "which points were looked for; stops: of the smooth advance, at ticks and frames; "
+     "evaluations: of forces; cpu: time, s, which depends on the machine and is no part of any "
+     "statement; pairs, after_*: quartiles of the distance, after the horizon, of runs from starts "
+     "displaced by 1e-6 m (rms; draws 2 to 9, --quick 2 to 5) from as many at 9000 Hz, there from "
+     "each other, m; nan: it failed, or there is no such thing or run",
      COLUMNS(POINT_COLUMNS)},
     {"series",
      "runs that differ in one rate alone; own: whether it is the scene's own contact; horizon: to "

@@ -17,11 +17,12 @@ static int write_tables(struct plan *plan, const char *folder, struct statements
 
 static int history_tabulate(struct plan *plan, const char *folder) {
     struct statements statements;
-    if (statements_open(&statements, folder, NULL,
-                        plan->quick ? "--quick: every other rate, and none above 1 MHz; the map "
-                                      "every other stiffness"
-                                    : NULL,
-                        plan->reason))
+    if (statements_open(
+            &statements, folder, NULL,
+            plan->quick
+                ? "--quick: every other rate, and none above 1 MHz; the map every other stiffness"
+                : NULL,
+            plan->reason))
         return -1;
     return statements_close(&statements, write_tables(plan, folder, &statements), plan->reason);
 }

@@ -369,11 +369,9 @@ static void state_news(struct statements *statements, const struct summary *sum,
                              .unit = "1"};
     statements_add(
         statements, row,
-        "Two hairs whose tips are 1 mm apart first differ at the root in the step that "
-        "the graph says, to the bit, in %d of %d pairs of a law and a fixed-step method; "
-        "in %d rounding hides it for longer, and in %d, of methods with a norm over all nodes, "
-        "they "
-        "do earlier.",
+        "Two hairs whose tips are 1 mm apart first differ at the root in the step that the graph "
+        "says, to the bit, in %d of %d pairs of a law and a fixed-step method; in %d rounding "
+        "hides it for longer, and in %d, of methods with a norm over all nodes, they do earlier.",
         sum->same, sum->same + sum->hidden + sum->told, sum->hidden, sum->told);
     row = (struct statement){.key = "no way back",
                              .figure = "news",
@@ -382,23 +380,21 @@ static void state_news(struct statements *statements, const struct summary *sum,
                              .verdict = holds_if(sum->never == sum->of_anjyo),
                              .value = sum->never,
                              .unit = "1"};
-    statements_add(
-        statements, row,
-        "In Anjyo's hair no force goes from the tip to the root (section 3.3): on its graph "
-        "no news ever does, with %d of %d methods.",
-        sum->never, sum->of_anjyo);
+    statements_add(statements, row,
+                   "In Anjyo's hair no force goes from the tip to the root (section 3.3): on its "
+                   "graph no news ever does, with %d of %d methods.",
+                   sum->never, sum->of_anjyo);
     row = (struct statement){.key = "waves",
                              .figure = "news",
                              .tables = "rates",
                              .verdict = holds_if(nearest->ratio >= 0.99),
                              .value = nearest->ratio,
                              .unit = "1"};
-    statements_add(
-        statements, row,
-        "No explicit method is stable at a rate at which its steps carry news more slowly "
-        "than the stretch wave runs, which grows with the number of segments; the "
-        "nearest, %s, needs %.3g times that rate.",
-        nearest->method, nearest->ratio);
+    statements_add(statements, row,
+                   "No explicit method is stable at a rate at which its steps carry news more "
+                   "slowly than the stretch wave runs, which grows with the number of segments; "
+                   "the nearest, %s, needs %.3g times that rate.",
+                   nearest->method, nearest->ratio);
 }
 
 /* --- all --- */
@@ -409,9 +405,8 @@ static const struct table_form tables[TABLES] = {
      "steps until a change at the tip of a hair of fifteen particles (16 nodes, of which 0 and 1 "
      "rest) is at node 2. reach: how many nodes away a force feels a position, and a velocity "
      "(nan: not at all; 0: its own only); steps, evaluations: on the graph of these couplings "
-     "(nan: "
-     "never); nodes a step: 13 over steps; bits: steps until two real hairs whose tips are 1 mm "
-     "apart differ there (nan: not in 64, or not asked, of a method that chooses its steps)",
+     "(nan: never); nodes a step: 13 over steps; bits: steps until two real hairs whose tips are 1 "
+     "mm apart differ there (nan: not in 64, or not asked, of a method that chooses its steps)",
      COLUMNS(NEWS_COLUMNS)},
     {"arrivals",
      "after how many steps and evaluations each node has heard of a change at the tip, node 15, on "

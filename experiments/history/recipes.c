@@ -11,9 +11,8 @@ static const double millimetre = 1e-3;
 static const char what[] =
     "recipes of their times on the hair of swing. error: rms over free nodes and frames from the "
     "reference solution of swing, m; own: 1 at the rate that its authors chose, of today's the "
-    "cheapest "
-    "within 1 mm; cost: of the simulated second, CPU s; nan: of a run that failed there is no "
-    "error, of another no time at which it did";
+    "cheapest within 1 mm; cost: of the simulated second, CPU s; nan: of a run that failed there "
+    "is no error, of another no time at which it did";
 
 /* --- the runs --- */
 

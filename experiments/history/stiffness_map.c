@@ -157,12 +157,11 @@ static void state_map(struct statements *statements, const struct row *rows, int
     if (stable > 0)
         snprintf(soft, sizeof soft, "it is stable only up to %.2g N", stiffest_stable);
     else
-        snprintf(
-            soft, sizeof soft,
-            "none is stable there, since the hinges alone ask for %.2g kHz (without them theory "
-            "allows %.1g N)",
-            1e-3 * hinge_rate(scene),
-            scene->wisps[0].stretch_stiffness * own_rate / stable_rate(scene));
+        snprintf(soft, sizeof soft,
+                 "none is stable there, since the hinges alone ask for %.2g kHz (without them "
+                 "theory allows %.1g N)",
+                 1e-3 * hinge_rate(scene),
+                 scene->wisps[0].stretch_stiffness * own_rate / stable_rate(scene));
     statements_add(
         statements,
         (struct statement){.key = "60 Hz",
@@ -171,32 +170,29 @@ static void state_map(struct statements *statements, const struct row *rows, int
                            .verdict = holds_if(fine == 0),
                            .value = fine,
                            .unit = "1"},
-        "At 60 Hz, the step of Rosenblum et al., explicit Euler moves their hair rightly "
-        "at %d of %d stiffnesses: %s, and up to %.2g N hair stretches by more than a "
-        "tenth.",
+        "At 60 Hz, the step of Rosenblum et al., explicit Euler moves their hair rightly at %d of "
+        "%d stiffnesses: %s, and up to %.2g N hair stretches by more than a tenth.",
         fine, count, soft, limpest);
-    statements_add(
-        statements,
-        (struct statement){.key = "rate of theory",
-                           .figure = "map",
-                           .tables = "stiffnesses",
-                           .value = stable_rate(scene),
-                           .unit = "Hz"},
-        "By linear theory the %g N of swing take %.2g MHz, for nothing but the air damps "
-        "the springs, and the 16 800 N of real hair %.2g GHz.",
-        scene->wisps[0].stretch_stiffness, 1e-6 * stable_rate(scene),
-        1e-9 * stable_rate(scene) * 16800 / scene->wisps[0].stretch_stiffness);
+    statements_add(statements,
+                   (struct statement){.key = "rate of theory",
+                                      .figure = "map",
+                                      .tables = "stiffnesses",
+                                      .value = stable_rate(scene),
+                                      .unit = "Hz"},
+                   "By linear theory the %g N of swing take %.2g MHz, for nothing but the air "
+                   "damps the springs, and the 16 800 N of real hair %.2g GHz.",
+                   scene->wisps[0].stretch_stiffness, 1e-6 * stable_rate(scene),
+                   1e-9 * stable_rate(scene) * 16800 / scene->wisps[0].stretch_stiffness);
 }
 
 enum { MAP, STIFFNESS_ROWS, TABLES };
 static const struct table_form tables[TABLES] = {
     [MAP] =
         {"map",
-         "Rosenblum's hair under explicit Euler, by stiffness (N) and rate (Hz). state: "
-         "fine; unstable: not finite, or farther from its own exact motion (rms over free nodes "
-         "and frames) than a twentieth of the length to which that stretches; limp: it "
-         "stretches by more than a tenth; both; error in m, nan: the run failed; "
-         "failure_time: nan: it did not",
+         "Rosenblum's hair under explicit Euler, by stiffness (N) and rate (Hz). state: fine; "
+         "unstable: not finite, or farther from its own exact motion (rms over free nodes and "
+         "frames) than a twentieth of the length to which that stretches; limp: it stretches by "
+         "more than a tenth; both; error in m, nan: the run failed; failure_time: nan: it did not",
          COLUMNS(CELL_COLUMNS)},
     [STIFFNESS_ROWS] =
         {"stiffnesses",

@@ -276,9 +276,9 @@ static int state_rigid(struct statements *statements, struct plan *plan, int at)
                                   .verdict = isnan(apart) ? NOT_REACHED
                                                           : holds_if(apart <= LADDER_TARGET)};
     if (isnan(apart))
-        statements_add(statements, row,
-                       "What rigid segments make of hair is not known: a reference "
-                       "solution failed.");
+        statements_add(
+            statements, row,
+            "What rigid segments make of hair is not known: a reference solution failed.");
     else
         statements_add(statements, row,
                        "Hair of rigid segments stays within %.2g mm (rms) of hair of EA = %g N.",
@@ -306,7 +306,6 @@ int ladder_state(struct statements *statements, struct plan *plan) {
             statements,
             (struct statement){.key = "left out", .figure = "ladder", .verdict = NOT_REACHED},
             "Real hair (16800 N), hair of 41 nodes, the dampings 0.02, 0.1 and 0.5, converged "
-            "Newton "
-            "iterations and conjugate gradients are left out of --quick.");
+            "Newton iterations and conjugate gradients are left out of --quick.");
     return 0;
 }

@@ -68,13 +68,12 @@ static int write_ladder(const struct plan *plan, const char *folder, char *reaso
         what, sizeof what,
         "the largest step, s, or rtol that reaches %g m rms over free nodes and all frames "
         "(setting), the next one tried that does not (missed: its error, outcome and time of "
-        "failure), and what the first costs: CPU time, s, of repeated runs, force "
-        "evaluations, steps; errors of adaptive methods: the worst of %d tolerances "
-        "rtol(1 + j 1e-12), of which j = 0 is timed; counted: what the table of costs makes of "
-        "the steps, s, by which methods are put in order; limit: failure where the missed one "
-        "fails or is 100 times as wrong; zeta: damping of the highest stretch mode over critical; "
-        "figure: in which the kind of hair has a panel; nan: there is no number, see status and "
-        "note%s",
+        "failure), and what the first costs: CPU time, s, of repeated runs, force evaluations, "
+        "steps; errors of adaptive methods: the worst of %d tolerances rtol(1 + j 1e-12), of which "
+        "j = 0 is timed; counted: what the table of costs makes of the steps, s, by which methods "
+        "are put in order; limit: failure where the missed one fails or is 100 times as wrong; "
+        "zeta: damping of the highest stretch mode over critical; figure: in which the kind of "
+        "hair has a panel; nan: there is no number, see status and note%s",
         LADDER_TARGET, plan->quick ? JITTERED_QUICK : JITTERED,
         plan->quick ? "; --quick: no real hair, the scene's damping, coarser brackets" : "");
     if (open_table(&file, folder, "ladder", what, plan->subjects[0].scene, COLUMNS(SEARCH_COLUMNS),
@@ -146,13 +145,12 @@ static void write_crossing(FILE *stream, const struct ladder *ladder, int cell,
 static int write_crossings(const struct plan *plan, const char *folder, char *reason) {
     const struct ladder *ladder = plan->memo;
     struct atomic_file file;
-    if (open_table(
-            &file, folder, "crossings",
-            "pairs of methods of which one is cheaper for the target of ladder at a stiffness, N, "
-            "and the other at the next, by steps counted and the table of costs; crossing: where "
-            "lines through both, in logarithms, meet; clear: at neither end are the two tied "
-            "(within 1.4 times, or repeated times overlap)",
-            plan->subjects[0].scene, COLUMNS(CROSSING_COLUMNS), reason))
+    if (open_table(&file, folder, "crossings",
+                   "pairs of methods of which one is cheaper for the target of ladder at a "
+                   "stiffness, N, and the other at the next, by steps counted and the table of "
+                   "costs; crossing: where lines through both, in logarithms, meet; clear: at "
+                   "neither end are the two tied (within 1.4 times, or repeated times overlap)",
+                   plan->subjects[0].scene, COLUMNS(CROSSING_COLUMNS), reason))
         return -1;
     for (int cell = 0; cell + 1 < ladder->cell_count; cell++)
         for (int a = 0; a < plan->configuration_count && ladder_goes_on(ladder, cell + 1); a++)

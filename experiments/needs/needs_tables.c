@@ -73,17 +73,17 @@ static int write_needs(const struct plan *plan, const char *folder, char *reason
     const struct needs *needs = plan->memo;
     struct atomic_file file;
     char what[1024];
-    snprintf(what, sizeof what,
-             "what each thing buys: distance of the model in which it alone is this way from the "
-             "full one (first row of a scene), m: rms over 32 points at equal shares of arc length "
-             "of all wisps and all frames, largest, rms at the last frame; CPU time, s, of rk4 at "
-             "%g of its longest step by linear theory (step, s): median, least, greatest of three "
-             "runs (--quick: one), or where the full model's takes over 0.3 s that of one; "
-             "cost_ratio: over the "
-             "full model's; needed: it changes more than %g m, and more than perturbed starts "
-             "do; chaos: more than that, but no more than perturbed starts; smallest model: all "
-             "together that smallest.tsv says; nan: the run failed or there was none, see note",
-             STABILITY_SHARE, NEEDS_TARGET);
+    snprintf(
+        what, sizeof what,
+        "what each thing buys: distance of the model in which it alone is this way from the full "
+        "one (first row of a scene), m: rms over 32 points at equal shares of arc length of all "
+        "wisps and all frames, largest, rms at the last frame; CPU time, s, of rk4 at %g of its "
+        "longest step by linear theory (step, s): median, least, greatest of three runs (--quick: "
+        "one), or where the full model's takes over 0.3 s that of one; cost_ratio: over the full "
+        "model's; needed: it changes more than %g m, and more than perturbed starts do; chaos: "
+        "more than that, but no more than perturbed starts; smallest model: all together that "
+        "smallest.tsv says; nan: the run failed or there was none, see note",
+        STABILITY_SHARE, NEEDS_TARGET);
     if (open_table(&file, folder, "needs", what, needs->study[0].subject->scene,
                    COLUMNS(VARIANT_COLUMNS), reason))
         return -1;
@@ -149,15 +149,15 @@ static int write_answers(const struct plan *plan, const char *folder, char *reas
     const struct needs *needs = plan->memo;
     struct atomic_file file;
     char what[1024];
-    snprintf(what, sizeof what,
-             "the smallest model within %g m of the full one, or within what perturbed starts "
-             "make: found by leaving out all that alone is near enough, and taking back the worst "
-             "until a run of the whole is; its change and cost_ratio, those of the scene as it is; "
-             "rms change, m, by half the step in the full model (step_full) and the smallest, and "
-             "in the full one by starts displaced by 1e-10 m (perturbed) and 1e-4 m (scattered); "
-             "horizon: of the former's nodes, s; tried: combinations; nan: the run failed or there "
-             "was none, see note",
-             NEEDS_TARGET);
+    snprintf(
+        what, sizeof what,
+        "the smallest model within %g m of the full one, or within what perturbed starts make: "
+        "found by leaving out all that alone is near enough, and taking back the worst until a run "
+        "of the whole is; its change and cost_ratio, those of the scene as it is; rms change, m, "
+        "by half the step in the full model (step_full) and the smallest, and in the full one by "
+        "starts displaced by 1e-10 m (perturbed) and 1e-4 m (scattered); horizon: of the former's "
+        "nodes, s; tried: combinations; nan: the run failed or there was none, see note",
+        NEEDS_TARGET);
     if (open_table(&file, folder, "smallest", what, needs->study[0].subject->scene,
                    COLUMNS(SMALLEST_COLUMNS), reason))
         return -1;
@@ -183,16 +183,15 @@ static int write_answers(const struct plan *plan, const char *folder, char *reas
 static int write_methods(const struct plan *plan, const char *folder, char *reason) {
     const struct needs *needs = plan->memo;
     struct atomic_file file;
-    if (open_table(
-            &file, folder, "methods",
-            "methods on each scene's smallest model (smallest.tsv), from long steps to the first "
-            "that is near enough, or to where another that is would be cheaper; setting: step, s, "
-            "or rtol of methods that choose their steps; error: from rk4 at half of the step that "
-            "the model is judged with, rms over curves and frames, m; reached: whether it is "
-            "within 1e-3 m, or what perturbed starts do; counted: what the table of costs makes of "
-            "its steps, s; cost_ratio: over that of rk4 at its longest step; nan: it failed or was "
-            "not run",
-            needs->study[0].subject->scene, COLUMNS(CONTENDER_COLUMNS), reason))
+    if (open_table(&file, folder, "methods",
+                   "methods on each scene's smallest model (smallest.tsv), from long steps to the "
+                   "first that is near enough, or to where another that is would be cheaper; "
+                   "setting: step, s, or rtol of methods that choose their steps; error: from rk4 "
+                   "at half of the step that the model is judged with, rms over curves and frames, "
+                   "m; reached: whether it is within 1e-3 m, or what perturbed starts do; counted: "
+                   "what the table of costs makes of its steps, s; cost_ratio: over that of rk4 at "
+                   "its longest step; nan: it failed or was not run",
+                   needs->study[0].subject->scene, COLUMNS(CONTENDER_COLUMNS), reason))
         return -1;
     for (int i = 0; i < needs->count; i++) {
         const struct study *study = &needs->study[i];
@@ -257,10 +256,10 @@ static void state_method(struct statements *statements, const struct study *stud
     row.value = NAN;
     if (!winner) {
         row.verdict = NOT_REACHED;
-        statements_add(statements, row,
-                       "No method computes the smallest model of %s for less than rk4 at its "
-                       "longest step.",
-                       scene);
+        statements_add(
+            statements, row,
+            "No method computes the smallest model of %s for less than rk4 at its longest step.",
+            scene);
         return;
     }
     row.value = winner->cost.counted / study->smallest.cost.counted;

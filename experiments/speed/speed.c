@@ -231,13 +231,12 @@ static double share(const struct run_files *run, const char *stage) {
 static int write_attempts(struct plan *plan, const struct speed *speed, const char *folder) {
     struct atomic_file file;
     char what[400];
-    snprintf(
-        what, sizeof what,
-        "errors over the first %g s, rms over free nodes and frames, m, against the reference "
-        "solution of the treatment; setting: step, s, or rtol; counted: the whole scene by the "
-        "steps and the table of costs, s; shares "
-        "of the run's wall time: steps, ticks, frames as text; nan: see status",
-        speed->compared->duration);
+    snprintf(what, sizeof what,
+             "errors over the first %g s, rms over free nodes and frames, m, against the reference "
+             "solution of the treatment; setting: step, s, or rtol; counted: the whole scene by "
+             "the steps and the table of costs, s; shares of the run's wall time: steps, ticks, "
+             "frames as text; nan: see status",
+             speed->compared->duration);
     if (open_table(&file, folder, "attempts", what, speed->whole, COLUMNS(ATTEMPT_COLUMNS),
                    plan->reason))
         return -1;
@@ -268,11 +267,10 @@ static int write_attempts(struct plan *plan, const struct speed *speed, const ch
 
 static int write_choices(struct plan *plan, const struct speed *speed, const char *folder) {
     struct atomic_file file;
-    if (open_table(
-            &file, folder, "choices",
-            "the setting (longest step, s, or loosest rtol) of the thesis's recipe and of the "
-            "cheapest method that is within the target, m; error: what it then is",
-            speed->whole, COLUMNS(CHOICE_COLUMNS), plan->reason))
+    if (open_table(&file, folder, "choices",
+                   "the setting (longest step, s, or loosest rtol) of the thesis's recipe and of "
+                   "the cheapest method that is within the target, m; error: what it then is",
+                   speed->whole, COLUMNS(CHOICE_COLUMNS), plan->reason))
         return -1;
     for (int t = 0; t < TARGETS; t++)
         for (int recipe = 1; recipe >= 0; recipe--) {

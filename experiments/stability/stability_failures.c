@@ -108,12 +108,10 @@ int limits_write_failures(struct plan *plan, const char *folder) {
     struct atomic_file file;
     if (open_table(
             &file, folder, "failures",
-            "how methods fail at steps that are too long: kind, when it first shows, "
-            "whether the state stays finite, and the error of the frames before, m (rms, "
-            "largest); order: lost with more than ten times the error that it predicts from "
-            "shorter "
-            "steps, and more than 0.1 mm; nan: of time, it does not fail; of errors, there is no "
-            "frame to compare",
+            "how methods fail at steps that are too long: kind, when it first shows, whether the "
+            "state stays finite, and the error of the frames before, m (rms, largest); order: lost "
+            "with more than ten times the error that it predicts from shorter steps, and more than "
+            "0.1 mm; nan: of time, it does not fail; of errors, there is no frame to compare",
             plan->subjects[0].scene, COLUMNS(FAILURE_COLUMNS), plan->reason))
         return -1;
     for (int i = 0; i < limits->cell_count; i++)

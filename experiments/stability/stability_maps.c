@@ -85,8 +85,7 @@ static int write_regions(struct plan *plan, const char *folder, struct statement
                  "growth per step of u' = z u, h = 1, measured by stepping the real code (growth) "
                  "and by the stability function where there is one; adaptive methods take no step "
                  "that is forced on them: growth per unit of time at rtol 0.01; nan: of theory, "
-                 "there is "
-                 "no stability function; of growth, the method failed there",
+                 "there is no stability function; of growth, the method failed there",
                  COLUMNS(REGION_COLUMNS)))
         return -1;
     for (int i = 0; stepper_methods[i]; i++) {
@@ -140,8 +139,8 @@ static int write_oscillators(struct plan *plan, const char *folder, struct state
     if (open_map(plan, &file, folder, "oscillator",
                  "growth per step of q'' = -omega^2 q - 2 zeta omega q' with fixed steps h, "
                  "measured by stepping the real code, and by linear theory where the method has "
-                 "one; adaptive methods have no omega h; nan: of theory, there is none; of "
-                 "growth, the method failed there",
+                 "one; adaptive methods have no omega h; nan: of theory, there is none; of growth, "
+                 "the method failed there",
                  COLUMNS(OSCILLATOR_COLUMNS)))
         return -1;
     for (int i = 0; stepper_methods[i]; i++)
@@ -182,11 +181,11 @@ static int write_damping(struct plan *plan, const char *folder, struct statement
     struct atomic_file file;
     if (open_map(
             plan, &file, folder, "damping",
-            "an undamped oscillator let go: the damping that is the method's own (of "
-            "critical; negative: it grows) and its relative shift of frequency, by ring-down "
-            "of the real code and by |R(i omega h)| and arg R, R what linear theory multiplies by; "
-            "setting: omega h, or rtol of adaptive methods, whose steps per period are the mean; "
-            "nan: of theory, there is none; else the ring-down grew or died too fast to be read",
+            "an undamped oscillator let go: the damping that is the method's own (of critical; "
+            "negative: it grows) and its relative shift of frequency, by ring-down of the real "
+            "code and by |R(i omega h)| and arg R, R what linear theory multiplies by; setting: "
+            "omega h, or rtol of adaptive methods, whose steps per period are the mean; nan: of "
+            "theory, there is none; else the ring-down grew or died too fast to be read",
             COLUMNS(RING_COLUMNS)))
         return -1;
     for (int i = 0; stepper_methods[i]; i++) {

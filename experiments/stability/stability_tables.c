@@ -71,13 +71,12 @@ static int write_limits(struct plan *plan, const char *folder) {
     struct atomic_file file;
     if (open_table(
             &file, folder, "limits",
-            "longest stable step, s, over 0.5 s of swing (penalty_ratio: of swing-envelope "
-            "with penalty), the next that is not, and the prediction of linear theory "
-            "at the eigenvalues of the wisp linearised at its start (inf: any step; no prediction: "
-            "there is no theory of the method); order_step: the longest of these whose error is "
-            "what "
-            "the method's order makes of that at shorter ones, to a factor of ten; nan: of step, "
-            "none that was tried is stable; of unstable_step, all are",
+            "longest stable step, s, over 0.5 s of swing (penalty_ratio: of swing-envelope with "
+            "penalty), the next that is not, and the prediction of linear theory at the "
+            "eigenvalues of the wisp linearised at its start (inf: any step; no prediction: there "
+            "is no theory of the method); order_step: the longest of these whose error is what the "
+            "method's order makes of that at shorter ones, to a factor of ten; nan: of step, none "
+            "that was tried is stable; of unstable_step, all are",
             plan->loaded[0], COLUMNS(ALONG_COLUMNS), plan->reason))
         return -1;
     for (int a = 0; a < AXES; a++)
@@ -127,10 +126,9 @@ static int write_scenes(struct plan *plan, const char *folder) {
             "the longest stable step of each stepper, s, on the first half second of scenes: what "
             "it is, its rate in Hz, the predicted one, the next that is not stable with how and "
             "when that fails, the error of the stable one, m, and its CPU time per simulated s; "
-            "the "
-            "same of the longest step within a twentieth of the wisp's length (near) and of that "
-            "within 1 mm (mm), rms over free nodes and frames; order_step: the longest whose error "
-            "is what the method's order makes of that at shorter steps, to a factor of ten; "
+            "the same of the longest step within a twentieth of the wisp's length (near) and of "
+            "that within 1 mm (mm), rms over free nodes and frames; order_step: the longest whose "
+            "error is what the method's order makes of that at shorter steps, to a factor of ten; "
             "steps divide the time between stops of the clock; predicted is inf where there is no "
             "bound, and no prediction where there is no theory of the method, or too many unknowns "
             "for eigenvalues; nan: of step, none that was tried is stable; of near, mm and order, "
@@ -188,10 +186,10 @@ static void state_adaptive(struct statements *statements, struct statement row,
                            const struct trial *t, const char *where) {
     const char *name = t->configuration->name;
     if (row.verdict == HOLDS)
-        statements_add(statements, row,
-                       "%s chooses its steps on %s, %.3g ms in the mean at rtol %g, and has no "
-                       "longest one.",
-                       name, where, row.value, LIMITS_TOLERANCE);
+        statements_add(
+            statements, row,
+            "%s chooses its steps on %s, %.3g ms in the mean at rtol %g, and has no longest one.",
+            name, where, row.value, LIMITS_TOLERANCE);
     else
         statements_add(statements, row,
                        "%s chooses its steps, and its run on %s did not reach its end: %s.", name,
@@ -307,8 +305,8 @@ static void state_cuts(struct statements *statements, const struct plan *plan) {
         statements_add(
             statements,
             (struct statement){.key = "left out", .figure = "limits", .verdict = NOT_REACHED},
-            "All but two values of EA and of nodes, the other axes and swing-envelope "
-            "are left out of --quick.");
+            "All but two values of EA and of nodes, the other axes and swing-envelope are left out "
+            "of --quick.");
 }
 
 /* The first treatment of a scene answers where a method fails on it. */

@@ -537,10 +537,10 @@ void race_state_all(struct statements *statements, const struct race_answers *an
         for (int i = 0; i < RACE_TARGETS; i++)
             state_winners(statements, answers, i);
     if (answers->method.of > 0)
-        state_tally(statements, "choice of the method",
-                    "No method is as accurate as explicit Euler with projection at 9000 Hz and "
-                    "cheaper",
-                    &answers->method, "one is");
+        state_tally(
+            statements, "choice of the method",
+            "No method is as accurate as explicit Euler with projection at 9000 Hz and cheaper",
+            &answers->method, "one is");
     if (answers->treatment.of > 0)
         state_tally(statements, "choice of the treatment",
                     "Projection errs less than the method that it goes with", &answers->treatment,

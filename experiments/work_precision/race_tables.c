@@ -126,53 +126,45 @@ enum { POINTS, REFERENCES, SLOPES, FRONT, CHEAPEST, TABLES };
 static const struct table_form table_kinds[TABLES] = {
     [POINTS] =
         {"",
-         "integration error against the reference solution of the same treatment, over free "
-         "nodes and all frames up to the separation horizon, the common start among them: error = "
-         "rms, m, and of runs at jittered tolerances rtol (1 + j 1e-12) the median, the least and "
-         "the greatest; of the median one: largest, m; relative = rms over length; end = rms at "
-         "the end, m; velocity = rms, m/s; radius = rms of the samples' distance from their node, "
-         "m; mescd at the end; CPU time, s: of repeated, or of the jittered runs, alone on the "
+         "integration error against the reference solution of the same treatment, over free nodes "
+         "and all frames up to the separation horizon, the common start among them: error = rms, "
+         "m, and of runs at jittered tolerances rtol (1 + j 1e-12) the median, the least and the "
+         "greatest; of the median one: largest, m; relative = rms over length; end = rms at the "
+         "end, m; velocity = rms, m/s; radius = rms of the samples' distance from their node, m; "
+         "mescd at the end; CPU time, s: of repeated, or of the jittered runs, alone on the "
          "machine; equivalents: CPU time over that of a force evaluation in the longest run of the "
-         "explicit method with fixed steps of highest order; setting: "
-         "step, s, or rtol; reference_limited: within ten times the reference's bound, and so on "
-         "no front "
-         "and "
-         "in nobody's way; "
-         "front: Pareto, by steps counted and the table of costs, and by force evaluations; "
-         "strain, penetration (m): largest at "
-         "any frame; drift: largest energy that no work accounts for, over the largest kinetic "
-         "energy, with the works' own error of second order; lanes: the most wisps that are "
-         "computed "
-         "side by side; threads: that share the scene's wisps; run: the folder of the median "
-         "one in runs, or -; nan: there is no number, see status "
-         "and note; diverged history: wisps split at other ticks than the reference's, from where "
-         "on nothing "
-         "is compared",
+         "explicit method with fixed steps of highest order; setting: step, s, or rtol; "
+         "reference_limited: within ten times the reference's bound, and so on no front and in "
+         "nobody's way; front: Pareto, by steps counted and the table of costs, and by force "
+         "evaluations; strain, penetration (m): largest at any frame; drift: largest energy that "
+         "no work accounts for, over the largest kinetic energy, with the works' own error of "
+         "second order; lanes: the most wisps that are computed side by side; threads: that share "
+         "the scene's wisps; run: the folder of the median one in runs, or -; nan: there is no "
+         "number, see status and note; diverged history: wisps split at other ticks than the "
+         "reference's, from where on nothing is compared",
          COLUMNS(POINT_COLUMNS)},
-    [REFERENCES] = {"-reference",
-                    "the reference solutions: bound = largest difference from the cross-check, m; "
-                    "treatment_error = rms over free nodes and frames from the treatment penalty "
-                    "with ratio " EXACT_RATIO ", which stands for the exact constrained motion, m; "
-                    "horizon: up to when a perturbation of 1e-10 m stays below 1 mm, s; compared: "
-                    "what of the scene's duration is compared, s",
-                    COLUMNS(REFERENCE_COLUMNS)},
+    [REFERENCES] =
+        {"-reference",
+         "the reference solutions: bound = largest difference from the cross-check, m; "
+         "treatment_error = rms over free nodes and frames from the treatment penalty with "
+         "ratio " EXACT_RATIO
+         ", which stands for the exact constrained motion, m; horizon: up to when a perturbation "
+         "of 1e-10 m stays below 1 mm, s; compared: what of the scene's duration is compared, s",
+         COLUMNS(REFERENCE_COLUMNS)},
     [SLOPES] = {"-slopes",
                 "slopes of log error over log steps, between a relative error of a hundredth and a "
-                "hundred "
-                "times the reference's bound, " SLOPE_RULE,
+                "hundred times the reference's bound, " SLOPE_RULE,
                 COLUMNS(SLOPE_COLUMNS)},
-    [FRONT] =
-        {"-front",
-         "Pareto fronts: what no other run beats in cost (steps counted and the table of costs, "
-         "shown with its CPU time; or evaluations) and in error, as far as the reference can tell "
-         "(reference-limited ones left out)",
-         COLUMNS(FRONT_COLUMNS)},
+    [FRONT] = {"-front",
+               "Pareto fronts: what no other run beats in cost (steps counted and the table of "
+               "costs, shown with its CPU time; or evaluations) and in error, as far as the "
+               "reference can tell (reference-limited ones left out)",
+               COLUMNS(FRONT_COLUMNS)},
     [CHEAPEST] =
         {"-cheapest",
          "the cheapest run with an error of at most target, m, by steps counted and the table of "
          "costs, with its CPU time, s, and the next method; to the error of a reference-limited "
-         "run the "
-         "reference's bound is added; tied: the next one is not known to be costlier",
+         "run the reference's bound is added; tied: the next one is not known to be costlier",
          COLUMNS(CHEAPEST_COLUMNS)},
 };
 
@@ -345,9 +337,8 @@ static int tabulate_all(struct plan *plan, struct output *output) {
 }
 
 static int write_all(struct plan *plan, struct output *output) {
-    static const char drawn[] =
-        "scenes drawn; --quick: every other tolerance, three jittered runs, and of the shipped "
-        "scenes only some";
+    static const char drawn[] = "scenes drawn; --quick: every other tolerance, three jittered "
+                                "runs, and of the shipped scenes only some";
     const char *cut = plan->quick ? strstr(drawn, "--quick") : NULL;
     struct atomic_file list;
     if (open_table(&list, output->folder, "scenes", plan->quick ? drawn : "scenes drawn", NULL,
