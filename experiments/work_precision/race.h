@@ -124,10 +124,10 @@ struct race_answers {
     struct race_tally method, treatment; /* the thesis's choice, as either */
 };
 
-/* The stages of struct experiment. */
-int race_plan(struct plan *plan, const struct race *race);
+/* The stages of a struct experiment whose `study` is a struct race. */
+int race_plan(struct plan *plan);
 int race_refine(struct plan *plan);
-int race_tabulate(struct plan *plan, const char *folder);
+int race_tabulate(struct plan *plan);
 
 /* Between the files of a race, each of which stands on those before it. */
 
@@ -177,7 +177,9 @@ double race_afford(struct plan *plan, const struct race *race, const struct scen
 
 /* --- race_plan.c --- */
 
-void race_group(char group[128], const struct field *field);
+/* The run of a field with that label; NULL: there is none. */
+const struct labelled_case *race_find(const struct plan *plan, const struct field *field,
+                                      const char *label);
 
 /* The run of entry at level k with the j-th jittered tolerance; NULL: there is none. */
 const struct labelled_case *race_case(const struct plan *plan, const struct field *field,

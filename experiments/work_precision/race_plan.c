@@ -11,22 +11,22 @@
 
 /* --- names --- */
 
-void race_group(char group[128], const struct field *field) {
+static void name_group(char group[128], const struct field *field) {
     snprintf(group, 128, "%s %s", field->subject->name, race_treatment(field->treatment));
 }
 
 static int adds(struct plan *plan, const struct field *field, const struct scene *scene,
                 const struct run_request *request, const char *label) {
     char group[128];
-    race_group(group, field);
+    name_group(group, field);
     return plan_add(plan, scene, request, group, "%s", label);
 }
 
-static const struct labelled_case *found(const struct plan *plan, const struct field *field,
-                                         const char *label) {
+const struct labelled_case *race_find(const struct plan *plan, const struct field *field,
+                                      const char *label) {
     char group[128];
-    race_group(group, field);
-    return find_case(plan, group, label);
+    name_group(group, field);
+    return find_case(plan, group, "%s", label);
 }
 
 /* --- runs --- */
@@ -52,7 +52,7 @@ const struct labelled_case *race_case(const struct plan *plan, const struct fiel
                                       const struct entry *entry, int k, int j) {
     char label[64];
     name_run(label, entry, k, j);
-    return found(plan, field, label);
+    return race_find(plan, field, label);
 }
 
 /* A search and a chart may want the same run. */
@@ -61,7 +61,7 @@ static int plan_run(struct plan *plan, const struct field *field, const struct e
     const struct run_request request = request_for(plan, field, entry, k, j);
     char label[64];
     name_run(label, entry, k, j);
-    return found(plan, field, label) ? 0 : adds(plan, field, field->scene, &request, label);
+    return race_find(plan, field, label) ? 0 : adds(plan, field, field->scene, &request, label);
 }
 
 /* --- scenes --- */
@@ -76,11 +76,6 @@ static int wants_treatment(const struct race *race, const struct scene *scene, i
 
 /* --- the first stage --- */
 
-static struct run_request reference_request(const struct field *field) {
-    return (struct run_request){.stepper = "reference",
-                                .treatment = race_treatment(field->treatment)};
-}
-
 /* One for each configuration, also where it is refused. */
 static void add_entries(struct plan *plan, struct field *field) {
     for (int c = 0; c < plan->configuration_count; c++) {
@@ -93,7 +88,8 @@ static void add_entries(struct plan *plan, struct field *field) {
 
 /* `exact` is the scene whose penalty stands for the exact motion, or NULL. */
 static int plan_field(struct plan *plan, struct field *field, const struct scene *exact) {
-    struct run_request request = reference_request(field);
+    struct run_request request = {.stepper = "reference",
+                                  .treatment = race_treatment(field->treatment)};
     if (adds(plan, field, field->whole, &request, "reference"))
         return -1;
     request.perturbation = HORIZON_PERTURBATION;
@@ -145,7 +141,8 @@ static int list_length(const char *const *list) {
     return count;
 }
 
-int race_plan(struct plan *plan, const struct race *race) {
+int race_plan(struct plan *plan) {
+    const struct race *race = plan->experiment->study;
     const char *const *own = plan->quick ? race->quick_scenes : race->scenes;
     plan->run_seconds = 60;
     const unsigned kinds =
@@ -173,8 +170,8 @@ int race_plan(struct plan *plan, const struct race *race) {
 
 /* Reads how long trajectories may be compared, and cuts the field's scene to that. */
 static int read_horizon(struct plan *plan, struct field *field) {
-    const struct labelled_case *reference = found(plan, field, "reference"),
-                               *perturbed = found(plan, field, "reference, perturbed");
+    const struct labelled_case *reference = race_find(plan, field, "reference"),
+                               *perturbed = race_find(plan, field, "reference, perturbed");
     field->horizon = field->whole->duration;
     if (!perturbed)
         return 0;
