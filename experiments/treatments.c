@@ -285,12 +285,6 @@ static double if_there(const struct practical *p, double number) {
     PRACTICAL_COLUMNS(X, "rk4", &variant->sufficient,                                            \
                       "longest step of rk4 whose error is a tenth of end")
 
-static void write_variant(FILE *stream, const struct study *study, int v) {
-    const struct variant *variant = &study->variants[v];
-    const struct deviation *d = &variant->distance;
-    WRITE_ROW(stream, VARIANT_COLUMNS);
-}
-
 /* --- statements --- */
 
 static void state_variant(struct statements *statements, const struct study *study, int v) {
@@ -341,9 +335,12 @@ static int write_study(struct plan *plan, const struct study *study) {
                                 COLUMNS(VARIANT_COLUMNS));
     if (!stream)
         return -1;
-    for (int v = 0; v < VARIANTS; v++)
-        if (study->variants[v].there)
-            write_variant(stream, study, v);
+    for (int v = 0; v < VARIANTS; v++) {
+        const struct variant *variant = &study->variants[v];
+        const struct deviation *d = &variant->distance;
+        if (variant->there)
+            WRITE_ROW(stream, VARIANT_COLUMNS);
+    }
     state_study(&plan->output.statements, study, plan->quick);
     return 0;
 }

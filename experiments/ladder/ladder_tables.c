@@ -42,12 +42,6 @@ static const char *status_of(const struct search *s) {
     return s->refused ? outcome_name(REFUSED) : s->place.reached >= 0 ? "reached" : "never";
 }
 
-static void write_search(FILE *stream, const struct plan *plan, const struct search *s) {
-    const struct ladder *ladder = plan->memo;
-    const struct cell *cell = &ladder->cell[s->cell];
-    WRITE_ROW(stream, SEARCH_COLUMNS);
-}
-
 const struct search *ladder_search(const struct ladder *ladder, int cell,
                                    const struct configuration *configuration) {
     for (int i = 0; i < ladder->count; i++)
@@ -82,10 +76,11 @@ static int write_ladder(struct plan *plan) {
         for (next = first + 1; next < ladder->cell_count && ladder_goes_on(ladder, next);)
             next++;
         for (int c = 0; c < plan->configuration_count; c++) {
-            for (int cell = first; cell < next; cell++) {
-                const struct search *s = ladder_search(ladder, cell, &plan->configurations[c]);
+            for (int k = first; k < next; k++) {
+                const struct cell *cell = &ladder->cell[k];
+                const struct search *s = ladder_search(ladder, k, &plan->configurations[c]);
                 if (s)
-                    write_search(stream, plan, s);
+                    WRITE_ROW(stream, SEARCH_COLUMNS);
             }
             fprintf(stream, "\n\n");
         }

@@ -109,12 +109,6 @@ static int write_limits(struct plan *plan) {
       aim_step(cell, t, IN_ORDER))                                                         \
     NOTE_COLUMN(X, adaptive ? "mean step at rtol 1e-3" : t->note)
 
-static void write_largest(FILE *stream, const struct cell *cell, const struct trial *t) {
-    const double step = largest_step(cell, t);
-    const int adaptive = configuration_is_adaptive(t->configuration);
-    WRITE_ROW(stream, LARGEST_COLUMNS);
-}
-
 static int write_scenes(struct plan *plan) {
     const struct limits *limits = plan->memo;
     FILE *stream = output_table(
@@ -130,9 +124,15 @@ static int write_scenes(struct plan *plan) {
         "none that was tried is stable; of near, mm and order, none is, or the method chooses its "
         "steps; of what fails, none does",
         plan->subjects[0].scene, COLUMNS(LARGEST_COLUMNS));
-    for (int i = 0; i < limits->cell_count && stream; i++)
-        for (int k = 0; !limits->cells[i].axis && k < limits->cells[i].trial_count; k++)
-            write_largest(stream, &limits->cells[i], &limits->cells[i].trials[k]);
+    for (int i = 0; i < limits->cell_count && stream; i++) {
+        const struct cell *cell = &limits->cells[i];
+        for (int k = 0; !cell->axis && k < cell->trial_count; k++) {
+            const struct trial *t = &cell->trials[k];
+            const double step = largest_step(cell, t);
+            const int adaptive = configuration_is_adaptive(t->configuration);
+            WRITE_ROW(stream, LARGEST_COLUMNS);
+        }
+    }
     return stream ? 0 : -1;
 }
 

@@ -68,6 +68,7 @@ struct point {
 /* One panel: a scene with one treatment. */
 struct field {
     const struct subject *subject;
+    char group[128];                   /* of its runs in the plan */
     const struct scene *whole, *scene; /* of the reference; cut to the horizon */
     int treatment;
     char left_out[64]; /* other treatments of the scene that are too expensive; empty: none */
@@ -176,10 +177,6 @@ double race_afford(struct plan *plan, const struct race *race, const struct scen
                    int *treatments, int *count, char left_out[64]);
 
 /* --- race_plan.c --- */
-
-/* The run of a field with that label; NULL: there is none. */
-const struct labelled_case *race_find(const struct plan *plan, const struct field *field,
-                                      const char *label);
 
 /* The run of entry at level k with the j-th jittered tolerance; NULL: there is none. */
 const struct labelled_case *race_case(const struct plan *plan, const struct field *field,

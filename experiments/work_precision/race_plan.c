@@ -9,26 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* --- names --- */
-
-static void name_group(char group[128], const struct field *field) {
-    snprintf(group, 128, "%s %s", field->subject->name, race_treatment(field->treatment));
-}
-
-static int adds(struct plan *plan, const struct field *field, const struct scene *scene,
-                const struct run_request *request, const char *label) {
-    char group[128];
-    name_group(group, field);
-    return plan_add(plan, scene, request, group, "%s", label);
-}
-
-const struct labelled_case *race_find(const struct plan *plan, const struct field *field,
-                                      const char *label) {
-    char group[128];
-    name_group(group, field);
-    return find_case(plan, group, "%s", label);
-}
-
 /* --- runs --- */
 
 static struct run_request request_for(const struct plan *plan, const struct field *field,
@@ -44,24 +24,21 @@ static struct run_request request_for(const struct plan *plan, const struct fiel
     return request;
 }
 
-static void name_run(char label[64], const struct entry *entry, int k, int j) {
-    snprintf(label, 64, "%s, level %d.%d", entry->configuration->name, k, j);
-}
+#define RUN_LABEL "%s, level %d.%d" /* configuration, level, jitter */
 
 const struct labelled_case *race_case(const struct plan *plan, const struct field *field,
                                       const struct entry *entry, int k, int j) {
-    char label[64];
-    name_run(label, entry, k, j);
-    return race_find(plan, field, label);
+    return find_case(plan, field->group, RUN_LABEL, entry->configuration->name, k, j);
 }
 
 /* A search and a chart may want the same run. */
 static int plan_run(struct plan *plan, const struct field *field, const struct entry *entry, int k,
                     int j) {
     const struct run_request request = request_for(plan, field, entry, k, j);
-    char label[64];
-    name_run(label, entry, k, j);
-    return race_find(plan, field, label) ? 0 : adds(plan, field, field->scene, &request, label);
+    return race_case(plan, field, entry, k, j)
+               ? 0
+               : plan_add(plan, field->scene, &request, field->group, RUN_LABEL,
+                          entry->configuration->name, k, j);
 }
 
 /* --- scenes --- */
@@ -90,15 +67,16 @@ static void add_entries(struct plan *plan, struct field *field) {
 static int plan_field(struct plan *plan, struct field *field, const struct scene *exact) {
     struct run_request request = {.stepper = "reference",
                                   .treatment = race_treatment(field->treatment)};
-    if (adds(plan, field, field->whole, &request, "reference"))
+    if (plan_add(plan, field->whole, &request, field->group, "reference"))
         return -1;
     request.perturbation = HORIZON_PERTURBATION;
     request.draw = 1;
-    if (field->touches && adds(plan, field, field->whole, &request, "reference, perturbed"))
+    if (field->touches &&
+        plan_add(plan, field->whole, &request, field->group, "reference, perturbed"))
         return -1;
     const struct run_request stiff = {.stepper = "reference", .treatment = "penalty"};
     add_entries(plan, field);
-    return exact ? adds(plan, field, exact, &stiff, "exact") : 0;
+    return exact ? plan_add(plan, exact, &stiff, field->group, "exact") : 0;
 }
 
 static int plan_scenes(struct plan *plan, struct race_notes *notes) {
@@ -124,6 +102,8 @@ static int plan_scenes(struct plan *plan, struct race_notes *notes) {
             field->subject = subject;
             field->whole = field->scene = scene;
             field->treatment = treatments[t];
+            snprintf(field->group, sizeof field->group, "%s %s", subject->name,
+                     race_treatment(treatments[t]));
             snprintf(field->left_out, sizeof field->left_out, "%s", left_out);
             field->touches = scene_has_contacts(scene);
             notes->field_count++;
@@ -170,8 +150,8 @@ int race_plan(struct plan *plan) {
 
 /* Reads how long trajectories may be compared, and cuts the field's scene to that. */
 static int read_horizon(struct plan *plan, struct field *field) {
-    const struct labelled_case *reference = race_find(plan, field, "reference"),
-                               *perturbed = race_find(plan, field, "reference, perturbed");
+    const struct labelled_case *reference = find_case(plan, field->group, "reference"),
+                               *perturbed = find_case(plan, field->group, "reference, perturbed");
     field->horizon = field->whole->duration;
     if (!perturbed)
         return 0;

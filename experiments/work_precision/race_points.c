@@ -208,7 +208,7 @@ static void read_evaluation(struct field *field) {
 
 /* Where a reference failed its runs keep their rows, without errors. */
 static int read_reference(struct plan *plan, struct field *field) {
-    if (plan_read(plan, race_find(plan, field, "reference"), &field->reference))
+    if (plan_read(plan, find_case(plan, field->group, "reference"), &field->reference))
         return -1;
     field->has_reference = field->reference.outcome == FINISHED;
     field->bound = run_number(&field->reference, "cross_check.bound");
@@ -274,7 +274,7 @@ static int read_treatment_error(struct plan *plan, struct field *field) {
     struct run_files exact;
     struct deviation deviation;
     int code = 0;
-    const struct labelled_case *one = race_find(plan, field, "exact");
+    const struct labelled_case *one = find_case(plan, field->group, "exact");
     field->treatment_error = NAN;
     if (!one || !field->has_reference)
         return 0;

@@ -221,20 +221,18 @@ static void write_front(FILE *stream, const struct field *field) {
     }
 }
 
-static void write_cheapest(FILE *stream, const struct field *field, double target) {
-    const struct point *p = race_cheapest(field, target, NULL);
-    const struct point *next = p ? race_cheapest(field, target, p->entry->configuration) : NULL;
-    WRITE_ROW(stream, CHEAPEST_COLUMNS);
-}
-
 static void write_field(FILE *const *streams, const struct field *field) {
     write_points(streams[POINTS], field);
     for (int i = 0; i < field->entry_count; i++)
         write_slope(streams[SLOPES], field, field->entries[i].configuration);
     write_front(streams[FRONT], field);
     WRITE_ROW(streams[REFERENCES], REFERENCE_COLUMNS);
-    for (int i = 0; i < TARGETS && field->has_reference; i++)
-        write_cheapest(streams[CHEAPEST], field, targets[i]);
+    for (int i = 0; i < TARGETS && field->has_reference; i++) {
+        const double target = targets[i];
+        const struct point *p = race_cheapest(field, target, NULL);
+        const struct point *next = p ? race_cheapest(field, target, p->entry->configuration) : NULL;
+        WRITE_ROW(streams[CHEAPEST], CHEAPEST_COLUMNS);
+    }
 }
 
 /* What is kept from field to field. The fields of a subject follow each other; each keeps its
