@@ -45,13 +45,10 @@ static int plan_work(struct plan *plan) {
 }
 
 static int circle_plan(struct plan *plan) {
-    return plan_has_no_scenes(plan) ||
-                   plan_configurations(
-                       plan, CONFIGURATION_PLAIN | CONFIGURATION_ITERATED | CONFIGURATION_FORMULA,
-                       0) ||
-                   circle_plan_panels(plan) || plan_work(plan)
-               ? -1
-               : 0;
+    const unsigned kinds = CONFIGURATION_PLAIN | CONFIGURATION_ITERATED | CONFIGURATION_FORMULA;
+    if (plan_has_no_scenes(plan) || plan_configurations(plan, kinds, 0) || circle_plan_panels(plan))
+        return -1;
+    return plan_work(plan);
 }
 
 /* --- error against cost, and the radius that the stability function predicts --- */
@@ -78,12 +75,6 @@ static struct point read_point(const struct plan *plan, const struct labelled_ca
     return p;
 }
 
-/* Points whose error is neither of the circle's size nor of rounding's make the slope. */
-static void add_to_slope(struct slope *slope, const struct point *p) {
-    if (p->error < 0.05 && p->error > 1e-10)
-        slope_add(slope, p->cost.evaluations, p->error);
-}
-
 /* What is known of all curves of the chart. */
 struct work_summary {
     struct statements *statements;
@@ -100,15 +91,10 @@ struct work_summary {
 static void state_slope(struct work_summary *summary, const struct configuration *configuration,
                         const struct fit *fit) {
     const int order = configuration->method->order;
-    char key[80];
-    snprintf(key, sizeof key, "slope, %.60s", configuration->name);
     statements_add(summary->statements,
-                   (struct statement){.key = key,
-                                      .figure = "work-precision",
-                                      .tables = "work-precision-slopes",
-                                      .verdict = holds_if(fabs(-fit->slope - order) < 0.1),
-                                      .value = -fit->slope,
-                                      .unit = "1"},
+                   our_row("work-precision", "work-precision-slopes",
+                           holds_if(fabs(-fit->slope - order) < 0.1), -fit->slope, "1",
+                           "slope, %.60s", configuration->name),
                    "The error of %s falls with the power %.2f of its cost, and its order is %d.",
                    configuration->name, -fit->slope, order);
 }
@@ -121,14 +107,12 @@ static void write_slope(FILE *stream, const struct configuration *configuration,
                         const struct slope *slope, struct work_summary *summary) {
     const struct fit fit = slope_fit(slope, configuration);
     const int fixed = !configuration_is_adaptive(configuration);
-    const size_t used = strlen(summary->unsloped);
     if (fit.points > 0)
         WRITE_ROW(stream, SLOPE_COLUMNS);
     if (fit.points > 0 && fixed)
         state_slope(summary, configuration, &fit);
     else if (fixed)
-        snprintf(summary->unsloped + used, sizeof summary->unsloped - used, "%s%s",
-                 used ? ", " : "", configuration->name);
+        list_add(summary->unsloped, sizeof summary->unsloped, "%s", configuration->name);
 }
 
 /* |R(-i omega h)|^n, the radius after n steps over the first, where there is a table. */
@@ -160,9 +144,9 @@ static double predicted_radius(const struct configuration *configuration, double
 enum { WORK, SLOPES, RADIUS, TABLES };
 static const struct table_form tables[TABLES] = {
     [WORK] = {"work-precision",
-              "largest position error at the 9 frames of 160 s, m, against force evaluations "
-              "and CPU time, s, of 9 repeated runs; setting: step, s, or rtol = atol; nan: "
-              "there is no number, see status",
+              "largest position error at the 9 frames of 160 s, m, against force evaluations and "
+              "CPU time, s, of 9 repeated runs; setting: step, s, or rtol = atol; nan: there is no "
+              "number, see status",
               COLUMNS(WORK_COLUMNS)},
     [SLOPES] = {"work-precision-slopes",
                 "slopes of log error over log evaluations, between 1e-10 and 0.05 m, " SLOPE_RULE,
@@ -196,11 +180,11 @@ static void add_point(struct work_summary *summary, const struct configuration *
     snprintf(summary->best, sizeof summary->best, "%s", c->name);
 }
 
-static void write_point(const struct atomic_file *files, const struct configuration *c,
-                        const struct point *p, struct work_summary *summary) {
+static void write_point(FILE *const *streams, const struct configuration *c, const struct point *p,
+                        struct work_summary *summary) {
     const struct cost *cost = &p->cost;
     add_point(summary, c, p);
-    WRITE_ROW(files[WORK].stream, WORK_COLUMNS);
+    WRITE_ROW(streams[WORK], WORK_COLUMNS);
     if (configuration_is_adaptive(c) || cost->outcome != FINISHED)
         return;
     char predicted[32] = "no prediction";
@@ -209,12 +193,12 @@ static void write_point(const struct atomic_file *files, const struct configurat
         snprintf(predicted, sizeof predicted, "%.17g", radius);
         add_radius(summary, c, p, radius);
     }
-    WRITE_ROW(files[RADIUS].stream, RADIUS_COLUMNS);
+    WRITE_ROW(streams[RADIUS], RADIUS_COLUMNS);
 }
 
 /* Rows of one configuration, in the order of its settings; blocks are separated by two blank lines.
  */
-static int write_configuration(struct plan *plan, int c, const struct atomic_file *files,
+static int write_configuration(struct plan *plan, int c, FILE *const *streams,
                                struct work_summary *summary) {
     struct slope slope = {.count = 0};
     for (int i = 0; i < plan->case_count; i++) {
@@ -223,53 +207,42 @@ static int write_configuration(struct plan *plan, int c, const struct atomic_fil
         if (strcmp(plan->cases[i].group, "work") != 0 ||
             sscanf(plan->cases[i].label, "%d", &configuration) != 1 || configuration != c)
             continue;
-        if (run_read_states(&run, plan->cases[i].run.folder, plan->trajectories, plan->reason))
+        if (plan_read(plan, &plan->cases[i], &run))
             return -1;
         const struct point point = read_point(plan, &plan->cases[i], &run);
-        write_point(files, &plan->configurations[c], &point, summary);
-        add_to_slope(&slope, &point);
+        write_point(streams, &plan->configurations[c], &point, summary);
+        if (point.error < 0.05 && point.error > 1e-10) /* neither as the circle nor of rounding */
+            slope_add(&slope, point.cost.evaluations, point.error);
         run_free(&run);
     }
-    write_slope(files[SLOPES].stream, &plan->configurations[c], &slope, summary);
-    fprintf(files[WORK].stream, "\n\n");
-    fprintf(files[RADIUS].stream, "\n\n");
+    write_slope(streams[SLOPES], &plan->configurations[c], &slope, summary);
+    fprintf(streams[WORK], "\n\n");
+    fprintf(streams[RADIUS], "\n\n");
     return 0;
 }
 
 static void state_work(const struct work_summary *summary) {
-    const struct statement chart = {.figure = "work-precision", .tables = "work-precision"};
-    struct statement row = chart;
-    if (summary->unsloped[0]) {
-        row.key = "no slope";
-        row.verdict = NOT_REACHED;
-        statements_add(summary->statements, row,
+    static const char chart[] = "work-precision";
+    const enum claim_verdict verdict = summary->finished > 0 ? HOLDS : NOT_REACHED;
+    if (summary->unsloped[0])
+        statements_add(summary->statements,
+                       our_row(chart, chart, NOT_REACHED, NAN, NULL, "no slope"),
                        "No slope is given where fewer than three errors lie between 1e-10 and 0.05 "
                        "m, as with %s.",
                        summary->unsloped);
-    }
-    row = chart;
-    row.key = "finished";
-    row.verdict = summary->finished > 0 ? HOLDS : NOT_REACHED;
-    row.value = summary->finished;
-    row.unit = "1";
-    statements_add(summary->statements, row, "%d of %d runs finish.", summary->finished,
-                   summary->finished + summary->failed);
-    if (summary->best[0]) {
-        row.key = "smallest error";
-        row.value = summary->least;
-        row.unit = "m";
-        statements_add(summary->statements, row, "The smallest error is that of %s, %.2g m.",
-                       summary->best, summary->least);
-    }
+    statements_add(summary->statements,
+                   our_row(chart, chart, verdict, summary->finished, "1", "finished"),
+                   "%d of %d runs finish.", summary->finished, summary->finished + summary->failed);
+    if (summary->best[0])
+        statements_add(summary->statements,
+                       our_row(chart, chart, verdict, summary->least, "m", "smallest error"),
+                       "The smallest error is that of %s, %.2g m.", summary->best, summary->least);
 }
 
 static void state_radius(const struct work_summary *summary) {
-    struct statement row = {.key = "radius",
-                            .figure = "radius",
-                            .tables = "radius radius-predicted",
-                            .verdict = holds_if(summary->within == summary->predicted),
-                            .value = summary->apart,
-                            .unit = "1"};
+    struct statement row =
+        our_row("radius", "radius radius-predicted",
+                holds_if(summary->within == summary->predicted), summary->apart, "1", "radius");
     if (summary->predicted > 0) {
         statements_add(summary->statements, row,
                        "In %d of %d runs the radius is that of the stability function to one part "
@@ -283,16 +256,14 @@ static void state_radius(const struct work_summary *summary) {
                    summary->finished > 0 ? "was asked for" : "reached its end");
 }
 
-static int write_work(struct plan *plan, const char *folder, struct statements *statements) {
-    struct work_summary summary = {.statements = statements};
-    struct atomic_file files[TABLES];
-    int code = 0;
-    if (tables_open(files, tables, TABLES, folder, "", circle_table_scene(plan), plan->reason))
+static int write_work(struct plan *plan) {
+    struct work_summary summary = {.statements = &plan->output.statements};
+    FILE *streams[TABLES];
+    if (output_tables(&plan->output, streams, tables, TABLES, "", circle_table_scene(plan)))
         return -1;
-    for (int c = 0; c < plan->configuration_count && !code; c++)
-        code = write_configuration(plan, c, files, &summary);
-    if (tables_close(files, TABLES, code, plan->reason))
-        return -1;
+    for (int c = 0; c < plan->configuration_count; c++)
+        if (write_configuration(plan, c, streams, &summary))
+            return -1;
     state_work(&summary);
     state_radius(&summary);
     return 0;
@@ -305,11 +276,11 @@ static int write_work(struct plan *plan, const char *folder, struct statements *
     X("radius", "m", "distance from the centre after 160 s by the stability function", "%.17g", \
       predicted_radius(configuration, h, 160 / h))
 
-static int write_prediction(struct plan *plan, const char *folder) {
-    struct atomic_file file;
-    if (open_table(&file, folder, "radius-predicted",
-                   "0.9 |R(-i omega h)|^(160 s / h), m, from the stability function",
-                   circle_table_scene(plan), COLUMNS(PREDICTION_COLUMNS), plan->reason))
+static int write_prediction(struct plan *plan) {
+    FILE *stream = output_table(&plan->output, "radius-predicted",
+                                "0.9 |R(-i omega h)|^(160 s / h), m, from the stability function",
+                                circle_table_scene(plan), COLUMNS(PREDICTION_COLUMNS));
+    if (!stream)
         return -1;
     for (int c = 0; c < plan->configuration_count; c++) {
         const struct configuration *configuration = &plan->configurations[c];
@@ -317,27 +288,19 @@ static int write_prediction(struct plan *plan, const char *folder) {
             continue;
         for (int k = 0; k <= 400; k++) {
             const double h = 2e-3 * pow(1e4, k / 400.);
-            WRITE_ROW(file.stream, PREDICTION_COLUMNS);
+            WRITE_ROW(stream, PREDICTION_COLUMNS);
         }
-        fprintf(file.stream, "\n\n");
+        fprintf(stream, "\n\n");
     }
-    return atomic_commit(&file, plan->reason);
+    return 0;
 }
 
-static int write_tables(struct plan *plan, const char *folder, struct statements *statements) {
-    return circle_tabulate_panels(plan, folder, statements) ||
-                   write_work(plan, folder, statements) || write_prediction(plan, folder)
-               ? -1
-               : 0;
-}
-
-static int circle_tabulate(struct plan *plan, const char *folder) {
-    struct statements statements;
-    const char *cut = "--quick: six points a curve";
-    if (statements_open(&statements, folder, circle_table_scene(plan), plan->quick ? cut : NULL,
-                        plan->reason))
+static int circle_tabulate(struct plan *plan) {
+    if (plan_open_statements(plan, circle_table_scene(plan),
+                             plan->quick ? "--quick: six points a curve" : NULL) ||
+        circle_tabulate_panels(plan) || write_work(plan))
         return -1;
-    return statements_close(&statements, write_tables(plan, folder, &statements), plan->reason);
+    return write_prediction(plan);
 }
 
 const struct experiment circle_experiment = {

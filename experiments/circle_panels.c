@@ -64,22 +64,11 @@ const struct scene *circle_table_scene(const struct plan *plan) {
     return plan->case_count ? plan->cases[0].run.scene : NULL;
 }
 
-/* Calls `row` for each panel's run of a group with its files. */
-static int each_panel(struct plan *plan, const char *group, FILE *stream,
-                      void (*row)(FILE *stream, int panel, const struct run_files *run)) {
-    for (int i = 0; i < PANELS; i++) {
-        char label[16];
-        struct run_files run;
-        snprintf(label, sizeof label, "%d", i);
-        const struct labelled_case *found = find_case(plan, group, label);
-        if (!found)
-            continue;
-        if (run_read_states(&run, found->run.folder, plan->trajectories, plan->reason))
-            return -1;
-        row(stream, i, &run);
-        run_free(&run);
-    }
-    return 0;
+/* Reads a panel's run up to an end. Returns 1, or 0 where there is none, or -1 with plan->reason.
+ */
+static int read_panel(struct plan *plan, int panel, int end, struct run_files *run) {
+    const struct labelled_case *found = find_case(plan, end ? "160 s" : "30 s", "%d", panel);
+    return !found ? 0 : plan_read(plan, found, run) ? -1 : 1;
 }
 
 /* --- figures 2.4 and 2.5, error against time --- */
@@ -104,22 +93,25 @@ static void orbit_rows(FILE *stream, int panel, const struct run_files *run) {
     fprintf(stream, "\n\n");
 }
 
-static int write_orbits(struct plan *plan, const char *folder) {
+static int write_orbits(struct plan *plan) {
     for (int e = 0; e < 2; e++) {
-        struct atomic_file file;
-        const char *group = e ? "160 s" : "30 s";
-        if (open_table(
-                &file, folder, e ? "orbits-160s" : "orbits-30s",
-                "trajectories, one block for each panel: s, m; error: distance from the exact "
-                "position, m; force_evaluations: of the whole run",
-                circle_table_scene(plan), COLUMNS(ORBIT_COLUMNS), plan->reason))
+        FILE *stream =
+            output_table(&plan->output, e ? "orbits-160s" : "orbits-30s",
+                         "trajectories, one block for each panel: s, m; error: distance from the "
+                         "exact position, m; force_evaluations: of the whole run",
+                         circle_table_scene(plan), COLUMNS(ORBIT_COLUMNS));
+        if (!stream)
             return -1;
-        if (each_panel(plan, group, file.stream, orbit_rows)) {
-            atomic_discard(&file);
-            return -1;
+        for (int i = 0; i < PANELS; i++) {
+            struct run_files run;
+            const int there = read_panel(plan, i, e, &run);
+            if (there < 0)
+                return -1;
+            if (!there)
+                continue;
+            orbit_rows(stream, i, &run);
+            run_free(&run);
         }
-        if (atomic_commit(&file, plan->reason))
-            return -1;
     }
     return 0;
 }
@@ -134,16 +126,14 @@ struct panel_errors {
 
 static int read_panels(struct plan *plan, struct panel_errors errors[PANELS]) {
     memset(errors, 0, PANELS * sizeof *errors);
-    for (int i = 0; i < PANELS; i++) {
-        char label[16];
-        snprintf(label, sizeof label, "%d", i);
+    for (int i = 0; i < PANELS; i++)
         for (int e = 0; e < 2; e++) {
             struct run_files run;
-            const struct labelled_case *found = find_case(plan, e ? "160 s" : "30 s", label);
-            if (!found)
-                continue;
-            if (run_read_states(&run, found->run.folder, plan->trajectories, plan->reason))
+            const int there = read_panel(plan, i, e, &run);
+            if (there < 0)
                 return -1;
+            if (!there)
+                continue;
             const double *last = trajectory_row(run.states, run.states->table.row_count - 1);
             errors[i].finished = run.outcome == FINISHED && (e == 0 || errors[i].finished);
             errors[i].there = 1;
@@ -153,7 +143,6 @@ static int read_panels(struct plan *plan, struct panel_errors errors[PANELS]) {
             errors[i].evaluations = (long long)run_number(&run, "counters.force_evaluations");
             run_free(&run);
         }
-    }
     return 0;
 }
 
@@ -169,30 +158,30 @@ static int read_panels(struct plan *plan, struct panel_errors errors[PANELS]) {
     X("expected_radius", "m", "radius after 160 s, worked out by hand", "%g", p->radius_160)   \
     X("force_evaluations", "1", "evaluations of the forces in 160 s", "%lld", e->evaluations)
 
-static int write_panel_table(struct plan *plan, const char *folder,
-                             const struct panel_errors errors[PANELS]) {
-    struct atomic_file file;
-    if (open_table(&file, folder, "table", "position errors, m, beside the expected ones",
-                   circle_table_scene(plan), COLUMNS(PANEL_COLUMNS), plan->reason))
+static int write_panel_table(struct plan *plan, const struct panel_errors errors[PANELS]) {
+    FILE *stream =
+        output_table(&plan->output, "table", "position errors, m, beside the expected ones",
+                     circle_table_scene(plan), COLUMNS(PANEL_COLUMNS));
+    if (!stream)
         return -1;
     for (int i = 0; i < PANELS; i++) {
         const struct panel *p = &panels[i];
         const struct panel_errors *e = &errors[i];
-        if (!e->there)
-            continue;
-        WRITE_ROW(file.stream, PANEL_COLUMNS);
+        if (e->there)
+            WRITE_ROW(stream, PANEL_COLUMNS);
     }
-    return atomic_commit(&file, plan->reason);
+    return 0;
 }
 
 /* --- what the thesis says of them (section 2.3.3) --- */
 
 /* A claim on one panel beside another, or itself, after 30 or after 160 s. */
+enum { AFTER_30, AFTER_160 };
 struct claim {
     const char *key; /* NULL: the panel's title */
-    int panel, other, at_30, shown;
+    int panel, other, end, shown;
     double value;
-    const char *unit; /* NULL: m */
+    const char *unit;
 };
 
 /* Adds it (printf). */
@@ -201,13 +190,9 @@ __attribute__((format(printf, 4, 5))) static void state_claim(struct statements 
                                                               struct claim claim,
                                                               const char *sentence, ...) {
     const char *title = panels[claim.panel].title;
-    struct statement row = {.key = claim.key ? claim.key : title,
-                            .figure = claim.at_30 ? "orbits-30s" : "orbits-160s",
-                            .tables = "table",
-                            .by = THESIS,
-                            .verdict = holds_if(claim.shown),
-                            .value = claim.value,
-                            .unit = claim.unit ? claim.unit : "m"};
+    struct statement row = thesis_row(claim.end == AFTER_30 ? "orbits-30s" : "orbits-160s", "table",
+                                      holds_if(claim.shown), claim.value, claim.unit, "%s",
+                                      claim.key ? claim.key : title);
     char text[400];
     va_list arguments;
     va_start(arguments, sentence);
@@ -228,29 +213,23 @@ __attribute__((format(printf, 4, 5))) static void state_claim(struct statements 
 static void state_euler(struct statements *statements, const struct panel_errors *e) {
     const double shorter = panels[EULER].step / panels[FINE].step;
     state_claim(statements, e,
-                (struct claim){.panel = EULER,
-                               .other = EULER,
-                               .shown = e[EULER].radius > 2 * CIRCLE_RADIUS,
-                               .value = e[EULER].radius},
+                (struct claim){NULL, EULER, EULER, AFTER_160, e[EULER].radius > 2 * CIRCLE_RADIUS,
+                               e[EULER].radius, "m"},
                 "Explicit Euler leaves the circle of %.1f m very fast: after 160 s it is %.3g m "
                 "from the centre.",
                 CIRCLE_RADIUS, e[EULER].radius);
-    state_claim(
-        statements, e,
-        (struct claim){.key = "explicit Euler, shorter steps",
-                       .panel = FINE,
-                       .other = EULER,
-                       .shown = e[FINE].error[1] < e[EULER].error[1] / shorter,
-                       .value = e[FINE].error[1]},
-        "Explicit Euler's error gets as small as its step: with steps %.0f times as short it "
-        "is %.3g m off after 160 s, and not %.3g m.",
-        shorter, e[FINE].error[1], e[EULER].error[1]);
     state_claim(statements, e,
-                (struct claim){.panel = FINE,
-                               .other = RK4,
-                               .shown = e[FINE].error[1] < 2 * e[RK4].error[1] &&
-                                        e[FINE].error[1] > 0.5 * e[RK4].error[1],
-                               .value = e[FINE].error[1]},
+                (struct claim){"explicit Euler, shorter steps", FINE, EULER, AFTER_160,
+                               e[FINE].error[1] < e[EULER].error[1] / shorter, e[FINE].error[1],
+                               "m"},
+                "Explicit Euler's error gets as small as its step: with steps %.0f times as short "
+                "it is %.3g m off after 160 s, and not %.3g m.",
+                shorter, e[FINE].error[1], e[EULER].error[1]);
+    state_claim(statements, e,
+                (struct claim){NULL, FINE, RK4, AFTER_160,
+                               e[FINE].error[1] < 2 * e[RK4].error[1] &&
+                                   e[FINE].error[1] > 0.5 * e[RK4].error[1],
+                               e[FINE].error[1], "m"},
                 "Explicit Euler at 0.0125 s compares with Runge-Kutta 4 at 3.2 s: it is %.3g m off "
                 "after 160 s, Runge-Kutta 4 %.3g m.",
                 e[FINE].error[1], e[RK4].error[1]);
@@ -265,68 +244,51 @@ static double angle_behind(const struct panel_errors *e) {
 static void state_higher_orders(struct statements *statements, const struct panel_errors *e) {
     const double off = fabs(e[RK4].radius - CIRCLE_RADIUS), behind = angle_behind(&e[RK4]);
     state_claim(statements, e,
-                (struct claim){.panel = MIDPOINT,
-                               .other = EULER,
-                               .shown = e[MIDPOINT].error[1] < 0.1 * e[EULER].error[1],
-                               .value = e[MIDPOINT].error[1]},
+                (struct claim){NULL, MIDPOINT, EULER, AFTER_160,
+                               e[MIDPOINT].error[1] < 0.1 * e[EULER].error[1], e[MIDPOINT].error[1],
+                               "m"},
                 "Midpoint is much better than explicit Euler at equal cost: it is %.3g m off after "
                 "160 s, Euler %.3g m.",
                 e[MIDPOINT].error[1], e[EULER].error[1]);
     state_claim(statements, e,
-                (struct claim){.key = "midpoint, less precise",
-                               .panel = MIDPOINT,
-                               .other = RK4,
-                               .shown = e[MIDPOINT].error[1] > e[RK4].error[1],
-                               .value = e[MIDPOINT].error[1] / e[RK4].error[1],
-                               .unit = "1"},
+                (struct claim){"midpoint, less precise", MIDPOINT, RK4, AFTER_160,
+                               e[MIDPOINT].error[1] > e[RK4].error[1],
+                               e[MIDPOINT].error[1] / e[RK4].error[1], "1"},
                 "Midpoint is less precise than Runge-Kutta 4: it is %.3g m off after 160 s, "
                 "Runge-Kutta 4 %.3g m.",
                 e[MIDPOINT].error[1], e[RK4].error[1]);
     state_claim(statements, e,
-                (struct claim){
-                    .panel = RK4, .other = RK4, .shown = off < 0.1 * CIRCLE_RADIUS, .value = off},
+                (struct claim){NULL, RK4, RK4, AFTER_160, off < 0.1 * CIRCLE_RADIUS, off, "m"},
                 "Runge-Kutta 4 strays but little from the circle: after 160 s it is %.3g m off it.",
                 off);
     /* "pas du tout": farther off than what the thesis calls a visible gap in another panel */
-    state_claim(statements, e,
-                (struct claim){.key = "Runge-Kutta 4, not at all",
-                               .panel = RK4,
-                               .other = PROJECTED,
-                               .shown = e[RK4].error[1] >= e[PROJECTED].error[1],
-                               .value = e[RK4].error[1]},
-                "Runge-Kutta 4 is not at all where the particle should be: after 160 s it is %.3g "
-                "m off, and explicit Euler with projection, whose gap the thesis calls visible, "
-                "%.3g m.",
-                e[RK4].error[1], e[PROJECTED].error[1]);
-    state_claim(statements, e,
-                (struct claim){.key = "Runge-Kutta 4, speed",
-                               .panel = RK4,
-                               .other = RK4,
-                               .shown = behind > 0.01,
-                               .value = behind,
-                               .unit = "rad"},
-                "Runge-Kutta 4 goes round at another speed: in 160 s it is %.2g rad of %.3g off, "
-                "%.2g %%.",
-                behind, 160 * CIRCLE_RATE, 100 * behind / (160 * CIRCLE_RATE));
+    state_claim(
+        statements, e,
+        (struct claim){"Runge-Kutta 4, not at all", RK4, PROJECTED, AFTER_160,
+                       e[RK4].error[1] >= e[PROJECTED].error[1], e[RK4].error[1], "m"},
+        "Runge-Kutta 4 is not at all where the particle should be: after 160 s it is %.3g m off, "
+        "and explicit Euler with projection, whose gap the thesis calls visible, %.3g m.",
+        e[RK4].error[1], e[PROJECTED].error[1]);
+    state_claim(
+        statements, e,
+        (struct claim){"Runge-Kutta 4, speed", RK4, RK4, AFTER_160, behind > 0.01, behind, "rad"},
+        "Runge-Kutta 4 goes round at another speed: in 160 s it is %.2g rad of %.3g off, %.2g %%.",
+        behind, 160 * CIRCLE_RATE, 100 * behind / (160 * CIRCLE_RATE));
 }
 
 static void state_implicit(struct statements *statements, const struct panel_errors *e) {
     state_claim(statements, e,
-                (struct claim){.panel = IMPLICIT,
-                               .other = EULER,
-                               .at_30 = 1,
-                               .shown = e[IMPLICIT].error[0] < e[EULER].error[0] &&
-                                        e[IMPLICIT].error[0] > 0.1 * e[EULER].error[0],
-                               .value = e[IMPLICIT].error[0]},
-                "Implicit Euler is a little better than explicit Euler: it is %.3g m off after "
-                "30 s, explicit Euler %.3g m.",
+                (struct claim){NULL, IMPLICIT, EULER, AFTER_30,
+                               e[IMPLICIT].error[0] < e[EULER].error[0] &&
+                                   e[IMPLICIT].error[0] > 0.1 * e[EULER].error[0],
+                               e[IMPLICIT].error[0], "m"},
+                "Implicit Euler is a little better than explicit Euler: it is %.3g m off after 30 "
+                "s, explicit Euler %.3g m.",
                 e[IMPLICIT].error[0], e[EULER].error[0]);
     state_claim(statements, e,
-                (struct claim){.key = "implicit Euler, far off",
-                               .panel = IMPLICIT,
-                               .other = IMPLICIT,
-                               .shown = e[IMPLICIT].error[1] > 0.5 * CIRCLE_RADIUS,
-                               .value = e[IMPLICIT].error[1]},
+                (struct claim){"implicit Euler, far off", IMPLICIT, IMPLICIT, AFTER_160,
+                               e[IMPLICIT].error[1] > 0.5 * CIRCLE_RADIUS, e[IMPLICIT].error[1],
+                               "m"},
                 "Implicit Euler strays far from the solution: it is %.3g m off after 160 s, and "
                 "%.3g m from the centre.",
                 e[IMPLICIT].error[1], e[IMPLICIT].radius);
@@ -334,46 +296,31 @@ static void state_implicit(struct statements *statements, const struct panel_err
 
 static void state_constrained(struct statements *statements, const struct panel_errors *e) {
     state_claim(statements, e,
-                (struct claim){.panel = PROJECTED,
-                               .other = PROJECTED,
-                               .shown = fabs(e[PROJECTED].radius - CIRCLE_RADIUS) < 1e-9 &&
-                                        fabs(e[PROJECTED].speed - CIRCLE_SPEED) < 1e-9,
-                               .value = e[PROJECTED].radius},
+                (struct claim){NULL, PROJECTED, PROJECTED, AFTER_160,
+                               fabs(e[PROJECTED].radius - CIRCLE_RADIUS) < 1e-9 &&
+                                   fabs(e[PROJECTED].speed - CIRCLE_SPEED) < 1e-9,
+                               e[PROJECTED].radius, "m"},
                 "Explicit Euler with projection looks right: after 160 s the particle is on the "
                 "circle, %.3g m from its centre, at %.3g m/s.",
                 e[PROJECTED].radius, e[PROJECTED].speed);
     state_claim(statements, e,
-                (struct claim){.key = "explicit Euler, projected, gap",
-                               .panel = PROJECTED,
-                               .other = PROJECTED,
-                               .shown = e[PROJECTED].error[1] > 0.1,
-                               .value = e[PROJECTED].error[1]},
+                (struct claim){"explicit Euler, projected, gap", PROJECTED, PROJECTED, AFTER_160,
+                               e[PROJECTED].error[1] > 0.1, e[PROJECTED].error[1], "m"},
                 "Explicit Euler with projection, after the step and not in it, is visibly off its "
                 "place: after 160 s it is %.3g m off.",
                 e[PROJECTED].error[1]);
     state_claim(
         statements, e,
-        (struct claim){.panel = ANGLE,
-                       .other = ANGLE,
-                       .shown = e[ANGLE].error[1] < 1e-9,
-                       .value = e[ANGLE].error[1]},
+        (struct claim){NULL, ANGLE, ANGLE, AFTER_160, e[ANGLE].error[1] < 1e-9, e[ANGLE].error[1],
+                       "m"},
         "Explicit Euler in the angle is exact: after 160 s it is off by no more than %.1g m.",
         fmax(e[ANGLE].error[1], 1e-15));
-}
-
-static void state_claims(struct statements *statements, const struct panel_errors *e) {
-    state_euler(statements, e);
-    state_higher_orders(statements, e);
-    state_implicit(statements, e);
-    state_constrained(statements, e);
 }
 
 /* Who of the panels is nearest after a time, and who farthest. */
 static void state_distances(struct statements *statements, const struct panel_errors *errors,
                             int end, const char *figure) {
     int near = -1, far = -1, there = 0;
-    char key[32];
-    snprintf(key, sizeof key, "distances at %g s", ends[end]);
     for (int i = 0; i < PANELS; i++) {
         there += errors[i].there;
         if (!errors[i].finished)
@@ -383,14 +330,12 @@ static void state_distances(struct statements *statements, const struct panel_er
         if (far < 0 || errors[i].error[end] > errors[far].error[end])
             far = i;
     }
-    struct statement row = {.key = key,
-                            .figure = figure,
-                            .tables = end ? "table orbits-160s" : "table",
-                            .verdict = near >= 0 ? HOLDS
-                                       : there   ? NOT_REACHED
-                                                 : NOT_ASKED,
-                            .value = near < 0 ? NAN : errors[far].error[end],
-                            .unit = "m"};
+    const struct statement row =
+        our_row(figure, end ? "table orbits-160s" : "table",
+                near >= 0 ? HOLDS
+                : there   ? NOT_REACHED
+                          : NOT_ASKED,
+                near < 0 ? NAN : errors[far].error[end], "m", "distances at %g s", ends[end]);
     char distance[48] = "with no error but rounding";
     if (near >= 0 && errors[near].error[end] > 1e-12)
         snprintf(distance, sizeof distance, "%.2g m from it", errors[near].error[end]);
@@ -404,12 +349,15 @@ static void state_distances(struct statements *statements, const struct panel_er
             ends[end], panels[near].title, distance, panels[far].title, errors[far].error[end]);
 }
 
-int circle_tabulate_panels(struct plan *plan, const char *folder, struct statements *statements) {
+int circle_tabulate_panels(struct plan *plan) {
+    struct statements *statements = &plan->output.statements;
     struct panel_errors errors[PANELS];
-    if (write_orbits(plan, folder) || read_panels(plan, errors) ||
-        write_panel_table(plan, folder, errors))
+    if (write_orbits(plan) || read_panels(plan, errors) || write_panel_table(plan, errors))
         return -1;
-    state_claims(statements, errors);
+    state_euler(statements, errors);
+    state_higher_orders(statements, errors);
+    state_implicit(statements, errors);
+    state_constrained(statements, errors);
     state_distances(statements, errors, 0, "orbits-30s");
     state_distances(statements, errors, 1, "error-time");
     return 0;

@@ -4,14 +4,13 @@
 #define WISPLAB_CIRCLE_PANELS_H
 
 #include "experiments/common/plan.h"
-#include "experiments/common/statements.h"
 
 /* Plans the panels' runs. Returns 0, or -1 with plan->reason. */
 int circle_plan_panels(struct plan *plan);
 
 /* Writes the tables orbits-30s, orbits-160s and table, and states what they show. Returns 0, or -1
  * with plan->reason. */
-int circle_tabulate_panels(struct plan *plan, const char *folder, struct statements *statements);
+int circle_tabulate_panels(struct plan *plan);
 
 /* How far the particle of a row of states is from where it should be, and from the circle's centre,
  * m. */

@@ -25,18 +25,6 @@ static int members(const struct plan *plan) {
 
 /* --- the runs --- */
 
-static int add(struct plan *plan, const struct subject *subject, const struct scene *scene,
-               struct run_request *request, double perturbation, int draw, const char *label) {
-    request->treatment = treatment;
-    request->perturbation = perturbation;
-    request->draw = draw;
-    return plan_add(plan, scene, request, subject->name, "%s", label);
-}
-
-static void name_member(char label[64], const char *stepper, int member) {
-    snprintf(label, 64, "%s %d", stepper, member);
-}
-
 /* Members at usual steps; those of the reference need not be its tightest. A stepper that refuses
  * the scene has no ensemble on it. */
 static int plan_ensemble(struct plan *plan, const struct subject *subject,
@@ -47,12 +35,12 @@ static int plan_ensemble(struct plan *plan, const struct subject *subject,
                                   .rtol = is_reference ? 1e-9 : 0,
                                   .atol = is_reference ? 1e-11 : 0,
                                   .treatment = treatment,
+                                  .perturbation = scatter,
                                   .diagnostics = 1};
     char reason[REASON_SIZE];
     for (int i = 0; plan_takes(plan, scene, &request, reason) && i < members(plan); i++) {
-        char label[64];
-        name_member(label, method->name, i);
-        if (add(plan, subject, scene, &request, scatter, 2 + i, label))
+        request.draw = 2 + i;
+        if (plan_add(plan, scene, &request, subject->name, "%s %d", method->name, i))
             return -1;
     }
     return 0;
@@ -66,11 +54,13 @@ static int plan_subject(struct plan *plan, const struct subject *subject) {
              0.6 * budget * cores / plan->subject_count / runs / reference_cost(subject->scene));
     const struct scene *scene =
         plan_cut_scene(plan, subject, sparse_frame_rate(subject->scene, duration), duration, NULL);
-    struct run_request reference = {.stepper = "reference"};
-    if (!scene)
-        return -1;
-    if (add(plan, subject, scene, &reference, 0, 0, "reference") ||
-        add(plan, subject, scene, &reference, HORIZON_PERTURBATION, 1, "reference, perturbed"))
+    const struct run_request reference = {.stepper = "reference", .treatment = treatment},
+                             perturbed = {.stepper = "reference",
+                                          .treatment = treatment,
+                                          .perturbation = HORIZON_PERTURBATION,
+                                          .draw = 1};
+    if (!scene || plan_add(plan, scene, &reference, subject->name, "reference") ||
+        plan_add(plan, scene, &perturbed, subject->name, "reference, perturbed"))
         return -1;
     for (int m = 0; stepper_methods[m]; m++)
         if ((plan_wants(plan, stepper_methods[m]->name) || stepper_methods[m]->checked_by) &&
@@ -95,21 +85,25 @@ static int horizon_plan(struct plan *plan) {
 struct member {
     enum outcome outcome;
     double failure_time;
-    int rows;        /* of states, over those frames */
-    double *x;       /* positions, 3 for each row, m; owned */
-    double energy;   /* kinetic and potential, mean over those frames, J */
-    double contacts; /* of wisps and bodies, after the first of those frames */
+    int rows;       /* of states, over those frames */
+    double *number; /* see below; owned */
 };
 
-static void copy_positions(struct member *member, const struct trajectory *states, double from) {
+/* Its numbers: kinetic and potential energy, mean over those frames, J; contacts of wisps and
+ * bodies, after the first of those frames; from POSITIONS on 3 for each row, m. */
+enum { ENERGY, CONTACTS, POSITIONS };
+
+/* Returns 0, or -1 where memory cannot be had. */
+static int copy_positions(struct member *member, const struct trajectory *states, double from) {
     const int rows = states->table.row_count;
     int first = 0;
     while (first < rows && trajectory_row(states, first)[STATE_T] < from - 1e-9)
         first++;
     member->rows = rows - first;
-    member->x = malloc((3 * (size_t)member->rows + 1) * sizeof(double));
-    for (int i = 0; member->x && i < 3 * member->rows; i++)
-        member->x[i] = trajectory_row(states, first + i / 3)[STATE_X + i % 3];
+    member->number = calloc(POSITIONS + 3 * (size_t)member->rows, sizeof(double));
+    for (int i = 0; member->number && i < 3 * member->rows; i++)
+        member->number[POSITIONS + i] = trajectory_row(states, first + i / 3)[STATE_X + i % 3];
+    return member->number ? 0 : -1;
 }
 
 static void average_diagnoses(struct member *member, const struct table *diagnoses, double from) {
@@ -122,32 +116,35 @@ static void average_diagnoses(struct member *member, const struct table *diagnos
         if (t < from - 1e-9)
             continue;
         for (int e = 0; energies[e]; e++)
-            member->energy += table_value(diagnoses, i, table_column(diagnoses, energies[e]));
+            member->number[ENERGY] +=
+                table_value(diagnoses, i, table_column(diagnoses, energies[e]));
         if (frames++ == 0)
             continue; /* what was counted up to the first frame is before it */
-        member->contacts += table_value(diagnoses, i, table_column(diagnoses, "wisp_contacts")) +
-                            table_value(diagnoses, i, table_column(diagnoses, "body_contacts"));
+        member->number[CONTACTS] +=
+            table_value(diagnoses, i, table_column(diagnoses, "wisp_contacts")) +
+            table_value(diagnoses, i, table_column(diagnoses, "body_contacts"));
     }
-    member->energy /= frames;
+    member->number[ENERGY] /= frames;
 }
 
-static int read_member(struct plan *plan, struct member *member, const char *folder, double from) {
+static int read_member(struct plan *plan, struct member *member, const struct labelled_case *one,
+                       double from) {
     struct run_files run;
     struct table diagnoses;
     char path[PATH_SIZE];
     int code = 0;
-    if (run_read_states(&run, folder, plan->trajectories, plan->reason))
+    if (plan_read(plan, one, &run))
         return -1;
     *member =
         (struct member){.outcome = run.outcome, .failure_time = run_number(&run, "failure_time")};
-    path_format(path, "%s/diagnostics.tsv", folder);
-    if (run.outcome == FINISHED) {
-        copy_positions(member, run.states, from);
-        code = table_read(&diagnoses, path, plan->reason);
-        if (!code) {
-            average_diagnoses(member, &diagnoses, from);
-            table_free(&diagnoses);
-        }
+    path_format(path, "%s/diagnostics.tsv", one->run.folder);
+    if (run.outcome == FINISHED)
+        code = copy_positions(member, run.states, from)
+                   ? fail_with(plan->reason, "out of memory")
+                   : table_read(&diagnoses, path, plan->reason);
+    if (run.outcome == FINISHED && !code) {
+        average_diagnoses(member, &diagnoses, from);
+        table_free(&diagnoses);
     }
     run_free(&run);
     return code;
@@ -162,7 +159,7 @@ struct ensemble {
 
 static void ensemble_free(struct ensemble *ensemble) {
     for (int i = 0; i < ensemble->count; i++)
-        free(ensemble->member[i].x);
+        free(ensemble->member[i].number);
     ensemble->count = 0;
 }
 
@@ -170,16 +167,13 @@ static int ensemble_read(struct plan *plan, const struct subject *subject, const
                          double from, struct ensemble *ensemble) {
     *ensemble = (struct ensemble){.count = 0};
     for (int i = 0; i < members(plan); i++) {
-        char label[64];
-        name_member(label, stepper, i);
-        const struct labelled_case *one = find_case(plan, subject->name, label);
+        const struct labelled_case *one = find_case(plan, subject->name, "%s %d", stepper, i);
         if (!one)
             continue;
-        struct member *member = &ensemble->member[ensemble->count];
-        if (read_member(plan, member, one->run.folder, from))
+        struct member *member = &ensemble->member[ensemble->count++];
+        if (read_member(plan, member, one, from))
             return -1;
         ensemble->failed += member->outcome != FINISHED;
-        ensemble->count++;
     }
     return 0;
 }
@@ -190,31 +184,18 @@ struct group {
     int from, by;
 };
 
-/* Mean over a group's members that finished of a number that `of` picks. */
-static double group_mean(const struct group *group, double (*of)(const struct member *, int),
-                         int index) {
+/* Mean of a number over a group's members that finished. */
+static double group_mean(const struct group *group, int index) {
     double sum = 0;
     int count = 0;
     for (int i = group->from; i < group->ensemble->count; i += group->by) {
         const struct member *member = &group->ensemble->member[i];
         if (member->outcome != FINISHED)
             continue;
-        sum += of(member, index);
+        sum += member->number[index];
         count++;
     }
     return sum / count;
-}
-
-static double position_of(const struct member *member, int index) {
-    return member->x ? member->x[index] : NAN;
-}
-static double energy_of(const struct member *member, int index) {
-    (void)index;
-    return member->energy;
-}
-static double contacts_of(const struct member *member, int index) {
-    (void)index;
-    return member->contacts;
 }
 
 /* How far two groups' means are from each other: rms over nodes and frames, m; J; a number. */
@@ -237,12 +218,12 @@ static struct distance group_distance(const struct group *a, const struct group 
             rows = member->rows;
         }
     for (int k = 0; same && k < 3 * rows; k++) {
-        const double gap = group_mean(a, position_of, k) - group_mean(b, position_of, k);
+        const double gap = group_mean(a, POSITIONS + k) - group_mean(b, POSITIONS + k);
         square += gap * gap;
     }
     d.shape = same && rows > 0 ? sqrt(square / rows) : NAN;
-    d.energy = fabs(group_mean(a, energy_of, 0) - group_mean(b, energy_of, 0));
-    d.contacts = fabs(group_mean(a, contacts_of, 0) - group_mean(b, contacts_of, 0));
+    d.energy = fabs(group_mean(a, ENERGY) - group_mean(b, ENERGY));
+    d.contacts = fabs(group_mean(a, CONTACTS) - group_mean(b, CONTACTS));
     return d;
 }
 
@@ -274,8 +255,7 @@ static struct distance group_distance(const struct group *a, const struct group 
     X("contacts", "1", "distance of the mean number of contacts from the reference's", "%.17g",    \
       d.contacts)                                                                                  \
     X("contacts_yardstick", "1", "such a distance of the two halves", "%.17g", yardstick.contacts) \
-    X("contacts_mean", "1", "the mean number of contacts", "%.17g",                                \
-      group_mean(&all, contacts_of, 0))
+    X("contacts_mean", "1", "the mean number of contacts", "%.17g", group_mean(&all, CONTACTS))
 
 enum { GROWTH, HORIZONS, ENSEMBLES, TABLES };
 static const struct table_form tables[TABLES] = {
@@ -291,8 +271,8 @@ static const struct table_form tables[TABLES] = {
      "or over all frames where there is none: their distance from the reference's, in the shape "
      "(rms over nodes and frames, m), energy (J), number of contacts; yardstick: the same between "
      "two halves of the reference's ensemble. Two independent ensembles of one distribution are "
-     "about 0.7 yardsticks apart; all ensembles have the same starts, and are nearer to each "
-     "other where these still matter; nan: no run failed, or none was left to tell",
+     "about 0.7 yardsticks apart; all ensembles have the same starts, and are nearer to each other "
+     "where these still matter; nan: no run failed, or none was left to tell",
      COLUMNS(ENSEMBLE_COLUMNS)},
 };
 
@@ -312,13 +292,9 @@ static double in_yardsticks(double d, double yardstick) {
 static void state_ensemble(struct statements *statements, const struct subject *subject,
                            const char *stepper, const struct ensemble *ensemble,
                            const struct distance *d, const struct distance *yardstick) {
-    char key[160];
-    snprintf(key, sizeof key, "%.70s, %.60s", subject->name, stepper);
-    struct statement row = {.key = key,
-                            .figure = "ensembles",
-                            .tables = "ensembles",
-                            .value = in_yardsticks(d->shape, yardstick->shape),
-                            .unit = "1"};
+    struct statement row =
+        our_row("ensembles", "ensembles", HOLDS, in_yardsticks(d->shape, yardstick->shape), "1",
+                "%.70s, %.60s", subject->name, stepper);
     row.verdict = ensemble->failed || isnan(row.value) ? NOT_REACHED : holds_if(row.value <= 1);
     if (row.verdict == NOT_REACHED)
         statements_add(statements, row,
@@ -347,7 +323,8 @@ static void write_ensemble(FILE *stream, struct statements *statements,
 }
 
 static int tabulate_ensembles(struct plan *plan, const struct subject *subject, double from,
-                              FILE *stream, struct statements *statements, struct ensemble *pair) {
+                              FILE *stream, struct ensemble *pair) {
+    struct statements *statements = &plan->output.statements;
     struct ensemble *reference = &pair[0], *ensemble = &pair[1];
     int code = 0;
     for (int m = 0; stepper_methods[m]; m++)
@@ -368,23 +345,12 @@ static int tabulate_ensembles(struct plan *plan, const struct subject *subject, 
     return code;
 }
 
-static int write_growth(struct plan *plan, const struct subject *subject, FILE *stream) {
-    const struct labelled_case *one = find_case(plan, subject->name, "reference"),
-                               *other = find_case(plan, subject->name, "reference, perturbed");
-    return measure_separation(plan->trajectories, one->run.folder, other->run.folder, subject->name,
-                              stream, plan->reason);
-}
-
 static void state_horizon(struct statements *statements, const struct subject *subject,
                           double horizon, double compared) {
-    char key[128], cut[64] = "";
-    snprintf(key, sizeof key, "%.70s, horizon", subject->name);
-    struct statement row = {.key = key,
-                            .figure = "horizon",
-                            .tables = "growth horizons",
-                            .verdict = isnan(horizon) ? NOT_REACHED : HOLDS,
-                            .value = horizon,
-                            .unit = "s"};
+    char cut[64] = "";
+    const struct statement row =
+        our_row("horizon", "growth horizons", isnan(horizon) ? NOT_REACHED : HOLDS, horizon, "s",
+                "%.70s, horizon", subject->name);
     if (!isnan(horizon)) {
         const double duration = subject->scene->duration;
         if (compared < duration)
@@ -396,15 +362,14 @@ static void state_horizon(struct statements *statements, const struct subject *s
     }
     statements_add(statements, row, "On %s a reference run failed, and the horizon is not known.",
                    subject->name);
-    snprintf(key, sizeof key, "%.70s, ensembles", subject->name);
-    row.figure = row.tables = "ensembles";
-    statements_add(statements, row, "On %s there is no horizon from which to compare ensembles.",
-                   subject->name);
+    statements_add(statements,
+                   our_row("ensembles", "ensembles", NOT_REACHED, NAN, NULL, "%.70s, ensembles",
+                           subject->name),
+                   "On %s there is no horizon from which to compare ensembles.", subject->name);
 }
 
 /* Returns 0, or -1 with plan->reason. */
-static int tabulate_subject(struct plan *plan, const struct subject *subject,
-                            const struct atomic_file *files, struct statements *statements,
+static int tabulate_subject(struct plan *plan, const struct subject *subject, FILE *const *streams,
                             struct ensemble *pair) {
     const struct labelled_case *reference = find_case(plan, subject->name, "reference"),
                                *other = find_case(plan, subject->name, "reference, perturbed");
@@ -415,40 +380,28 @@ static int tabulate_subject(struct plan *plan, const struct subject *subject,
                         plan->reason) ||
         run_read(&run, reference->run.folder, plan->reason))
         return -1;
-    WRITE_ROW(files[HORIZONS].stream, HORIZON_COLUMNS);
+    WRITE_ROW(streams[HORIZONS], HORIZON_COLUMNS);
     run_free(&run);
-    state_horizon(statements, subject, horizon, duration);
+    state_horizon(&plan->output.statements, subject, horizon, duration);
     if (isnan(horizon))
         return 0;
-    if (write_growth(plan, subject, files[GROWTH].stream))
+    if (measure_separation(plan->trajectories, reference->run.folder, other->run.folder,
+                           subject->name, streams[GROWTH], plan->reason))
         return -1;
-    return tabulate_ensembles(plan, subject, horizon < duration ? horizon : 0,
-                              files[ENSEMBLES].stream, statements, pair);
+    return tabulate_ensembles(plan, subject, horizon < duration ? horizon : 0, streams[ENSEMBLES],
+                              pair);
 }
 
-/* Opens all tables and writes them. Returns 0, or -1 with plan->reason. */
-static int write_tables(struct plan *plan, const char *folder, struct statements *statements,
-                        struct ensemble *pair) {
-    struct atomic_file files[TABLES];
-    int code = 0;
-    if (tables_open(files, tables, TABLES, folder, "", NULL, plan->reason))
+static int horizon_tabulate(struct plan *plan) {
+    FILE *streams[TABLES];
+    if (plan_open_statements(plan, NULL,
+                             plan->quick ? "--quick: two scenes, half the members" : NULL) ||
+        output_tables(&plan->output, streams, tables, TABLES, "", NULL))
         return -1;
-    for (int i = 0; i < plan->subject_count && !code; i++)
-        code = tabulate_subject(plan, &plan->subjects[i], files, statements, pair);
-    return tables_close(files, TABLES, code, plan->reason);
-}
-
-static int horizon_tabulate(struct plan *plan, const char *folder) {
-    struct statements statements;
     struct ensemble *pair = calloc(2, sizeof *pair);
-    if (!pair)
-        return fail_with(plan->reason, "out of memory");
-    int code = plan_open_statements(plan, &statements, folder, NULL,
-                                    plan->quick ? "--quick: two scenes, half the members" : NULL,
-                                    plan->reason);
-    if (!code)
-        code = statements_close(&statements, write_tables(plan, folder, &statements, pair),
-                                plan->reason);
+    int code = pair ? 0 : fail_with(plan->reason, "out of memory");
+    for (int i = 0; i < plan->subject_count && !code; i++)
+        code = tabulate_subject(plan, &plan->subjects[i], streams, pair);
     free(pair);
     return code;
 }

@@ -34,8 +34,8 @@ static int kernel_plan(struct plan *plan) {
     return scene ? 0 : -1;
 }
 
-static int kernel_tabulate(struct plan *plan, const char *folder) {
-    return bench_run(plan, "kernel", scene_of(plan), folder);
+static int kernel_tabulate(struct plan *plan) {
+    return bench_run(plan, "kernel", scene_of(plan));
 }
 
 const struct experiment kernel_experiment = {

@@ -5,6 +5,7 @@
 #include "base/files.h"
 #include "experiments/common/limit.h"
 #include "experiments/common/measure.h"
+#include "experiments/common/sets.h"
 #include "experiments/common/statements.h"
 #include "model/model.h"
 #include "model/problems.h"
@@ -40,10 +41,6 @@ static void name_variant(char *name, size_t size, int variant) {
         snprintf(name, size, "%s", variant == BARE ? "no envelope" : variant_treatment(variant));
 }
 
-static int is_in(const struct plan *plan, int variant) {
-    return !plan->quick || variant >= LIMIT_FIRST;
-}
-
 /* --- the runs --- */
 
 /* The practical stepper, rk4, gets steps with four levels to the octave, from what is surely too
@@ -62,14 +59,12 @@ static int levels(const struct scene *scene) {
 
 static const struct scene *variant_scene(struct plan *plan, const char *name, int variant,
                                          double frame_rate) {
-    char ratio[64], rate[64];
-    const char *const sets[] = {rate, ratio};
+    struct sets sets = {0};
     if (variant == BARE)
         return plan_scene_bare(plan, name, frame_rate);
-    snprintf(rate, sizeof rate, "frame_rate=%.17e", frame_rate);
-    snprintf(ratio, sizeof ratio, "envelope.penalty_ratio=%.17e",
-             variant < RATIOS ? ratios[variant] : 100.);
-    return plan_scene(plan, name, sets, 2);
+    set_add(&sets, "frame_rate=%.17e", frame_rate);
+    set_add(&sets, "envelope.penalty_ratio=%.17e", variant < RATIOS ? ratios[variant] : 100.);
+    return plan_scene(plan, name, sets.list, sets.count);
 }
 
 static int plan_variant(struct plan *plan, const struct subject *subject, int variant) {
@@ -96,25 +91,21 @@ static int plan_variant(struct plan *plan, const struct subject *subject, int va
 }
 
 static int treatments_plan(struct plan *plan) {
-    if (plan->stepper_count > 0)
-        return fail_with(
-            plan->reason,
-            "experiment treatments compares treatments, not steppers; leave out --stepper");
-    if (plan_subjects(plan, own_scenes, 1))
+    if (plan_has_no_steppers(plan, "treatments") || plan_subjects(plan, own_scenes, 1))
         return -1;
     for (int i = 0; i < plan->subject_count; i++) {
-        if (plan->subjects[i].scene->wisps[0].samples == 0)
+        const struct scene *scene = plan->subjects[i].scene;
+        if (scene->wisps[0].samples == 0)
             return fail_with(plan->reason,
                              "scene %s has no envelope, so there is no treatment to compare",
-                             plan->subjects[i].scene->name);
-        if (plan->subjects[i].scene->subdivision.limit > plan->subjects[i].scene->wisp_count)
-            return fail_with(
-                plan->reason,
-                "scene %s: its wisps split, at ticks that depend on the treatment, and are not "
-                "the same then; set subdivision.limit to %d in it",
-                plan->subjects[i].scene->name, plan->subjects[i].scene->wisp_count);
-        for (int v = 0; v < VARIANTS; v++)
-            if (is_in(plan, v) && plan_variant(plan, &plan->subjects[i], v))
+                             scene->name);
+        if (scene->subdivision.limit > scene->wisp_count)
+            return fail_with(plan->reason,
+                             "scene %s: its wisps split, at ticks that depend on the treatment, "
+                             "and are not the same then; set subdivision.limit to %d in it",
+                             scene->name, scene->wisp_count);
+        for (int v = plan->quick ? LIMIT_FIRST : 0; v < VARIANTS; v++)
+            if (plan_variant(plan, &plan->subjects[i], v))
                 return -1;
     }
     return 0;
@@ -130,7 +121,7 @@ struct practical {
 
 struct variant {
     int there;
-    char name[32];
+    char name[32], group[128]; /* in tables; in the plan */
     const struct scene *scene;
     struct run_files reference;
     struct cost cost;
@@ -146,33 +137,27 @@ struct study {
     struct deviation uncertainty; /* of the limit */
 };
 
-static const struct labelled_case *variant_case(const struct plan *plan, const struct study *study,
-                                                int variant, const char *label) {
-    char group[128];
-    snprintf(group, sizeof group, "%s, %s", study->subject->name, study->variants[variant].name);
-    return find_case(plan, group, label);
-}
-
 static int read_reference(struct plan *plan, struct study *study) {
     for (int v = 0; v < VARIANTS; v++) {
         struct variant *variant = &study->variants[v];
         name_variant(variant->name, sizeof variant->name, v);
-        const struct labelled_case *one = variant_case(plan, study, v, "reference");
+        snprintf(variant->group, sizeof variant->group, "%s, %s", study->subject->name,
+                 variant->name);
+        const struct labelled_case *one = find_case(plan, variant->group, "reference");
         if (!one)
             continue;
-        if (run_read_states(&variant->reference, one->run.folder, plan->trajectories, plan->reason))
+        if (plan_read(plan, one, &variant->reference))
             return -1;
         variant->there = 1;
         variant->scene = one->run.scene;
         variant->cost = run_cost(&variant->reference);
         if (variant->reference.outcome == FINISHED)
             continue;
-        snprintf(
-            plan->reason, REASON_SIZE,
-            "scene %s, %s: no reference solution to compare with: %s at t = %g s; try --fresh and "
-            "--time-limit",
-            study->subject->name, variant->name, outcome_name(variant->reference.outcome),
-            run_number(&variant->reference, "simulated_time"));
+        snprintf(plan->reason, REASON_SIZE,
+                 "scene %s, %s: no reference solution to compare with: %s at t = %g s; try --fresh "
+                 "and --time-limit",
+                 study->subject->name, variant->name, outcome_name(variant->reference.outcome),
+                 run_number(&variant->reference, "simulated_time"));
         return 1;
     }
     return 0;
@@ -210,14 +195,12 @@ static int try_steps(struct plan *plan, struct study *study, int v) {
     int stable = 1, sufficient = 1;
     variant->stable.step = variant->sufficient.step = NAN;
     for (int level = levels(study->subject->scene) - 1; level >= 0 && stable; level--) {
-        char label[32];
         struct run_files run;
         struct deviation error = {.relative = INFINITY, .end = INFINITY};
-        snprintf(label, sizeof label, "rk4 %d", level);
-        const struct labelled_case *one = variant_case(plan, study, v, label);
+        const struct labelled_case *one = find_case(plan, variant->group, "rk4 %d", level);
         if (!one)
             continue;
-        if (run_read_states(&run, one->run.folder, plan->trajectories, plan->reason))
+        if (plan_read(plan, one, &run))
             return -1;
         const struct cost cost = run_cost(&run);
         int code = 0;
@@ -302,12 +285,6 @@ static double if_there(const struct practical *p, double number) {
     PRACTICAL_COLUMNS(X, "rk4", &variant->sufficient,                                            \
                       "longest step of rk4 whose error is a tenth of end")
 
-static void write_variant(FILE *stream, const struct study *study, int v) {
-    const struct variant *variant = &study->variants[v];
-    const struct deviation *d = &variant->distance;
-    WRITE_ROW(stream, VARIANT_COLUMNS);
-}
-
 /* --- statements --- */
 
 static void state_variant(struct statements *statements, const struct study *study, int v) {
@@ -315,72 +292,57 @@ static void state_variant(struct statements *statements, const struct study *stu
     const struct practical *p = &variant->sufficient;
     const char *scene = study->subject->name;
     const double distance = 1e3 * variant->distance.end; /* as the figure has it */
-    char key[128], cost[128] = "no step of rk4 that was tried errs by less than a tenth of that";
-    snprintf(key, sizeof key, "%.70s, %s", scene, variant->name);
+    char cost[128] = "no step of rk4 that was tried errs by less than a tenth of that";
     if (!isnan(p->step))
         snprintf(cost, sizeof cost,
                  "rk4 errs by less than a tenth of that at %.0f Hz, for %.3g ms of CPU time",
                  1 / p->step, 1e3 * p->cost.cpu.median);
-    statements_add(
-        statements,
-        (struct statement){
-            .key = key, .figure = scene, .tables = scene, .value = distance, .unit = "mm"},
-        "With %s the scene %s is after %.3g s %.3g mm (rms) from the exact constrained motion, and "
-        "%s.",
-        variant->name, scene, study->subject->scene->duration, distance, cost);
+    statements_add(statements,
+                   our_row(scene, scene, HOLDS, distance, "mm", "%.70s, %s", scene, variant->name),
+                   "With %s the scene %s is after %.3g s %.3g mm (rms) from the exact constrained "
+                   "motion, and %s.",
+                   variant->name, scene, study->subject->scene->duration, distance, cost);
 }
 
 static void state_study(struct statements *statements, const struct study *study, int quick) {
     const char *scene = study->subject->name;
     const double good = 1e3 * study->uncertainty.end;
-    char key[128];
     for (int v = 0; v < VARIANTS; v++)
         if (study->variants[v].there)
             state_variant(statements, study, v);
-    snprintf(key, sizeof key, "%.70s, exact", scene);
-    struct statement row = {
-        .key = key, .figure = scene, .tables = scene, .value = good, .unit = "mm"};
-    statements_add(statements, row, "The exact constrained motion of %s is known to %.2g mm.",
-                   scene, good);
-    if (!quick)
-        return;
-    snprintf(key, sizeof key, "%.70s, left out", scene);
-    row = (struct statement){.key = key, .figure = scene, .verdict = NOT_REACHED};
-    statements_add(statements, row, "Penalty ratios below %g are left out of --quick.",
-                   ratios[LIMIT_FIRST]);
+    statements_add(statements, our_row(scene, scene, HOLDS, good, "mm", "%.70s, exact", scene),
+                   "The exact constrained motion of %s is known to %.2g mm.", scene, good);
+    if (quick)
+        statements_add(statements,
+                       our_row(scene, NULL, NOT_REACHED, NAN, NULL, "%.70s, left out", scene),
+                       "Penalty ratios below %g are left out of --quick.", ratios[LIMIT_FIRST]);
 }
 
 /* --- the tables --- */
 
 static const char what[] =
     "distance of reference solutions from the exact constrained motion, m: end = rms over free "
-    "nodes "
-    "at the end, end_largest, end_all = rms over all nodes; rms and largest over all frames. "
+    "nodes at the end, end_largest, end_all = rms over all nodes; rms and largest over all frames. "
     "Exact: penalty at ratios 300, 1000, 3000, each state a polynomial of degree 2 in "
-    "1/sqrt(ratio), at 0; uncertainty = twice what ratio 100 and one more degree change in it "
-    "(rms at the end, m); reference_limited = within ten times that. Costs: of the reference "
-    "solution; of rk4 "
-    "at the longest stable step (error below a tenth, each node's over its wisp's length); and at "
-    "the longest whose error is a tenth of the distance; nan: of ratio, it is penalty's alone; of "
-    "others, no run is there to tell";
+    "1/sqrt(ratio), at 0; uncertainty = twice what ratio 100 and one more degree change in it (rms "
+    "at the end, m); reference_limited = within ten times that. Costs: of the reference solution; "
+    "of rk4 at the longest stable step (error below a tenth, each node's over its wisp's length); "
+    "and at the longest whose error is a tenth of the distance; nan: of ratio, it is penalty's "
+    "alone; of others, no run is there to tell";
 
-static int tabulate_subject(struct plan *plan, const struct subject *subject, const char *folder,
-                            struct statements *statements) {
-    struct study study = {.subject = subject};
-    struct atomic_file file;
-    int code = read_study(plan, &study);
-    if (!code)
-        code = open_table(&file, folder, subject->name, what, subject->scene,
-                          COLUMNS(VARIANT_COLUMNS), plan->reason);
-    if (!code) {
-        for (int v = 0; v < VARIANTS; v++)
-            if (study.variants[v].there)
-                write_variant(file.stream, &study, v);
-        state_study(statements, &study, plan->quick);
-        code = atomic_commit(&file, plan->reason);
+static int write_study(struct plan *plan, const struct study *study) {
+    FILE *stream = output_table(&plan->output, study->subject->name, what, study->subject->scene,
+                                COLUMNS(VARIANT_COLUMNS));
+    if (!stream)
+        return -1;
+    for (int v = 0; v < VARIANTS; v++) {
+        const struct variant *variant = &study->variants[v];
+        const struct deviation *d = &variant->distance;
+        if (variant->there)
+            WRITE_ROW(stream, VARIANT_COLUMNS);
     }
-    free_study(&study);
-    return code;
+    state_study(&plan->output.statements, study, plan->quick);
+    return 0;
 }
 
 #define LIST_COLUMNS(X)                                                                  \
@@ -388,30 +350,26 @@ static int tabulate_subject(struct plan *plan, const struct subject *subject, co
     X("name", "-", "name of the scene", "%s", plan->subjects[i].scene->name)             \
     X("duration", "s", "duration of the scene", "%g", plan->subjects[i].scene->duration)
 
-static int write_tables(struct plan *plan, const char *folder, struct statements *statements) {
-    struct atomic_file list;
+static int treatments_tabulate(struct plan *plan) {
+    if (plan_open_statements(plan, NULL, plan->quick ? "--quick: every other step" : NULL))
+        return -1;
     for (int i = 0; i < plan->subject_count; i++) {
-        const int code = tabulate_subject(plan, &plan->subjects[i], folder, statements);
+        struct study study = {.subject = &plan->subjects[i]};
+        int code = read_study(plan, &study);
+        if (!code)
+            code = write_study(plan, &study);
+        free_study(&study);
         if (code)
             return code;
     }
-    if (open_table(&list, folder, "scenes",
-                   plan->quick
-                       ? "scenes drawn; --quick: penalty from ratio 100 on, every other step"
-                       : "scenes drawn",
-                   NULL, COLUMNS(LIST_COLUMNS), plan->reason))
-        return -1;
-    for (int i = 0; i < plan->subject_count; i++)
-        WRITE_ROW(list.stream, LIST_COLUMNS);
-    return atomic_commit(&list, plan->reason);
-}
-
-static int treatments_tabulate(struct plan *plan, const char *folder) {
-    struct statements statements;
-    if (plan_open_statements(plan, &statements, folder, NULL,
-                             plan->quick ? "--quick: every other step" : NULL, plan->reason))
-        return -1;
-    return statements_close(&statements, write_tables(plan, folder, &statements), plan->reason);
+    FILE *list = output_table(
+        &plan->output, "scenes",
+        plan->quick ? "scenes drawn; --quick: penalty from ratio 100 on, every other step"
+                    : "scenes drawn",
+        NULL, COLUMNS(LIST_COLUMNS));
+    for (int i = 0; i < plan->subject_count && list; i++)
+        WRITE_ROW(list, LIST_COLUMNS);
+    return list ? 0 : -1;
 }
 
 const struct experiment treatments_experiment = {

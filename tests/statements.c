@@ -2,6 +2,7 @@
  */
 #include "experiments/common/statements.h"
 
+#include "experiments/common/output.h"
 #include "experiments/registry.h"
 #include "report/report.h"
 #include "support.h"
@@ -236,4 +237,35 @@ Test(statements, claims_on_the_circle_follow_its_runs, .init = set_up, .fini = c
     circle_says("Runge-Kutta 4", "not reached", NAN);
     circle_says("explicit Euler", "not asked", NAN);
     gnuplot_stub_remove();
+}
+
+/* --- what is written --- */
+
+static int is_there(const char *name) {
+    char path[PATH_SIZE];
+    path_format(path, "%s/%s.tsv", folder, name);
+    return file_exists(path);
+}
+
+/* Tables and statements get their names together: none where something failed, and the tables alone
+ * where there is nothing to state. */
+Test(statements, what_is_written_appears_together, .init = set_up, .fini = clean_up) {
+    static const struct column columns[] = {{"x", "1", "a number"}, {0}};
+    static const struct {
+        int code, tables, statements;
+    } ends[] = {{-1, 0, 0}, {1, 1, 0}, {0, 1, 1}};
+    char reason[REASON_SIZE];
+    for (size_t i = 0; i < sizeof ends / sizeof *ends; i++) {
+        struct output output = {.folder = folder, .reason = reason};
+        cr_assert(output_table(&output, "one", "numbers", NULL, columns), "%s", reason);
+        cr_assert(output_table(&output, "other", "numbers", NULL, columns), "%s", reason);
+        cr_assert_eq(output_statements(&output, NULL, NULL), 0, "%s", reason);
+        cr_assert(!is_there("one"), "it is not complete yet");
+        cr_expect_eq(output_close(&output, ends[i].code), ends[i].code);
+        cr_expect_eq(is_there("one"), ends[i].tables, "%d", ends[i].code);
+        cr_expect_eq(is_there("other"), ends[i].tables, "%d", ends[i].code);
+        cr_expect_eq(is_there("statements"), ends[i].statements, "%d", ends[i].code);
+        folder_remove(folder);
+        folder_make(folder);
+    }
 }

@@ -31,7 +31,7 @@ struct measurement {
     /* Reads what it measures on: 0, or -1 with a reason. */
     int (*open)(struct bench *bench);
     void (*enter)(const struct bench *bench, struct contest *contest);
-    int (*write)(struct bench *bench, const struct samples *samples, struct statements *statements);
+    int (*write)(struct bench *bench, const struct samples *samples, struct output *output);
 };
 
 /* --- kernel --- */
@@ -49,9 +49,8 @@ static void enter_kernel(const struct bench *bench, struct contest *contest) {
     enter_small_costs(contest, bench->scene);
 }
 
-static int write_kernel(struct bench *bench, const struct samples *samples,
-                        struct statements *statements) {
-    return write_tables(bench->scene, samples, bench->folder, statements, bench->reason);
+static int write_kernel(struct bench *bench, const struct samples *samples, struct output *output) {
+    return write_tables(bench->scene, samples, output);
 }
 
 /* --- speed --- */
@@ -71,10 +70,8 @@ static void enter_speed(const struct bench *bench, struct contest *contest) {
     enter_peers(contest);
 }
 
-static int write_speed(struct bench *bench, const struct samples *samples,
-                       struct statements *statements) {
-    return write_speed_tables(bench->scene, bench->choices, samples, bench->folder, statements,
-                              bench->reason);
+static int write_speed(struct bench *bench, const struct samples *samples, struct output *output) {
+    return write_speed_tables(bench->scene, bench->choices, samples, output);
 }
 
 static const struct measurement measurements[] = {
@@ -162,12 +159,13 @@ static int obtain(struct bench *bench, struct samples *samples) {
 }
 
 static int tabulate(struct bench *bench, const struct samples *samples) {
-    struct statements statements;
-    if (statements_open(&statements, bench->folder, bench->scene, NULL, bench->reason))
-        return -1;
-    statements_of_changed(&statements, bench->sets, bench->set_count);
-    return statements_close(&statements, bench->measurement->write(bench, samples, &statements),
-                            bench->reason);
+    struct output output = {.folder = bench->folder, .reason = bench->reason};
+    int code = output_statements(&output, bench->scene, NULL);
+    if (!code) {
+        statements_of_changed(&output.statements, bench->sets, bench->set_count);
+        code = bench->measurement->write(bench, samples, &output);
+    }
+    return output_close(&output, code);
 }
 
 static int measure_and_tabulate(struct bench *bench) {

@@ -4,7 +4,7 @@
 #define WISPLAB_KERNEL_MEASURE_H
 
 #include "base/columns.h"
-#include "experiments/common/statements.h"
+#include "experiments/common/output.h"
 #include "model/model.h"
 #include "model/scene.h"
 #include "wisp_twin.h"
@@ -194,9 +194,7 @@ int trace_evaluation(struct system *system, const double *q, const double *v, do
 
 /* --- tables (tables.c) --- */
 
-/* Writes all tables of the samples into a folder, and what they say. Returns 0, or -1 with
- * one line in `reason` (REASON_SIZE). */
-int write_tables(const struct scene *scene, const struct samples *samples, const char *folder,
-                 struct statements *statements, char *reason);
+/* Writes all tables of the samples, and what they say. Returns 0, or -1 with output->reason. */
+int write_tables(const struct scene *scene, const struct samples *samples, struct output *output);
 
 #endif

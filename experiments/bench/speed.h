@@ -75,7 +75,6 @@ extern const struct peer_question peer_questions[PEER_QUESTIONS];
 
 /* As write_tables. */
 int write_speed_tables(const struct scene *scene, const struct choices *choices,
-                       const struct samples *samples, const char *folder,
-                       struct statements *statements, char *reason);
+                       const struct samples *samples, struct output *output);
 
 #endif

@@ -1,5 +1,4 @@
 /* Tables and sentences of `speed`, from the samples alone. */
-#include "base/files.h"
 #include "experiments/common/measure.h"
 #include "experiments/common/statements.h"
 #include "speed.h"
@@ -14,9 +13,7 @@ struct tables {
     const struct scene *scene;
     const struct choices *choices;
     const struct samples *samples;
-    const char *folder;
-    struct statements *statements;
-    char *reason;
+    struct output *output;
 };
 
 #define QUARTILES(X, name, unit, meaning, q) QUARTILE_COLUMNS(X, name, unit, meaning, "%.4g", q)
@@ -51,23 +48,23 @@ static struct quartiles times_real_time(const struct series *series) {
       is_thesis ? thesis_seconds *speed.median / tables->scene->duration : (double)NAN)
 
 static int write_scenes(const struct tables *tables) {
-    struct atomic_file file;
     const int is_thesis = strcmp(tables->scene->name, thesis_scene) == 0;
-    if (open_table(&file, tables->folder, "scenes",
-                   "the whole scene without frames; setting: step, s, or rtol; real_time: "
-                   "simulated over wall time, median and "
-                   "quartiles over rounds; over_thesis: the thesis's 28474 s over this; nan: the "
-                   "scene is not the thesis's",
-                   tables->scene, COLUMNS(SCENE_COLUMNS), tables->reason))
+    FILE *stream =
+        output_table(tables->output, "scenes",
+                     "the whole scene without frames; setting: step, s, or rtol; real_time: "
+                     "simulated over wall time, median and quartiles over rounds; over_thesis: the "
+                     "thesis's 28474 s over this; nan: the scene is not the thesis's",
+                     tables->scene, COLUMNS(SCENE_COLUMNS));
+    if (!stream)
         return -1;
     for (int i = 0; i < tables->choices->count; i++)
         for (int threads = 1; threads <= THREADS; threads++) {
             const struct choice *c = &tables->choices->choice[i];
             const struct quartiles speed =
                 times_real_time(scene_series(tables, "scene", c, threads));
-            WRITE_ROW(file.stream, SCENE_COLUMNS);
+            WRITE_ROW(stream, SCENE_COLUMNS);
         }
-    return atomic_commit(&file, tables->reason);
+    return 0;
 }
 
 static const struct choice *choice_of(const struct tables *tables, double target, int is_recipe) {
@@ -89,31 +86,28 @@ static const char *setting_of(const struct choice *choice, char words[32]) {
 }
 
 static void state_scene(const struct tables *tables, const struct choice *choice) {
-    char key[64], setting[32];
+    char setting[32];
     const struct quartiles one = times_real_time(scene_series(tables, "scene", choice, 1)),
                            two = times_real_time(scene_series(tables, "scene", choice, 2)),
                            gain = ratio_quartiles(scene_series(tables, "scene", choice, 1),
                                                   scene_series(tables, "scene", choice, 2));
-    snprintf(key, sizeof key, "real time, %s", choice->subject);
-    const struct statement row = {
-        .key = key, .figure = "speed", .tables = "scenes", .value = two.median, .unit = "1"};
-    statements_add(tables->statements, row,
-                   "Within %g mm, %s in treatment %s at %s (error %.2g mm) runs %s %.3g times "
-                   "as fast as real time on one thread and %.3g times on two, a gain of %.3g (%.3g "
-                   "to %.3g).",
-                   1e3 * choice->target, choice->method, choice->treatment,
-                   setting_of(choice, setting), 1e3 * choice->error, tables->scene->name,
-                   one.median, two.median, gain.median, gain.lower, gain.upper);
+    statements_add(
+        &tables->output->statements,
+        our_row("speed", "scenes", HOLDS, two.median, "1", "real time, %s", choice->subject),
+        "Within %g mm, %s in treatment %s at %s (error %.2g mm) runs %s %.3g times as fast as real "
+        "time on one thread and %.3g times on two, a gain of %.3g (%.3g to %.3g).",
+        1e3 * choice->target, choice->method, choice->treatment, setting_of(choice, setting),
+        1e3 * choice->error, tables->scene->name, one.median, two.median, gain.median, gain.lower,
+        gain.upper);
 }
 
 static void state_thousand(const struct tables *tables, const struct choice *choice) {
     const struct quartiles two = times_real_time(scene_series(tables, "thousand", choice, THREADS));
-    char key[64], setting[32];
-    snprintf(key, sizeof key, "thousand wisps, %s", choice->subject);
-    const struct statement row = {
-        .key = key, .figure = "speed", .tables = "samples", .value = two.median, .unit = "1"};
+    char setting[32];
     if (isfinite(two.median))
-        statements_add(tables->statements, row,
+        statements_add(&tables->output->statements,
+                       our_row("speed", "samples", HOLDS, two.median, "1", "thousand wisps, %s",
+                               choice->subject),
                        "A thousand wisps on the same head, which stand out from it at first, run "
                        "by %s at %s %.3g (%.3g to %.3g) times as fast as real time on two threads "
                        "through the first fifth of a second of the gust.",
@@ -126,23 +120,18 @@ static void state_targets(const struct tables *tables) {
     for (int i = 0; i < tables->choices->count; i++) {
         const struct choice *best = &tables->choices->choice[i],
                             *recipe = choice_of(tables, best->target, 1);
-        char key[64], setting[32];
+        char setting[32];
         state_scene(tables, best);
         state_thousand(tables, best);
         if (best->is_recipe || !recipe)
             continue;
         const struct quartiles ratio = ratio_quartiles(scene_series(tables, "scene", recipe, 1),
                                                        scene_series(tables, "scene", best, 1));
-        snprintf(key, sizeof key, "over the recipe, %g mm", 1e3 * best->target);
-        const struct statement row = {.key = key,
-                                      .figure = "speed",
-                                      .tables = "scenes choices",
-                                      .verdict = holds_if(ratio.lower > 1),
-                                      .value = ratio.median,
-                                      .unit = "1"};
-        statements_add(tables->statements, row,
-                       "Within %g mm the thesis's recipe at %s takes %.3g (%.3g to %.3g) times "
-                       "as long on %s as %s.",
+        statements_add(&tables->output->statements,
+                       our_row("speed", "scenes choices", holds_if(ratio.lower > 1), ratio.median,
+                               "1", "over the recipe, %g mm", 1e3 * best->target),
+                       "Within %g mm the thesis's recipe at %s takes %.3g (%.3g to %.3g) times as "
+                       "long on %s as %s.",
                        1e3 * best->target, setting_of(recipe, setting), ratio.median, ratio.lower,
                        ratio.upper, tables->scene->name, best->method);
     }
@@ -158,31 +147,27 @@ static void state_targets(const struct tables *tables) {
               ratio_quartiles(s, series_find(tables->samples, "step", s->subject, "euler")))
 
 static int write_steps(const struct tables *tables) {
-    struct atomic_file file;
-    if (open_table(&file, tables->folder, "steps",
-                   "a step of one wisp, ns, in full parts as wide as runs' are, and over one of "
-                   "explicit Euler, round by round; median and quartiles",
-                   tables->scene, COLUMNS(STEP_COLUMNS), tables->reason))
+    FILE *stream = output_table(tables->output, "steps",
+                                "a step of one wisp, ns, in full parts as wide as runs' are, and "
+                                "over one of explicit Euler, round by round; median and quartiles",
+                                tables->scene, COLUMNS(STEP_COLUMNS));
+    if (!stream)
         return -1;
     for (int i = 0; i < tables->samples->count; i++) {
         const struct series *s = &tables->samples->series[i];
-        if (strcmp(s->group, "step") != 0)
-            continue;
-        WRITE_ROW(file.stream, STEP_COLUMNS);
+        if (strcmp(s->group, "step") == 0)
+            WRITE_ROW(stream, STEP_COLUMNS);
     }
-    return atomic_commit(&file, tables->reason);
+    return 0;
 }
 
 static void state_step(const struct tables *tables, const char *method) {
     const struct quartiles ratio =
         ratio_quartiles(series_find(tables->samples, "step", step_sets[0], method),
                         series_find(tables->samples, "step", step_sets[0], "euler"));
-    char key[64];
-    snprintf(key, sizeof key, "step of %s", method);
-    const struct statement row = {
-        .key = key, .figure = "speed", .tables = "steps", .value = ratio.median, .unit = "1"};
     if (isfinite(ratio.median))
-        statements_add(tables->statements, row,
+        statements_add(&tables->output->statements,
+                       our_row("speed", "steps", HOLDS, ratio.median, "1", "step of %s", method),
                        "A step of %s costs %.3g (%.3g to %.3g) steps of explicit Euler on %s.",
                        method, ratio.median, ratio.lower, ratio.upper, step_sets[0]);
 }
@@ -198,23 +183,22 @@ static void state_step(const struct tables *tables, const char *method) {
 
 static int write_sizes(const struct tables *tables) {
     static const char *const groups[] = {"wisps", "nodes", "samples"};
-    struct atomic_file file;
-    if (open_table(&file, tables->folder, "sizes",
-                   "along wisps: ns of wall time for a simulated second of a wisp at the method's "
-                   "usual rate, candidate: method and threads; along nodes and samples: ns for a "
-                   "step of a wisp; median and quartiles",
-                   tables->scene, COLUMNS(SIZE_COLUMNS), tables->reason))
+    FILE *stream = output_table(tables->output, "sizes",
+                                "along wisps: ns of wall time for a simulated second of a wisp at "
+                                "the method's usual rate, candidate: method and threads; along "
+                                "nodes and samples: ns for a step of a wisp; median and quartiles",
+                                tables->scene, COLUMNS(SIZE_COLUMNS));
+    if (!stream)
         return -1;
     for (size_t g = 0; g < sizeof groups / sizeof *groups; g++) {
         for (int i = 0; i < tables->samples->count; i++) {
             const struct series *s = &tables->samples->series[i];
-            if (strcmp(s->group, groups[g]) != 0)
-                continue;
-            WRITE_ROW(file.stream, SIZE_COLUMNS);
+            if (strcmp(s->group, groups[g]) == 0)
+                WRITE_ROW(stream, SIZE_COLUMNS);
         }
-        fprintf(file.stream, "\n\n");
+        fprintf(stream, "\n\n");
     }
-    return atomic_commit(&file, tables->reason);
+    return 0;
 }
 
 #define MEMORY_COLUMNS(X)                                                           \
@@ -224,15 +208,15 @@ static int write_sizes(const struct tables *tables) {
       note_find(tables->samples, "memory", step_sets[s], sized_methods[m]))
 
 static int write_memory(const struct tables *tables) {
-    struct atomic_file file;
-    if (open_table(&file, tables->folder, "memory",
-                   "bytes of a wisp, of the model and of its stepper", tables->scene,
-                   COLUMNS(MEMORY_COLUMNS), tables->reason))
+    FILE *stream =
+        output_table(tables->output, "memory", "bytes of a wisp, of the model and of its stepper",
+                     tables->scene, COLUMNS(MEMORY_COLUMNS));
+    if (!stream)
         return -1;
     for (int s = 0; s < STEP_SETS; s++)
         for (int m = 0; m < SIZED_METHODS; m++)
-            WRITE_ROW(file.stream, MEMORY_COLUMNS);
-    return atomic_commit(&file, tables->reason);
+            WRITE_ROW(stream, MEMORY_COLUMNS);
+    return 0;
 }
 
 /* --- peers --- */
@@ -266,66 +250,57 @@ static const struct series *cheapest(const struct tables *tables, const char *qu
               ratio_quartiles(s, own))
 
 static int write_peers(const struct tables *tables) {
-    struct atomic_file file;
-    if (open_table(&file, tables->folder, "peers",
-                   "swing, exact enough: the longest step, s, or loosest rtol that is (setting), "
-                   "its error, m, ns for a simulated second of a wisp, and that over the cheapest "
-                   "of the program's own methods, round by round; median and quartiles",
-                   tables->scene, COLUMNS(PEER_COLUMNS), tables->reason))
+    FILE *stream =
+        output_table(tables->output, "peers",
+                     "swing, exact enough: the longest step, s, or loosest rtol that is (setting), "
+                     "its error, m, ns for a simulated second of a wisp, and that over the "
+                     "cheapest of the program's own methods, round by round; median and quartiles",
+                     tables->scene, COLUMNS(PEER_COLUMNS));
+    if (!stream)
         return -1;
     for (int k = 0; k < PEER_QUESTIONS; k++) {
         const char *question = peer_questions[k].name;
         const struct series *own = cheapest(tables, question, 1);
         for (int i = 0; i < tables->samples->count; i++) {
             const struct series *s = &tables->samples->series[i];
-            if (strcmp(s->group, "peer") != 0 || strcmp(s->subject, question) != 0)
-                continue;
-            WRITE_ROW(file.stream, PEER_COLUMNS);
+            if (strcmp(s->group, "peer") == 0 && strcmp(s->subject, question) == 0)
+                WRITE_ROW(stream, PEER_COLUMNS);
         }
     }
-    return atomic_commit(&file, tables->reason);
+    return 0;
 }
 
 static void state_peer(const struct tables *tables, const char *question, const char *who) {
     const struct series *own = cheapest(tables, question, 1);
     const struct quartiles ratio =
         ratio_quartiles(series_find(tables->samples, "peer", question, who), own);
-    char key[96];
-    snprintf(key, sizeof key, "%s, %s", question, who);
-    struct statement row = {.key = key,
-                            .figure = "speed",
-                            .tables = "peers",
-                            .verdict = holds_if(ratio.lower > 1),
-                            .value = ratio.median,
-                            .unit = "1"};
+    struct statement row = our_row("speed", "peers", holds_if(ratio.lower > 1), ratio.median, "1",
+                                   "%s, %s", question, who);
     if (isfinite(ratio.median)) {
-        statements_add(tables->statements, row,
+        statements_add(&tables->output->statements, row,
                        "On %s: %s takes %.3g (%.3g to %.3g) times as long as %s here.", question,
                        who, ratio.median, ratio.lower, ratio.upper, own->name);
     } else {
         row.verdict = NOT_REACHED;
-        statements_add(tables->statements, row, "On %s: %s does not get so near.", question, who);
+        statements_add(&tables->output->statements, row, "On %s: %s does not get so near.",
+                       question, who);
     }
 }
 
 int write_speed_tables(const struct scene *scene, const struct choices *choices,
-                       const struct samples *samples, const char *folder,
-                       struct statements *statements, char *reason) {
+                       const struct samples *samples, struct output *output) {
     static const char *const peers[] = {"plain loop, Euler", "plain loop, RK4", "GSL rk8pd",
                                         "stock CVODE, KLU"};
     static const char *const stepped[] = {"linear-euler", "bdf2", "implicit-euler"};
-    const struct tables tables = {scene, choices, samples, folder, statements, reason};
-    const int code = write_scenes(&tables) || write_steps(&tables) || write_sizes(&tables) ||
-                             write_memory(&tables) || write_peers(&tables)
-                         ? -1
-                         : 0;
-    if (!code) {
-        state_targets(&tables);
-        for (size_t i = 0; i < sizeof stepped / sizeof *stepped; i++)
-            state_step(&tables, stepped[i]);
-        for (int k = 0; k < PEER_QUESTIONS; k++)
-            for (size_t i = 0; i < sizeof peers / sizeof *peers; i++)
-                state_peer(&tables, peer_questions[k].name, peers[i]);
-    }
-    return code;
+    const struct tables tables = {scene, choices, samples, output};
+    if (write_scenes(&tables) || write_steps(&tables) || write_sizes(&tables) ||
+        write_memory(&tables) || write_peers(&tables))
+        return -1;
+    state_targets(&tables);
+    for (size_t i = 0; i < sizeof stepped / sizeof *stepped; i++)
+        state_step(&tables, stepped[i]);
+    for (int k = 0; k < PEER_QUESTIONS; k++)
+        for (size_t i = 0; i < sizeof peers / sizeof *peers; i++)
+            state_peer(&tables, peer_questions[k].name, peers[i]);
+    return 0;
 }

@@ -1,5 +1,4 @@
 /* Tables, and the answer in a few lines, from the samples alone. */
-#include "base/files.h"
 #include "experiments/common/measure.h"
 #include "experiments/common/statements.h"
 #include "measure.h"
@@ -14,9 +13,7 @@ enum { BATCHES = 3, SHOWN_BATCH = 64 };
 struct tables {
     const struct scene *scene;
     const struct samples *samples;
-    const char *folder;
-    struct statements *statements;
-    char *reason;
+    struct output *output;
 };
 
 #define QUARTILES(X, name, unit, meaning, q) QUARTILE_COLUMNS(X, name, unit, meaning, "%.17g", q)
@@ -95,12 +92,13 @@ static void write_evaluation(FILE *stream, const struct wisp_set *set, const str
 }
 
 static int write_evaluations(const struct tables *tables) {
-    struct atomic_file file;
     struct wisp_set sets[WISP_SETS_MAX];
-    if (open_table(&file, tables->folder, "evaluation",
-                   "ns per free node and evaluation of one wisp, median and quartiles over rounds; "
-                   "ratios formed round by round",
-                   tables->scene, COLUMNS(EVALUATION_COLUMNS), tables->reason))
+    FILE *stream = output_table(
+        tables->output, "evaluation",
+        "ns per free node and evaluation of one wisp, median and quartiles over rounds; "
+        "ratios formed round by round",
+        tables->scene, COLUMNS(EVALUATION_COLUMNS));
+    if (!stream)
         return -1;
     printf("  evaluation, batch of %d: ns per free node\n  %-12s %-6s %3s %8s %8s %8s %8s %8s %8s"
            "   %-20s %8s   %s\n",
@@ -110,12 +108,12 @@ static int write_evaluations(const struct tables *tables) {
         const int count = wisp_sets(batches[b], sets);
         for (int i = 0; i < count; i++) {
             const struct evaluation e = evaluation_of(tables->samples, &sets[i]);
-            write_evaluation(file.stream, &sets[i], &e);
+            write_evaluation(stream, &sets[i], &e);
             if (batches[b] == SHOWN_BATCH)
                 print_evaluation(&sets[i], &e);
         }
     }
-    return atomic_commit(&file, tables->reason);
+    return 0;
 }
 
 /* --- operations --- */
@@ -161,34 +159,35 @@ static int doubtful(const struct samples *samples, const char *subject,
     if (!(roots < need->square_roots - 1e-9 || divisions < need->divisions - angle - 1e-9 ||
           others < 0.9 * (need->others - 45 * angle)))
         return 0;
-    printf("  %s: the program executes fewer operations than the floor is made of (%g, %g, %g; "
-           "%g, %g, %g)\n",
+    printf("  %s: the program executes fewer operations than the floor is made of (%g, %g, %g; %g, "
+           "%g, %g)\n",
            subject, roots, divisions, others, need->square_roots, need->divisions, need->others);
     return 1;
 }
 
 static int write_operations(const struct tables *tables) {
-    struct atomic_file file;
     struct wisp_set sets[WISP_SETS_MAX];
     const struct samples *samples = tables->samples;
     const int count = wisp_sets(SHOWN_BATCH, sets);
     int doubts = 0;
-    if (open_table(&file, tables->folder, "operations",
-                   "operations per free node and wisp: what the model needs, and what the kernel "
-                   "executes with 4 lanes, 1 and 8 (of the first three kinds, results per lane; "
-                   "of the others, instructions; nan: not counted)",
-                   tables->scene, COLUMNS(OPERATION_COLUMNS), tables->reason))
+    FILE *stream = output_table(
+        tables->output, "operations",
+        "operations per free node and wisp: what the model needs, and what the kernel "
+        "executes with 4 lanes, 1 and 8 (of the first three kinds, results per lane; of "
+        "the others, instructions; nan: not counted)",
+        tables->scene, COLUMNS(OPERATION_COLUMNS));
+    if (!stream)
         return -1;
     for (int i = 0; i < count; i++) {
         const struct operations need = needed_operations(&sets[i]);
         char subject[SUBJECT_SIZE];
         wisp_set_subject(&sets[i], subject);
-        WRITE_ROW(file.stream, OPERATION_COLUMNS);
+        WRITE_ROW(stream, OPERATION_COLUMNS);
         doubts += doubtful(samples, subject, &need);
     }
     if (!doubts)
         printf("  the kernel executes at least the operations that the floor is made of\n");
-    return atomic_commit(&file, tables->reason);
+    return 0;
 }
 
 #define RATE_COLUMNS(X)                                           \
@@ -198,10 +197,10 @@ static int write_operations(const struct tables *tables) {
 
 static int write_rates(const struct tables *tables) {
     static const char *const names[] = {"division", "square root", "add or multiply"};
-    struct atomic_file file;
-    if (open_table(&file, tables->folder, "rates",
-                   "ns per operation on 4 and on 8 doubles, independent of each other",
-                   tables->scene, COLUMNS(RATE_COLUMNS), tables->reason))
+    FILE *stream = output_table(tables->output, "rates",
+                                "ns per operation on 4 and on 8 doubles, independent of each other",
+                                tables->scene, COLUMNS(RATE_COLUMNS));
+    if (!stream)
         return -1;
     for (int lanes = 4; lanes <= 8; lanes += 4) {
         printf("  the machine, per %d doubles:", lanes);
@@ -210,11 +209,11 @@ static int write_rates(const struct tables *tables) {
             snprintf(name, sizeof name, "%s %d", names[i], lanes);
             const struct quartiles q =
                 series_quartiles(series_find(tables->samples, "rate", "rates skip 64", name));
-            WRITE_ROW(file.stream, RATE_COLUMNS);
+            WRITE_ROW(stream, RATE_COLUMNS);
             printf(" %s %.3g ns%s", names[i], q.median, i < 2 ? "," : "\n");
         }
     }
-    return atomic_commit(&file, tables->reason);
+    return 0;
 }
 
 /* --- goals --- */
@@ -231,15 +230,12 @@ static void write_goal(FILE *stream, const struct tables *tables, const char *wh
                        struct quartiles q, const char *sense, double bound) {
     const int met = *sense == '<' ? q.median <= bound : q.median >= bound;
     WRITE_ROW(stream, GOAL_COLUMNS);
-    const struct statement row = {.key = what,
-                                  .tables = "goals",
-                                  .verdict = isnan(q.median) ? NOT_REACHED : holds_if(met),
-                                  .value = q.median,
-                                  .unit = "1"};
+    const struct statement row = our_row(
+        NULL, "goals", isnan(q.median) ? NOT_REACHED : holds_if(met), q.median, "1", "%s", what);
     if (isnan(q.median))
-        statements_add(tables->statements, row, "The ratio '%s' was not measured.", what);
+        statements_add(&tables->output->statements, row, "The ratio '%s' was not measured.", what);
     else
-        statements_add(tables->statements, row,
+        statements_add(&tables->output->statements, row,
                        "The ratio '%s' is at %s %g: it is %.3g (%.3g to %.3g).", what,
                        *sense == '<' ? "most" : "least", bound, q.median, q.lower, q.upper);
 }
@@ -325,12 +321,13 @@ static void write_solver(FILE *stream, const struct samples *samples, const stru
 }
 
 static int write_solvers(const struct tables *tables) {
-    struct atomic_file file;
-    if (open_table(&file, tables->folder, "solvers",
-                   "ns per wisp of 12 nodes with skip springs; factor of klu and cholmod with the "
-                   "assembly of their matrix; multiples: over one evaluation of a wisp's skeleton "
-                   "among 200 with 4 lanes; nan: the solver has no such stage",
-                   tables->scene, COLUMNS(SOLVER_COLUMNS), tables->reason))
+    FILE *stream = output_table(
+        tables->output, "solvers",
+        "ns per wisp of 12 nodes with skip springs; factor of klu and cholmod with the "
+        "assembly of their matrix; multiples: over one evaluation of a wisp's skeleton "
+        "among 200 with 4 lanes; nan: the solver has no such stage",
+        tables->scene, COLUMNS(SOLVER_COLUMNS));
+    if (!stream)
         return -1;
     printf("  linear solvers, ns per wisp; factor + solve in skeleton evaluations (4 lanes)\n"
            "  %-11s %5s  %-8s %s %6s %10s %9s %9s %9s %11s\n",
@@ -340,9 +337,9 @@ static int write_solvers(const struct tables *tables) {
         for (int wisps = 1; wisps <= 200; wisps += 199)
             for (int i = 0; i < SOLVER_ROWS; i++) {
                 const struct wisp_set set = {WISP_GENERALISED, BENDING_SKIP, samples, wisps};
-                write_solver(file.stream, tables->samples, &set, &solver_rows[i]);
+                write_solver(stream, tables->samples, &set, &solver_rows[i]);
             }
-    return atomic_commit(&file, tables->reason);
+    return 0;
 }
 
 /* --- seam and CVODE --- */
@@ -373,25 +370,25 @@ static void write_pair(FILE *stream, const struct samples *samples, const char *
 
 static int write_steppers(const struct tables *tables) {
     const struct samples *s = tables->samples;
-    struct atomic_file file;
-    if (open_table(
-            &file, tables->folder, "steppers",
-            "ns per step and wisp, and their ratio round by round; seam: rk4 of the "
-            "registry against one by hand; cvode: as it comes against ours; digits: ns a "
-            "number as text; stops: a step with the clamp after it, and nine of ten without; "
-            "nan: steps are as long, and not counted",
-            tables->scene, COLUMNS(PAIR_COLUMNS), tables->reason))
+    FILE *stream =
+        output_table(tables->output, "steppers",
+                     "ns per step and wisp, and their ratio round by round; seam: rk4 of the "
+                     "registry against one by hand; cvode: as it comes against ours; digits: ns a "
+                     "number as text; stops: a step with the clamp after it, and nine of ten "
+                     "without; nan: steps are as long, and not counted",
+                     tables->scene, COLUMNS(PAIR_COLUMNS));
+    if (!stream)
         return -1;
-    write_pair(file.stream, s, "seam", "skeleton skip 0 64", "stepper", "by hand");
-    write_pair(file.stream, s, "seam", "generalised skip 4 64", "stepper", "by hand");
+    write_pair(stream, s, "seam", "skeleton skip 0 64", "stepper", "by hand");
+    write_pair(stream, s, "seam", "generalised skip 4 64", "stepper", "by hand");
     static const char *const rtol[] = {"rtol 0.0001", "rtol 1e-06"};
     for (int i = 0; i < 2; i++) {
-        write_pair(file.stream, s, "cvode", rtol[i], "stock", "ours");
-        write_pair(file.stream, s, "cvode", rtol[i], "stock, our settings", "ours");
+        write_pair(stream, s, "cvode", rtol[i], "stock", "ours");
+        write_pair(stream, s, "cvode", rtol[i], "stock, our settings", "ours");
     }
-    write_pair(file.stream, s, "digits", "a number", "printf", "shortest");
-    write_pair(file.stream, s, "stops", "linear-euler", "every step", "every tenth");
-    return atomic_commit(&file, tables->reason);
+    write_pair(stream, s, "digits", "a number", "printf", "shortest");
+    write_pair(stream, s, "stops", "linear-euler", "every step", "every tenth");
+    return 0;
 }
 
 /* --- contacts and threads --- */
@@ -429,19 +426,20 @@ static void write_contact(FILE *stream, const struct samples *s, const struct ma
 }
 
 static int write_contacts(const struct tables *tables) {
-    struct atomic_file file;
-    if (open_table(&file, tables->folder, "contacts",
-                   "wisp contact on mats of equal density, ns per point and tick, laying open and "
-                   "putting back included; its ratio to an evaluation of one free node in the same "
-                   "model (4 lanes), and to the smallest mat's; all round by round",
-                   tables->scene, COLUMNS(CONTACT_COLUMNS), tables->reason))
+    FILE *stream = output_table(
+        tables->output, "contacts",
+        "wisp contact on mats of equal density, ns per point and tick, laying open and "
+        "putting back included; its ratio to an evaluation of one free node in the same "
+        "model (4 lanes), and to the smallest mat's; all round by round",
+        tables->scene, COLUMNS(CONTACT_COLUMNS));
+    if (!stream)
         return -1;
     printf("  contact, ns per point and tick\n  %-16s %6s %9s %8s %8s   %s\n", "mat", "wisps",
            "contacts", "tick", "eval", "tick/evaluation (quartiles), growth");
     for (int m = 0; m < MATS; m++)
         for (int i = 0; i < MAT_SIZES; i++)
-            write_contact(file.stream, tables->samples, &mats[m], mat_sizes[i]);
-    return atomic_commit(&file, tables->reason);
+            write_contact(stream, tables->samples, &mats[m], mat_sizes[i]);
+    return 0;
 }
 
 static const char *const threaded[] = {"registers", "euler 9000 Hz", "rk4 4000 Hz"};
@@ -471,20 +469,21 @@ static struct quartiles gain_over_registers(const struct samples *s, const char 
               gain_over_registers(tables->samples, threaded[i]))
 
 static int write_threads(const struct tables *tables) {
-    struct atomic_file file;
-    if (open_table(&file, tables->folder, "threads",
-                   "gain of a second thread (wall time of one over that of two), on arithmetic in "
-                   "registers and on a mat of 100 touching wisps; and over that of registers",
-                   tables->scene, COLUMNS(THREAD_COLUMNS), tables->reason))
+    FILE *stream = output_table(
+        tables->output, "threads",
+        "gain of a second thread (wall time of one over that of two), on arithmetic in "
+        "registers and on a mat of 100 touching wisps; and over that of registers",
+        tables->scene, COLUMNS(THREAD_COLUMNS));
+    if (!stream)
         return -1;
     for (int i = 0; i < 3; i++) {
         double gain[KERNEL_ROUNDS_MAX];
         const struct quartiles q = quartiles(gain, gains(tables->samples, threaded[i], gain));
-        WRITE_ROW(file.stream, THREAD_COLUMNS);
+        WRITE_ROW(stream, THREAD_COLUMNS);
         printf("  second thread, %s: %.2f (%.2f to %.2f) times as fast\n", threaded[i], q.median,
                q.lower, q.upper);
     }
-    return atomic_commit(&file, tables->reason);
+    return 0;
 }
 
 static void write_contact_goals(FILE *stream, const struct tables *tables) {
@@ -514,23 +513,23 @@ static void write_contact_goals(FILE *stream, const struct tables *tables) {
 
 static int write_goals(const struct tables *tables) {
     const struct samples *s = tables->samples;
-    struct atomic_file file;
-    if (open_table(&file, tables->folder, "goals", "ratios that have a bound to keep",
-                   tables->scene, COLUMNS(GOAL_COLUMNS), tables->reason))
+    FILE *stream = output_table(tables->output, "goals", "ratios that have a bound to keep",
+                                tables->scene, COLUMNS(GOAL_COLUMNS));
+    if (!stream)
         return -1;
     const struct solver_row *direct = &solver_rows[0];
     const char *bare = "skeleton skip 0 200";
-    write_goal(
-        file.stream, tables, "factor + solve of 200 wisps over skeleton evaluation (4 lanes)",
-        sum_over(solver_series(s, bare, "factor", direct), solver_series(s, bare, "solve", direct),
-                 stage_series(s, bare, "evaluation", 4)),
-        "<=", 3);
+    write_goal(stream, tables, "factor + solve of 200 wisps over skeleton evaluation (4 lanes)",
+               sum_over(solver_series(s, bare, "factor", direct),
+                        solver_series(s, bare, "solve", direct),
+                        stage_series(s, bare, "evaluation", 4)),
+               "<=", 3);
     static const char *const seams[] = {"skeleton skip 0 64", "generalised skip 4 64"};
     for (int i = 0; i < 2; i++) {
         char what[80];
         snprintf(what, sizeof what, "rk4 through the seam over rk4 by hand, %s",
                  i ? "generalised" : "skeleton");
-        write_goal(file.stream, tables, what,
+        write_goal(stream, tables, what,
                    ratio_quartiles(series_find(s, "seam", seams[i], "stepper"),
                                    series_find(s, "seam", seams[i], "by hand")),
                    "<=", 1.05);
@@ -539,13 +538,13 @@ static int write_goals(const struct tables *tables) {
     for (int i = 0; i < 2; i++) {
         char what[80];
         snprintf(what, sizeof what, "a step of stock CVODE over one of ours, %s", rtol[i]);
-        write_goal(file.stream, tables, what,
+        write_goal(stream, tables, what,
                    ratio_quartiles(series_find(s, "cvode", rtol[i], "stock"),
                                    series_find(s, "cvode", rtol[i], "ours")),
                    ">=", 3);
     }
-    write_contact_goals(file.stream, tables);
-    return atomic_commit(&file, tables->reason);
+    write_contact_goals(stream, tables);
+    return 0;
 }
 
 /* --- statements --- */
@@ -564,13 +563,14 @@ static void widen(struct range *range, double value) {
 static void state_range(const struct tables *tables, const char *key, const char *figure,
                         const struct range *range, const char *before, const char *after) {
     const int there = range->least <= range->most;
-    struct statement row = {.key = key, .figure = figure, .tables = figure};
-    row.verdict = there ? HOLDS : NOT_REACHED;
+    const struct statement row =
+        our_row(figure, figure, there ? HOLDS : NOT_REACHED, NAN, NULL, "%s", key);
     if (there)
-        statements_add(tables->statements, row, "%s %.4g to %.4g %s.", before, range->least,
-                       range->most, after);
+        statements_add(&tables->output->statements, row, "%s %.4g to %.4g %s.", before,
+                       range->least, range->most, after);
     else
-        statements_add(tables->statements, row, "%s ... %s: it was not measured.", before, after);
+        statements_add(&tables->output->statements, row, "%s ... %s: it was not measured.", before,
+                       after);
 }
 
 static void state_evaluations(const struct tables *tables) {
@@ -619,20 +619,15 @@ static void state_solvers(const struct tables *tables) {
                 "evaluations of the wisp's skeleton");
 }
 
-int write_tables(const struct scene *scene, const struct samples *samples, const char *folder,
-                 struct statements *statements, char *reason) {
-    const struct tables tables = {scene, samples, folder, statements, reason};
+int write_tables(const struct scene *scene, const struct samples *samples, struct output *output) {
+    const struct tables tables = {scene, samples, output};
     const struct series *first = series_find(samples, "rate", "rates skip 64", "division 4");
     printf("  %d rounds\n", first ? first->count : 0);
-    const int code = write_rates(&tables) || write_evaluations(&tables) ||
-                             write_operations(&tables) || write_solvers(&tables) ||
-                             write_steppers(&tables) || write_contacts(&tables) ||
-                             write_threads(&tables) || write_goals(&tables)
-                         ? -1
-                         : 0;
-    if (!code) {
-        state_evaluations(&tables);
-        state_solvers(&tables);
-    }
-    return code;
+    if (write_rates(&tables) || write_evaluations(&tables) || write_operations(&tables) ||
+        write_solvers(&tables) || write_steppers(&tables) || write_contacts(&tables) ||
+        write_threads(&tables) || write_goals(&tables))
+        return -1;
+    state_evaluations(&tables);
+    state_solvers(&tables);
+    return 0;
 }

@@ -56,11 +56,9 @@ static int chapter5_plan(struct plan *plan) {
 
 /* --- how nearly they are one model --- */
 
-/* Adds a name to a list of them. */
 static void add(char *list, size_t size, int differs, const char *name) {
-    const size_t used = strlen(list);
     if (differs)
-        snprintf(list + used, size - used, "%s%s", used ? ", " : "", name);
+        list_add(list, size, "%s", name);
 }
 
 /* In what a scene is off the common model: the defaults, 30 cm on 11 nodes. */
@@ -104,23 +102,22 @@ static const char *bending_name(enum bending bending) {
     X("reciprocal", "1", "1 where both wisps of a contact feel it", "%d", contact->reciprocal) \
     X("deviates", "-", "in what it is off the common model", "%s", list)
 
-static int write_models(struct plan *plan, const char *folder) {
-    struct atomic_file file;
+static int write_models(struct plan *plan) {
     char list[200];
-    if (open_table(&file, folder, "models",
-                   "what the scenes have: length, m; radius, m; bending stiffness, N m^2; drag, "
-                   "1/s; frequency of the envelope, Hz; threshold; viscosity, 1/s; deviates: from "
-                   "the default material and contacts, and from 30 cm on 11 nodes",
-                   NULL, COLUMNS(MODEL_COLUMNS), plan->reason))
-        return -1;
-    for (int i = 0; i < ROWS; i++) {
+    FILE *stream =
+        output_table(&plan->output, "models",
+                     "what the scenes have: length, m; radius, m; bending stiffness, N m^2; drag, "
+                     "1/s; frequency of the envelope, Hz; threshold; viscosity, 1/s; deviates: "
+                     "from the default material and contacts, and from 30 cm on 11 nodes",
+                     NULL, COLUMNS(MODEL_COLUMNS));
+    for (int i = 0; i < ROWS && stream; i++) {
         const struct scene *scene = plan->cases[i].run.scene;
         const struct wisp *wisp = &scene->wisps[0];
         const struct interaction_settings *contact = &scene->interaction;
         deviations(scene, list, sizeof list);
-        WRITE_ROW(file.stream, MODEL_COLUMNS);
+        WRITE_ROW(stream, MODEL_COLUMNS);
     }
-    return atomic_commit(&file, plan->reason);
+    return stream ? 0 : -1;
 }
 
 /* --- what a wisp costs --- */
@@ -177,22 +174,19 @@ static int read_prices(struct plan *plan, struct price *prices) {
     X("contacts", "1", "contacts with wisps and bodies, per wisp and frame", "%.17g",       \
       price->contacts)
 
-static int write_prices(struct plan *plan, const char *folder, const struct price *prices) {
-    struct atomic_file file;
-    if (open_table(
-            &file, folder, "figures",
-            "what a wisp of the scene takes for a frame: CPU time, s, of repeated runs; over "
-            "the first row's, with what the spreads allow, and the thesis's (up to four wisps "
-            "are computed side by side, for the price of one: where there are two, each is "
-            "twice as expensive); evaluations of forces; contacts, at all ticks of a frame, with "
-            "wisps and bodies",
-            NULL, COLUMNS(PRICE_COLUMNS), plan->reason))
-        return -1;
-    for (int i = 0; i < ROWS; i++) {
+static int write_prices(struct plan *plan, const struct price *prices) {
+    FILE *stream = output_table(
+        &plan->output, "figures",
+        "what a wisp of the scene takes for a frame: CPU time, s, of repeated runs; over the first "
+        "row's, with what the spreads allow, and the thesis's (up to four wisps are computed side "
+        "by side, for the price of one: where there are two, each is twice as expensive); "
+        "evaluations of forces; contacts, at all ticks of a frame, with wisps and bodies",
+        NULL, COLUMNS(PRICE_COLUMNS));
+    for (int i = 0; i < ROWS && stream; i++) {
         const struct price *price = &prices[i];
-        WRITE_ROW(file.stream, PRICE_COLUMNS);
+        WRITE_ROW(stream, PRICE_COLUMNS);
     }
-    return atomic_commit(&file, plan->reason);
+    return stream ? 0 : -1;
 }
 
 /* Counts the pairs of rows of which the one that costs the thesis more has more to compute here:
@@ -209,13 +203,7 @@ static void state_order(struct statements *statements, const struct price *price
             same += more > 1.01 || (more > 0.99 && expensive->contacts > cheap->contacts);
         }
     statements_add(statements,
-                   (struct statement){.key = "order",
-                                      .figure = "figures",
-                                      .tables = "figures",
-                                      .by = THESIS,
-                                      .verdict = holds_if(same == pairs),
-                                      .value = same,
-                                      .unit = "1"},
+                   thesis_row("figures", "figures", holds_if(same == pairs), same, "1", "order"),
                    "What took longer in the thesis has more evaluations or more contacts: of %d "
                    "pairs of figures %d have.",
                    pairs, same);
@@ -227,18 +215,14 @@ static void state_all(struct plan *plan, struct statements *statements,
         const struct price *price = &prices[i];
         char list[200];
         deviations(plan->cases[i].run.scene, list, sizeof list);
-        const struct statement row = {.key = rows[i].label,
-                                      .figure = "figures",
-                                      .tables = "figures models",
-                                      .verdict = isfinite(price->ours) ? HOLDS : NOT_REACHED,
-                                      .value = price->ours,
-                                      .unit = "1"};
+        const struct statement row =
+            our_row("figures", "figures models", isfinite(price->ours) ? HOLDS : NOT_REACHED,
+                    price->ours, "1", "%s", rows[i].label);
         if (i == NONE)
-            statements_add(
-                statements, row,
-                "A wisp of figure %s, by which the others are measured, takes %.3g ms of "
-                "CPU time and %.0f evaluations a frame.",
-                rows[i].label, 1e3 * price->cpu.median, price->evaluations);
+            statements_add(statements, row,
+                           "A wisp of figure %s, by which the others are measured, takes %.3g ms "
+                           "of CPU time and %.0f evaluations a frame.",
+                           rows[i].label, 1e3 * price->cpu.median, price->evaluations);
         else
             statements_add(
                 statements, row,
@@ -251,15 +235,13 @@ static void state_all(struct plan *plan, struct statements *statements,
     state_order(statements, prices);
 }
 
-static int chapter5_tabulate(struct plan *plan, const char *folder) {
-    struct statements statements;
+static int chapter5_tabulate(struct plan *plan) {
     struct price prices[ROWS];
-    if (read_prices(plan, prices) || write_models(plan, folder) ||
-        write_prices(plan, folder, prices) ||
-        statements_open(&statements, folder, NULL, NULL, plan->reason))
+    if (read_prices(plan, prices) || write_models(plan) || write_prices(plan, prices) ||
+        plan_open_statements(plan, NULL, NULL))
         return -1;
-    state_all(plan, &statements, prices);
-    return statements_close(&statements, 0, plan->reason);
+    state_all(plan, &plan->output.statements, prices);
+    return 0;
 }
 
 const struct experiment chapter5_experiment = {

@@ -1,5 +1,4 @@
 /* What variants cost, beside the thesis's times. */
-#include "base/files.h"
 #include "hair_study.h"
 
 #include <math.h>
@@ -96,12 +95,11 @@ static void state_variant(struct hair_study *study, int i) {
     const struct spread first = hair_cpu_per_frame(one), cpu = hair_cpu_per_frame(run);
     const struct ratio ratio = normalise(&cpu, &first, i == 0);
     const struct ratio theirs = thesis_ratio_of(study, i);
-    char key[80], then[64] = "";
-    snprintf(key, sizeof key, "cost, %.60s", run->variant->label);
-    struct statement row = {.key = key, .figure = "cost", .tables = "table", .unit = "1"};
+    char then[64] = "";
+    struct statement row =
+        our_row("cost", "table", HOLDS, NAN, "1", "cost, %.60s", run->variant->label);
     if (run->cost.outcome != FINISHED || !isfinite(ratio.value)) {
         row.verdict = NOT_REACHED;
-        row.value = NAN;
         hair_state(
             study, row, "What a frame of the run '%s' takes is not known: %s.", run->variant->label,
             outcome_name(run->cost.outcome != FINISHED ? run->cost.outcome : one->cost.outcome));
@@ -125,21 +123,18 @@ static void state_variant(struct hair_study *study, int i) {
     }
 }
 
-int hair_costs(struct plan *plan, const char *folder, struct hair_study *study) {
-    struct atomic_file file;
-    if (open_table(
-            &file, folder, "table",
-            "CPU time, s per frame, of repeated runs, beside the thesis's (one processor, MIPS "
-            "R4400 at 200 MHz); normalised: over the first row's, with what the spreads allow; "
-            "real_time: simulated over CPU time; force_evaluations: of a wisp's forces; "
-            "wisp_contacts: how often a node or sample was in "
-            "a "
-            "section of another wisp at a tick, body_contacts: in a body; nan: there is no number",
-            study->subject->scene, COLUMNS(VARIANT_COLUMNS), plan->reason))
-        return -1;
-    for (int i = 0; i < study->count; i++) {
-        write_variant(file.stream, study, i);
+int hair_costs(struct plan *plan, struct hair_study *study) {
+    FILE *stream =
+        output_table(&plan->output, "table",
+                     "CPU time, s per frame, of repeated runs, beside the thesis's (one processor, "
+                     "MIPS R4400 at 200 MHz); normalised: over the first row's, with what the "
+                     "spreads allow; real_time: simulated over CPU time; force_evaluations: of a "
+                     "wisp's forces; wisp_contacts: how often a node or sample was in a section of "
+                     "another wisp at a tick, body_contacts: in a body; nan: there is no number",
+                     study->subject->scene, COLUMNS(VARIANT_COLUMNS));
+    for (int i = 0; i < study->count && stream; i++) {
+        write_variant(stream, study, i);
         state_variant(study, i);
     }
-    return atomic_commit(&file, plan->reason);
+    return stream ? 0 : -1;
 }

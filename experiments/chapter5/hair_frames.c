@@ -11,15 +11,10 @@
 /* --- reading --- */
 
 /* The frame of most wisps has all of them that the run ever had. */
-static int fullest_frame(const struct hair *hair) {
-    int frame = 0;
-    while (hair->frames[frame].wisps < hair->states->wisp_count)
-        frame++;
-    return frame;
-}
-
 static int create_strands(struct hair *hair) {
-    const int frame = hair->frame_count > 0 ? fullest_frame(hair) : 0;
+    int frame = 0;
+    while (frame < hair->frame_count && hair->frames[frame].wisps < hair->states->wisp_count)
+        frame++;
     for (int w = 0; w < hair->states->wisp_count; w++) {
         const int ancestor = hair_ancestor(hair, w);
         if (ancestor >= hair->scene->wisp_count)
@@ -71,7 +66,7 @@ const double *hair_node(const struct hair *hair, int frame, int wisp, int node) 
            STATE_X;
 }
 
-static double square_distance(const double *a, const double *b) {
+double square_distance(const double *a, const double *b) {
     const double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
     return vector_dot(d, d);
 }
@@ -104,12 +99,6 @@ int hair_frame_at(const struct hair *hair, double t) {
 
 /* --- measures --- */
 
-static double angle_between(const double a[3], const double b[3]) {
-    double cross[3];
-    vector_cross(a, b, cross);
-    return atan2(vector_length(cross), vector_dot(a, b));
-}
-
 struct inclination hair_inclination(const struct hair *hair, int frame) {
     struct inclination inclination = {0, 0};
     const int wisps = hair->frames[frame].wisps;
@@ -117,7 +106,10 @@ struct inclination hair_inclination(const struct hair *hair, int frame) {
         const double *root = hair_node(hair, frame, w, 1);
         const double *tip = hair_node(hair, frame, w, hair_nodes(hair, frame, w) - 1);
         const double line[3] = {tip[0] - root[0], tip[1] - root[1], tip[2] - root[2]};
-        const double angle = angle_between(line, hair->scene->around.gravity);
+        const double *gravity = hair->scene->around.gravity;
+        double cross[3];
+        vector_cross(line, gravity, cross);
+        const double angle = atan2(vector_length(cross), vector_dot(line, gravity));
         inclination.mean += angle / wisps;
         inclination.largest = fmax(inclination.largest, angle);
     }

@@ -31,6 +31,9 @@ void hair_lay_open(struct hair *hair, int frame);
 int hair_nodes(const struct hair *hair, int frame, int wisp);
 const double *hair_node(const struct hair *hair, int frame, int wisp, int node);
 
+/* The square of the distance of two points, m^2. */
+double square_distance(const double *a, const double *b);
+
 /* The wisp of the scene that this one is, or that it came from by subdivision. */
 int hair_ancestor(const struct hair *hair, int wisp);
 

@@ -1,6 +1,5 @@
 /* Pictures of the hair: the frames that the thesis prints, a film, and the steppers side by side.
  */
-#include "base/files.h"
 #include "hair_study.h"
 #include "picture/strip.h"
 
@@ -57,7 +56,7 @@ static int row_of(struct strip_row *row, char path[PATH_SIZE], const struct labe
     return path_format(path, "%s/states.tsv", run->run.folder);
 }
 
-int hair_strip(struct plan *plan, const char *folder, const struct hair_study *study) {
+int hair_strip(struct plan *plan, const struct hair_study *study) {
     char paths[HAIR_VARIANTS][PATH_SIZE];
     struct strip_row rows[HAIR_VARIANTS] = {{0}};
     const struct hair_question *question = study->question;
@@ -84,7 +83,10 @@ int hair_strip(struct plan *plan, const char *folder, const struct hair_study *s
             count++;
     if (count == 0 && (frames[0] = last_frame(study)) > 0)
         count = 1;
-    return count > 0 && strip_draw(&request, frames, count, folder, "hair", plan->reason) ? -1 : 0;
+    return count > 0 &&
+                   strip_draw(&request, frames, count, plan->output.folder, "hair", plan->reason)
+               ? -1
+               : 0;
 }
 
 /* --- the steppers side by side --- */
@@ -99,9 +101,8 @@ void hair_name(char name[HAIR_NAME], const struct settings *settings) {
 enum { ERRORS_MAX = 12 };
 
 /* Where there are many, some are shown, from the nearest to the furthest. */
-int hair_errors(struct plan *plan, const char *folder, const struct hair_study *study,
-                const struct hair_error *errors, int count, const struct labelled_case *reference,
-                int frame) {
+int hair_errors(struct plan *plan, const struct hair_study *study, const struct hair_error *errors,
+                int count, const struct labelled_case *reference, int frame) {
     char paths[ERRORS_MAX][PATH_SIZE], labels[ERRORS_MAX][HAIR_NAME + 32], solution[PATH_SIZE],
         title[128];
     struct strip_row rows[ERRORS_MAX];
@@ -124,7 +125,7 @@ int hair_errors(struct plan *plan, const char *folder, const struct hair_study *
     request.columns = 4;
     request.scale = 0.75;
     request.title = title;
-    return strip_draw(&request, &frame, 1, folder, "errors", plan->reason) ? -1 : 0;
+    return strip_draw(&request, &frame, 1, plan->output.folder, "errors", plan->reason) ? -1 : 0;
 }
 
 /* --- the film --- */
@@ -136,26 +137,21 @@ int hair_errors(struct plan *plan, const char *folder, const struct hair_study *
       rival ? hair_distance(main, rival, f) : NAN)                          \
     X("note", "-", "why there is no distance", "%s", rival ? "" : "there is one run")
 
-static int write_film_table(struct plan *plan, const char *folder, const struct hair_study *study,
-                            const struct hair *main, const struct hair *rival, int count) {
-    struct atomic_file file;
-    if (open_table(&file, folder, "film",
-                   "the frames of film.png, a sheet with one below the other",
-                   study->subject->scene, COLUMNS(FILM_COLUMNS), plan->reason))
-        return -1;
-    for (int f = 0; f < count; f++)
-        WRITE_ROW(file.stream, FILM_COLUMNS);
-    return atomic_commit(&file, plan->reason);
+static int write_film_table(struct plan *plan, const struct hair *main, const struct hair *rival,
+                            int count) {
+    FILE *stream = output_table(&plan->output, "film",
+                                "the frames of film.png, a sheet with one below the other",
+                                plan->subjects[0].scene, COLUMNS(FILM_COLUMNS));
+    for (int f = 0; f < count && stream; f++)
+        WRITE_ROW(stream, FILM_COLUMNS);
+    return stream ? 0 : -1;
 }
 
 static void state_film(struct hair_study *study, const char *names, double seconds,
                        double distance) {
-    const struct statement row = {.key = "film",
-                                  .figure = "film",
-                                  .tables = "film",
-                                  .verdict = HOLDS,
-                                  .value = study->rival ? 1e3 * distance : seconds,
-                                  .unit = study->rival ? "mm" : "s"};
+    const struct statement row =
+        our_row("film", "film", HOLDS, study->rival ? 1e3 * distance : seconds,
+                study->rival ? "mm" : "s", "film");
     if (study->rival)
         hair_state(study, row,
                    "The first %.3g s, at half their speed, by %s: after them the two are %.2g mm "
@@ -175,8 +171,8 @@ static int film_frames(const struct hair_study *study, const struct hair *main,
     return count;
 }
 
-static int draw_film(struct plan *plan, const char *folder, struct hair_study *study,
-                     const struct hair *main, const struct hair *rival) {
+static int draw_film(struct plan *plan, struct hair_study *study, const struct hair *main,
+                     const struct hair *rival) {
     const struct labelled_case *runs[] = {study->runs[study->question->main].timed, study->rival};
     const int run_count = study->rival ? 2 : 1, count = film_frames(study, main, rival);
     char paths[2][PATH_SIZE], labels[2][HAIR_NAME], names[3 * HAIR_NAME];
@@ -198,26 +194,25 @@ static int draw_film(struct plan *plan, const char *folder, struct hair_study *s
     struct strip_request request = request_of(plan, study, rows, run_count);
     request.beside = request.untitled = 1;
     request.scale = 0.75;
-    return write_film_table(plan, folder, study, main, rival, count) ||
-                   strip_draw(&request, frames, count, folder, "film", plan->reason)
-               ? -1
-               : 0;
+    if (write_film_table(plan, main, rival, count))
+        return -1;
+    return strip_draw(&request, frames, count, plan->output.folder, "film", plan->reason) ? -1 : 0;
 }
 
-int hair_film(struct plan *plan, const char *folder, struct hair_study *study) {
+int hair_film(struct plan *plan, struct hair_study *study) {
     const struct hair_run *main = &study->runs[study->question->main];
     struct run_files files;
     struct hair rival;
     if (!(study->question->film > 0))
         return 0;
     if (!study->rival)
-        return draw_film(plan, folder, study, &main->hair, NULL);
-    if (run_read_states(&files, study->rival->run.folder, plan->trajectories, plan->reason))
+        return draw_film(plan, study, &main->hair, NULL);
+    if (plan_read(plan, study->rival, &files))
         return -1;
     int code = hair_open(&rival, study->rival->run.scene, files.states,
                          (enum wisp_treatment)study->rival->run.settings.treatment, plan->reason);
     if (!code)
-        code = draw_film(plan, folder, study, &main->hair, &rival);
+        code = draw_film(plan, study, &main->hair, &rival);
     hair_close(&rival);
     run_free(&files);
     return code;

@@ -7,8 +7,10 @@
 #include <string.h>
 
 static void add_row(struct hair_study *study, struct statement row, const char *text) {
-    if (!row.figure)
-        row.figure = row.tables = "series";
+    if (!row.figure) {
+        row.figure = "series";
+        snprintf(row.tables, sizeof row.tables, "series");
+    }
     statements_add(study->statements, row, "%s", text);
 }
 

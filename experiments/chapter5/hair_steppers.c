@@ -1,5 +1,4 @@
 /* How every stepper fares on the main variant, and whether the thesis's choice is the best. */
-#include "base/files.h"
 #include "hair_study.h"
 #include "integrators/configurations.h"
 
@@ -22,13 +21,12 @@ static int open_attempt(struct plan *plan, const struct hair_study *study,
                         const struct stepper_method *method, struct attempt *attempt) {
     const struct labelled_case *recipe = study->runs[study->question->main].timed;
     *attempt = (struct attempt){.method = method, .cost.outcome = REFUSED};
-    attempt->one = find_case(plan, "steppers", method->name);
+    attempt->one = find_case(plan, "steppers", "%s", method->name);
     if (!attempt->one && recipe->run.settings.method == method)
         attempt->one = recipe;
     if (!attempt->one)
         return 0;
-    if (run_read_states(&attempt->files, attempt->one->run.folder, plan->trajectories,
-                        plan->reason))
+    if (plan_read(plan, attempt->one, &attempt->files))
         return -1;
     attempt->cost = run_cost(&attempt->files);
     return hair_open(&attempt->hair, attempt->one->run.scene, attempt->files.states,
@@ -67,12 +65,6 @@ static double largest_strain(const struct hair *hair) {
     return largest;
 }
 
-static void name_setting(char *text, size_t size, const struct settings *settings) {
-    char name[HAIR_NAME];
-    hair_name(name, settings);
-    snprintf(text, size, "%s", name + strlen(settings->method->name) + strlen(", "));
-}
-
 /* What an attempt cost, and how far it is from the base's run. */
 struct result {
     const struct stepper_method *method;
@@ -94,9 +86,12 @@ static struct result result_of(const struct attempt *attempt, const struct attem
                             .agreement = {NAN, NAN},
                             .last = NAN,
                             .setting = "–"};
+    char name[HAIR_NAME];
     if (!attempt->one)
         return result;
-    name_setting(result.setting, sizeof result.setting, &attempt->one->run.settings);
+    hair_name(name, &attempt->one->run.settings);
+    snprintf(result.setting, sizeof result.setting, "%s",
+             name + strlen(attempt->method->name) + strlen(", "));
     result.cpu = hair_per_frame(&attempt->cost, attempt->one->run.scene);
     result.work = hair_work_per_frame(&attempt->files, &attempt->cost, attempt->one->run.scene);
     if (base && base->method != attempt->method) {
@@ -140,10 +135,9 @@ static void state_result(struct hair_study *study, const struct result *result,
                          const struct attempt *base) {
     const char *name = result->method->name;
     const double distance = 1e3 * result->agreement.distance, ms = 1e3 * result->cpu.median;
-    char key[80], over[48] = "";
-    snprintf(key, sizeof key, "stepper %.60s", name);
-    struct statement row = {
-        .key = key, .figure = "cost", .tables = "steppers", .value = distance, .unit = "mm"};
+    char over[48] = "";
+    struct statement row =
+        our_row("cost", "steppers", HOLDS, distance, "mm", "stepper %.60s", name);
     const double until = base ? base->one->run.scene->duration : 0,
                  whole = study->runs[study->question->main].timed->run.scene->duration;
     if (base && until < whole)
@@ -190,14 +184,9 @@ static void state_choice(struct hair_study *study, const struct result *results,
             own = &results[i];
     const struct result *best = own ? better_than(own, results, count) : NULL;
     study->rival = best ? best->run : NULL;
-    struct statement row = {.key = "choice",
-                            .figure = "cost",
-                            .tables = "steppers",
-                            .answers = ANSWERS_CHOICE,
-                            .by = THESIS,
-                            .verdict = NOT_ASKED,
-                            .unit = "1"};
-    row.value = best ? own->work / best->work : NAN;
+    struct statement row = thesis_row("cost", "steppers", NOT_ASKED,
+                                      best ? own->work / best->work : NAN, "1", "choice");
+    row.answers = ANSWERS_CHOICE;
     if (!own || count == 1) {
         hair_state(study, row,
                    "On %s %s is the best: that was not asked, for it or the others were left out.",
@@ -235,8 +224,8 @@ static int nearest_first(const void *a, const void *b) {
 }
 
 /* At the base's last frame, of those that have it. */
-static int draw_errors(struct plan *plan, const char *folder, struct hair_study *study,
-                       const struct result *results, int count, const struct attempt *base) {
+static int draw_errors(struct plan *plan, struct hair_study *study, const struct result *results,
+                       int count, const struct attempt *base) {
     struct hair_error *errors = calloc((size_t)count + 1, sizeof *errors);
     int near = 0, code = 0;
     char first[HAIR_NAME], last[HAIR_NAME];
@@ -250,17 +239,13 @@ static int draw_errors(struct plan *plan, const char *folder, struct hair_study 
         const int frame = base->hair.frame_count;
         hair_name(first, &errors[0].run->run.settings);
         hair_name(last, &errors[near - 1].run->run.settings);
-        hair_state(study,
-                   (struct statement){.key = "errors",
-                                      .figure = "errors",
-                                      .tables = "steppers",
-                                      .verdict = HOLDS,
-                                      .value = 1e3 * errors[near - 1].distance,
-                                      .unit = "mm"},
-                   "After %.3g s %s is nearest to %s, %.2g mm (rms), and %s furthest, %.2g mm.",
-                   base->hair.frames[frame - 1].t, first, base->method->name,
-                   1e3 * errors[0].distance, last, 1e3 * errors[near - 1].distance);
-        code = hair_errors(plan, folder, study, errors, near, base->one, frame);
+        hair_state(
+            study,
+            our_row("errors", "steppers", HOLDS, 1e3 * errors[near - 1].distance, "mm", "errors"),
+            "After %.3g s %s is nearest to %s, %.2g mm (rms), and %s furthest, %.2g mm.",
+            base->hair.frames[frame - 1].t, first, base->method->name, 1e3 * errors[0].distance,
+            last, 1e3 * errors[near - 1].distance);
+        code = hair_errors(plan, study, errors, near, base->one, frame);
     }
     free(errors);
     return code;
@@ -295,12 +280,10 @@ static int method_count(void) {
     return count;
 }
 
-static int write_attempts(struct plan *plan, const char *folder, struct hair_study *study,
-                          FILE *stream, const struct attempt *base) {
+static int write_attempts(struct plan *plan, struct hair_study *study, FILE *stream,
+                          const struct attempt *base) {
     struct result *results = calloc((size_t)method_count(), sizeof *results);
-    int count = 0, code = results ? 0 : -1;
-    if (!results)
-        snprintf(plan->reason, REASON_SIZE, "out of memory");
+    int count = 0, code = results ? 0 : fail_with(plan->reason, "out of memory");
     for (int i = 0; stepper_methods[i] && !code; i++) {
         struct attempt attempt;
         if (!hair_takes(plan, stepper_methods[i]))
@@ -316,33 +299,26 @@ static int write_attempts(struct plan *plan, const char *folder, struct hair_stu
     if (!code)
         state_choice(study, results, count);
     if (!code && base && study->question->film > 0)
-        code = draw_errors(plan, folder, study, results, count, base);
+        code = draw_errors(plan, study, results, count, base);
     free(results);
     return code;
 }
 
-int hair_steppers(struct plan *plan, const char *folder, struct hair_study *study) {
+int hair_steppers(struct plan *plan, struct hair_study *study) {
     const struct scene *main_scene = study->runs[study->question->main].timed->run.scene;
-    struct atomic_file file;
     struct attempt base;
     int there;
-    if (open_base(plan, study, &base, &there))
-        return -1;
-    int code = open_table(
-        &file, folder, "steppers",
+    FILE *stream = output_table(
+        &plan->output, "steppers",
         "every stepper, one run, treatment projection; CPU time, s per frame (up to its failure, "
         "where it failed); real_time: simulated over CPU time; largest |L/l - 1| of a stretch "
-        "spring; distance: rms over free nodes and common frames from the run it is compared "
-        "with, m; until: the last frame before it is more than 1 mm, s; work: per frame, in "
-        "evaluations of a wisp's forces, a linear solution as one and a factorisation as five",
-        main_scene, COLUMNS(ATTEMPT_COLUMNS), plan->reason);
-    if (!code) {
-        code = write_attempts(plan, folder, study, file.stream, there ? &base : NULL);
-        if (code)
-            atomic_discard(&file);
-        else
-            code = atomic_commit(&file, plan->reason);
-    }
+        "spring; distance: rms over free nodes and common frames from the run it is compared with, "
+        "m; until: the last frame before it is more than 1 mm, s; work: per frame, in evaluations "
+        "of a wisp's forces, a linear solution as one and a factorisation as five",
+        main_scene, COLUMNS(ATTEMPT_COLUMNS));
+    if (!stream || open_base(plan, study, &base, &there))
+        return -1;
+    const int code = write_attempts(plan, study, stream, there ? &base : NULL);
     if (there)
         close_attempt(&base);
     return code;

@@ -2,6 +2,7 @@
 
 #include "base/files.h"
 #include "experiments/common/diagnostics.h"
+#include "experiments/common/sets.h"
 #include "model/model.h"
 
 #include <math.h>
@@ -32,7 +33,13 @@ static double stable_step(const struct scene *scene, const struct stepper_method
     return 1 / (100 * ceil(1.25 * hundreds));
 }
 
-struct run_request hair_request(const struct scene *scene, const struct stepper_method *method) {
+/* The request for a run by a stepper: the thesis's recipe for explicit Euler, for other
+ * explicit methods a quarter more than the least rate, in hundreds of Hz, that linear theory calls
+ * stable, and their usual rate where theory says nothing, as for implicit ones; for adaptive ones a
+ * relative tolerance of 1e-4; the reference is what it is, and on large scenes goes only so far as
+ * its time allows. All with the treatment `projection`, so that they solve the same equations. */
+static struct run_request request_for(const struct scene *scene,
+                                      const struct stepper_method *method) {
     struct run_request request = {.stepper = method->name, .treatment = thesis_recipe.treatment};
     const unsigned is = method->capabilities;
     if (method->checked_by)
@@ -54,7 +61,7 @@ struct run_request hair_request(const struct scene *scene, const struct stepper_
 
 struct run_request hair_timed_request(const struct plan *plan, const struct scene *scene,
                                       const struct stepper_method *method) {
-    struct run_request request = hair_request(scene, method);
+    struct run_request request = request_for(scene, method);
     const int is_long = is_large(scene) || method->advance;
     request.timings = plan->quick ? (is_long ? 1 : 3) : is_long ? 3 : 7;
     return request;
@@ -65,20 +72,14 @@ static const struct scene *variant_scene(struct plan *plan, const struct hair_qu
                                          const struct hair_variant *variant, double frame_rate,
                                          double most) {
     const struct subject *subject = &plan->subjects[0];
-    const char *sets[HAIR_SETS + 3];
-    char rate[64], duration[64];
-    int count = 0;
-    while (count < HAIR_SETS && variant->sets[count]) {
-        sets[count] = variant->sets[count];
-        count++;
-    }
-    snprintf(rate, sizeof rate, "frame_rate=%.17e", frame_rate);
-    snprintf(duration, sizeof duration, "duration=%.17e", fmin(most, subject->scene->duration));
-    sets[count++] = rate;
-    sets[count++] = duration;
+    struct sets sets = {0};
+    for (int i = 0; i < HAIR_SETS && variant->sets[i]; i++)
+        set_add(&sets, "%s", variant->sets[i]);
+    set_add(&sets, "frame_rate=%.17e", frame_rate);
+    set_add(&sets, "duration=%.17e", fmin(most, subject->scene->duration));
     if (question->start && plan->scene_count == 0)
-        sets[count++] = question->start;
-    return plan_scene(plan, subject->source, sets, count);
+        set_add(&sets, "%s", question->start);
+    return plan_scene(plan, subject->source, sets.list, sets.count);
 }
 
 /* These are whole, also with --quick: statements are about all of a scene, and it is cheap. */
@@ -113,8 +114,8 @@ static double trial_duration(const struct plan *plan, const struct hair_question
 static int plan_stepper(struct plan *plan, const struct hair_question *question,
                         const struct stepper_method *method) {
     const struct hair_variant *variant = &question->variants[question->main];
-    const struct scene *scene = find_case(plan, "variants", variant->label)->run.scene;
-    const struct run_request request = hair_request(scene, method);
+    const struct scene *scene = find_case(plan, "variants", "%s", variant->label)->run.scene;
+    const struct run_request request = request_for(scene, method);
     const double until = trial_duration(plan, question, scene, method);
     if (until < scene->duration)
         scene = variant_scene(plan, question, variant, scene->frame_rate, until);
@@ -173,15 +174,15 @@ static int read_run(struct plan *plan, struct hair_study *study, int i) {
     struct hair_run *run = &study->runs[i];
     struct run_files timed;
     run->variant = &study->question->variants[i];
-    run->timed = find_case(plan, "variants", run->variant->label);
-    run->watched = find_case(plan, "watched", run->variant->label);
+    run->timed = find_case(plan, "variants", "%s", run->variant->label);
+    run->watched = find_case(plan, "watched", "%s", run->variant->label);
     if (!run->watched)
         run->watched = run->timed;
     if (run_read(&timed, run->timed->run.folder, plan->reason))
         return -1;
     run->cost = run_cost(&timed);
     run_free(&timed);
-    if (run_read_states(&run->files, run->watched->run.folder, plan->trajectories, plan->reason))
+    if (plan_read(plan, run->watched, &run->files))
         return -1;
     study->count = i + 1;
     run->finished = run->cost.outcome == FINISHED && run->files.outcome == FINISHED;
@@ -225,9 +226,7 @@ static void try_control(struct hair_study *study) {
 static void state_failure(struct hair_study *study, const struct hair_run *run) {
     const int timed = run->cost.outcome != FINISHED;
     const double t = timed ? run->cost.failure_time : run_number(&run->files, "failure_time");
-    hair_state(study,
-               (struct statement){
-                   .key = run->variant->label, .verdict = NOT_REACHED, .value = t, .unit = "s"},
+    hair_state(study, our_row(NULL, NULL, NOT_REACHED, t, "s", "%s", run->variant->label),
                "Nothing is stated, for the run %s did not reach its end: %s at %.3g s.",
                run->variant->label, outcome_name(timed ? run->cost.outcome : run->files.outcome),
                t);
@@ -242,11 +241,8 @@ static void state_pictures(struct hair_study *study) {
             wanted++;
             shown += hair_frame_numbered(&study->runs[i], number[k]) >= 0;
         }
-    const struct statement row = {.key = "hair",
-                                  .figure = "hair",
-                                  .verdict = shown == wanted ? HOLDS : NOT_REACHED,
-                                  .value = shown,
-                                  .unit = "1"};
+    const struct statement row =
+        our_row("hair", NULL, shown == wanted ? HOLDS : NOT_REACHED, shown, "1", "hair");
     if (shown == wanted)
         hair_state(study, row, "All %d pictures are drawn.", wanted);
     else if (shown == 0)
@@ -273,81 +269,66 @@ static int state_all(struct hair_study *study) {
     return finished;
 }
 
-static int write_series(struct plan *plan, const char *folder, const struct hair_study *study) {
-    struct atomic_file file;
+static int write_series(struct plan *plan, const struct hair_study *study) {
     const struct column *series = study->question->series;
     struct column columns[2 + HAIR_SERIES + 1] = {{"variant", "-", "name of the variant"},
                                                   {"t", "s", "time of the frame"}};
     memcpy(columns + 2, series, HAIR_SERIES * sizeof *series);
-    if (open_table(&file, folder, "series", "what the statements are made from, by frame",
-                   study->subject->scene, columns, plan->reason))
-        return -1;
-    for (int i = 0; i < study->count; i++) {
+    FILE *stream =
+        output_table(&plan->output, "series", "what the statements are made from, by frame",
+                     study->subject->scene, columns);
+    for (int i = 0; i < study->count && stream; i++) {
         const struct hair_run *run = &study->runs[i];
         for (int f = 0; f < run->hair.frame_count; f++) {
-            fprintf(file.stream, "%s\t%.17g", run->variant->label, run->hair.frames[f].t);
+            fprintf(stream, "%s\t%.17g", run->variant->label, run->hair.frames[f].t);
             for (int k = 0; k < HAIR_SERIES && series[k].name; k++)
-                fprintf(file.stream, "\t%.17g", run->series[k][f]);
-            fputc('\n', file.stream);
+                fprintf(stream, "\t%.17g", run->series[k][f]);
+            fputc('\n', stream);
         }
-        fputs("\n\n", file.stream);
+        fputs("\n\n", stream);
     }
-    return atomic_commit(&file, plan->reason);
+    return stream ? 0 : -1;
 }
 
-static int read_runs(struct plan *plan, struct hair_study *study) {
-    int code = 0;
-    for (int i = 0; i < variant_count(study->question) && !code; i++)
-        code = read_run(plan, study, i);
-    return code;
-}
-
-static int keep_diagnoses(struct plan *plan, const char *folder, struct hair_study *study) {
+static int keep_diagnoses(struct plan *plan, struct hair_study *study) {
     int code = 0;
     for (int i = 0; i < study->count && !code; i++)
         if (study->runs[i].watched != study->runs[i].timed)
-            code = keep_diagnostics(&study->runs[i].watched->run, folder,
+            code = keep_diagnostics(&study->runs[i].watched->run, plan->output.folder,
                                     study->runs[i].variant->label, study->statements, plan->reason);
     return code;
 }
 
-/* The tables with what is to be stated of them. Returns 0, or -1 with plan->reason. */
-static int write_tables(struct plan *plan, const char *folder, struct hair_study *study) {
-    if (write_series(plan, folder, study))
+/* The tables with what is to be stated of them, and the pictures. Returns 0, or -1 with
+ * plan->reason. */
+static int write_all(struct plan *plan, struct hair_study *study) {
+    if (write_series(plan, study))
         return -1;
     const int finished = state_all(study);
     if (study->out_of_memory)
         return fail_with(plan->reason, "out of memory");
-    if (finished && study->question->tables && study->question->tables(plan, folder, study))
+    if (finished && study->question->tables && study->question->tables(plan, study))
         return -1;
-    return hair_costs(plan, folder, study) || hair_steppers(plan, folder, study) ||
-                   keep_diagnoses(plan, folder, study)
+    return hair_costs(plan, study) || hair_steppers(plan, study) || keep_diagnoses(plan, study) ||
+                   hair_strip(plan, study) || hair_film(plan, study)
                ? -1
                : 0;
 }
 
-int hair_tabulate(struct plan *plan, const char *folder) {
-    const struct hair_question *question = plan->experiment->study;
-    struct statements statements;
-    struct hair_study study = {.question = question,
+int hair_tabulate(struct plan *plan) {
+    struct hair_study study = {.question = plan->experiment->study,
                                .subject = &plan->subjects[0],
                                .is_own = plan_is_own(plan),
-                               .statements = &statements};
-    if (plan_open_statements(
-            plan, &statements, folder, study.subject->scene,
-            plan->quick
-                ? "--quick: the table of steppers is cut, and without those that cost too much"
-                : "the table of steppers is without those that cost too much: --steppers names "
-                  "them",
-            plan->reason))
-        return -1;
-    int code = read_runs(plan, &study);
+                               .statements = &plan->output.statements};
+    int code = plan_open_statements(
+        plan, study.subject->scene,
+        plan->quick
+            ? "--quick: the table of steppers is cut, and without those that cost too much"
+            : "the table of steppers is without those that cost too much: --steppers names them");
+    for (int i = 0; i < variant_count(study.question) && !code; i++)
+        code = read_run(plan, &study, i);
     if (!code)
-        code = write_tables(plan, folder, &study);
-    if (!code)
-        code = hair_strip(plan, folder, &study);
-    if (!code)
-        code = hair_film(plan, folder, &study);
+        code = write_all(plan, &study);
     free_study(&study);
-    return statements_close(&statements, code, plan->reason);
+    return code;
 }

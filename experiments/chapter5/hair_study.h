@@ -56,7 +56,7 @@ struct hair_question {
 
     /* Writes tables of its own, and states what they show; NULL: there are none. Called where
      * every variant reached its end. Returns 0, or -1 with plan->reason. */
-    int (*tables)(struct plan *plan, const char *folder, struct hair_study *study);
+    int (*tables)(struct plan *plan, struct hair_study *study);
 };
 
 /* A variant's runs, read back. */
@@ -73,7 +73,7 @@ struct hair_run {
 
 /* What the control makes of a claim. */
 struct hair_trial {
-    char key[80];
+    char key[192];
     enum claim_verdict verdict;
 };
 
@@ -132,16 +132,14 @@ int hair_largest(const struct hair_run *run, int series);
 
 /* plan and tabulate of a struct experiment whose `study` is a struct hair_question. */
 int hair_plan(struct plan *plan);
-int hair_tabulate(struct plan *plan, const char *folder);
+int hair_tabulate(struct plan *plan);
+
+/* What such experiments have in common. */
+#define HAIR_EXPERIMENT(question)                                                    \
+    .chapter = CHAPTER_THESIS, .answers = 1u << ANSWERS_CHOICE, .study = (question), \
+    .plan = hair_plan, .tabulate = hair_tabulate
 
 /* --- its parts --- */
-
-/* The request for a run by a stepper: the thesis's recipe for explicit Euler, for other
- * explicit methods a quarter more than the least rate, in hundreds of Hz, that linear theory calls
- * stable, and their usual rate where theory says nothing, as for implicit ones; for adaptive ones a
- * relative tolerance of 1e-4; the reference is what it is, and on large scenes goes only so far as
- * its time allows. All with the treatment `projection`, so that they solve the same equations. */
-struct run_request hair_request(const struct scene *scene, const struct stepper_method *method);
 
 /* The request of a run whose time is to be known: it is repeated, more often the shorter the scene.
  */
@@ -154,16 +152,16 @@ int hair_takes(const struct plan *plan, const struct stepper_method *method);
 
 /* The tables of what variants cost, and of how every stepper fares on the main one, with what they
  * show. Return 0, or -1 with a reason. */
-int hair_costs(struct plan *plan, const char *folder, struct hair_study *study);
-int hair_steppers(struct plan *plan, const char *folder, struct hair_study *study);
+int hair_costs(struct plan *plan, struct hair_study *study);
+int hair_steppers(struct plan *plan, struct hair_study *study);
 
-/* The pictures, a row for each variant, seen by the scene's camera, as folder/hair.png: drawn here,
+/* The pictures, a row for each variant, seen by the scene's camera, as hair.png: drawn here,
  * for they are made of whole runs. Returns 0, or -1 with a reason. */
-int hair_strip(struct plan *plan, const char *folder, const struct hair_study *study);
+int hair_strip(struct plan *plan, const struct hair_study *study);
 
-/* A film of the main variant, beside it by the rival if there is one: the sheet folder/film.png,
+/* A film of the main variant, beside it by the rival if there is one: the sheet film.png,
  * whose frames, below each other, are the rows of film.tsv. Returns 0, or -1 with a reason. */
-int hair_film(struct plan *plan, const char *folder, struct hair_study *study);
+int hair_film(struct plan *plan, struct hair_study *study);
 
 /* A stepper's run, and how far it is from the reference's at a frame. */
 struct hair_error {
@@ -171,11 +169,10 @@ struct hair_error {
     double distance; /* rms over free nodes, m */
 };
 
-/* A picture of each at the frame, in order, as folder/errors.png; colour is the distance. Returns
+/* A picture of each at the frame, in order, as errors.png; colour is the distance. Returns
  * 0, or -1 with a reason. */
-int hair_errors(struct plan *plan, const char *folder, const struct hair_study *study,
-                const struct hair_error *errors, int count, const struct labelled_case *reference,
-                int frame);
+int hair_errors(struct plan *plan, const struct hair_study *study, const struct hair_error *errors,
+                int count, const struct labelled_case *reference, int frame);
 
 /* "euler, 9000 Hz", "cvode, rtol 0.0001" */
 enum { HAIR_NAME = 96 };

@@ -1,6 +1,5 @@
 /* What do wisps do to each other when they meet? Two wisps that gravity swings into each other
  * (section 5.2 of the thesis), with each response alone, both and none. */
-#include "base/vector.h"
 #include "crossing.h"
 #include "hair_study.h"
 #include "misses.h"
@@ -39,14 +38,12 @@ static void state_crossings(struct hair_study *study, int variant) {
     while (first < frames - 1 && run->series[CROSSINGS][first] == 0)
         first++;
     const double count = run->series[CROSSINGS][frames - 1], net = run->series[NET][frames - 1];
-    char key[64], sentence[160];
-    snprintf(key, sizeof key, "crossings, %.50s", run->variant->label);
-    const struct statement row = {
-        .key = key,
-        .by = is_free ? THESIS : OURS,
-        .verdict = !wisps_meet(run) ? NOT_REACHED : holds_if(is_free ? count > 0 : count == 0),
-        .value = count,
-        .unit = "1"};
+    char sentence[160];
+    const enum claim_verdict verdict =
+        !wisps_meet(run) ? NOT_REACHED : holds_if(is_free ? count > 0 : count == 0);
+    struct statement row =
+        our_row(NULL, NULL, verdict, count, "1", "crossings, %.50s", run->variant->label);
+    row.by = is_free ? THESIS : OURS;
     if (!wisps_meet(run))
         snprintf(sentence, sizeof sentence, "%s",
                  is_free ? "the wisps pass through each other: they never meet"
@@ -71,13 +68,10 @@ static void state_crossings(struct hair_study *study, int variant) {
 static double farthest(const struct hair *hair, const struct hair *other, int frame) {
     double largest = 0;
     for (int w = 0; w < hair->frames[frame].wisps; w++)
-        for (int i = 2; i < hair_nodes(hair, frame, w); i++) {
-            double apart[3] = {0, 0, 0};
-            vector_add(apart, 1, hair_node(hair, frame, w, i));
-            vector_add(apart, -1, hair_node(other, frame, w, i));
-            largest = fmax(largest, vector_length(apart));
-        }
-    return largest;
+        for (int i = 2; i < hair_nodes(hair, frame, w); i++)
+            largest = fmax(largest, square_distance(hair_node(hair, frame, w, i),
+                                                    hair_node(other, frame, w, i)));
+    return sqrt(largest);
 }
 
 /* How far a response takes the wisps from where they would be without any: by more than their
@@ -86,23 +80,17 @@ static void state_influence(struct hair_study *study, int variant) {
     const struct hair_run *run = &study->runs[variant];
     const double radius = 1e3 * run->hair.scene->wisps[0].radius;
     double most = 0, t = 0;
-    char key[64];
-    snprintf(key, sizeof key, "influence, %.50s", run->variant->label);
     for (int f = 0; f < run->hair.frame_count; f++) {
         const double here = 1e3 * farthest(&run->hair, &study->runs[NONE].hair, f);
         t = here > most ? run->hair.frames[f].t : t;
         most = here > most ? here : most;
     }
-    hair_claim(
-        study,
-        (struct statement){.key = key,
-                           .by = THESIS,
-                           .verdict = wisps_meet(run) ? holds_if(most > radius) : NOT_REACHED,
-                           .value = most,
-                           .unit = "mm"},
-        "%s the wisps move otherwise than alone: nodes are up to %.1f mm from where they are "
-        "without interaction, at %.2f s, and a wisp's radius is %.0f mm.",
-        with[variant], most, t, radius);
+    hair_claim(study,
+               thesis_row(NULL, NULL, wisps_meet(run) ? holds_if(most > radius) : NOT_REACHED, most,
+                          "mm", "influence, %.50s", run->variant->label),
+               "%s the wisps move otherwise than alone: nodes are up to %.1f mm from where they "
+               "are without interaction, at %.2f s, and a wisp's radius is %.0f mm.",
+               with[variant], most, t, radius);
 }
 
 /* The thesis puts the differences of its times down to how long wisps were in contact. */
@@ -117,13 +105,8 @@ static void state_cost(struct hair_study *study) {
                         contacts[COLLIDING] < contacts[RUBBING] &&
                         contacts[RUBBING] < contacts[ALL];
     hair_claim(study,
-               (struct statement){.key = "contacts",
-                                  .figure = "cost",
-                                  .tables = "table",
-                                  .by = THESIS,
-                                  .verdict = met ? holds_if(ordered) : NOT_REACHED,
-                                  .value = contacts[ALL],
-                                  .unit = "1"},
+               thesis_row("cost", "table", met ? holds_if(ordered) : NOT_REACHED, contacts[ALL],
+                          "1", "contacts"),
                "There are the more contacts the more a frame took in the thesis (without "
                "interaction, with collision, with interpenetration, with both): there are %.1f, "
                "%.1f, %.1f and %.1f a frame.",
@@ -154,55 +137,43 @@ static double percent(const struct misses *misses) {
 }
 
 /* Fewer frames where wisps are many. */
-static void look_at_frames(struct brute *brute, struct hair *hair, struct all_misses *all) {
+static int find_misses(struct hair *hair, struct all_misses *all) {
     const int wisps = hair->frames[0].wisps, most = 10 + 4000 / (wisps * wisps);
     const int step = (hair->frame_count + most - 1) / most;
-    all->own = wisp_spacing(&hair->scene->wisps[0]) / (2 * hair->scene->wisps[0].radius);
-    for (int f = 0; f < hair->frame_count; f += step)
-        hair_misses(brute, hair, f, &all->sections, &all->wisps);
-}
-
-static int find_misses(struct hair *hair, struct all_misses *all) {
     struct brute *brute = brute_create();
     int code = brute ? 0 : -1;
     for (int i = 0; i < SLENDERNESSES && !code; i++)
         code = random_misses(brute, slenderness[i], CROSSINGS_EACH, &all->random[i]);
-    if (!code)
-        look_at_frames(brute, hair, all);
+    all->own = wisp_spacing(&hair->scene->wisps[0]) / (2 * hair->scene->wisps[0].radius);
+    for (int f = 0; f < hair->frame_count && !code; f += step)
+        hair_misses(brute, hair, f, &all->sections, &all->wisps);
     brute_free(brute);
     return code;
 }
 
-struct missed_row {
-    const char *of;
-    double slenderness;
-    struct misses count;
-};
-#define MISSED_COLUMNS(X)                                                                     \
-    X("of", "-", "what crosses", "%s", row->of)                                               \
-    X("slenderness", "1", "length of a section over its diameter", "%.17g", row->slenderness) \
-    X("crossings", "1", "crossings of volumes, by brute force", "%d", row->count.crossings)   \
-    X("missed", "1", "crossings that no point shows", "%d", row->count.missed)
+#define MISSED_COLUMNS(X)                                                                \
+    X("of", "-", "what crosses", "%s", of)                                               \
+    X("slenderness", "1", "length of a section over its diameter", "%.17g", diameters)   \
+    X("crossings", "1", "crossings of volumes, by brute force", "%d", misses->crossings) \
+    X("missed", "1", "crossings that no point shows", "%d", misses->missed)
 
-static void write_missed(FILE *stream, const struct missed_row *row) {
+static void write_missed(FILE *stream, const char *of, double diameters,
+                         const struct misses *misses) {
     WRITE_ROW(stream, MISSED_COLUMNS);
 }
 
-static int write_misses(struct plan *plan, const char *folder, const struct hair_study *study,
-                        const struct all_misses *all) {
-    struct atomic_file file;
-    if (open_table(&file, folder, "misses",
-                   "sections whose volumes cross, by brute force, and how many of these no point "
-                   "shows (the thesis, figure 4.13)",
-                   study->subject->scene, COLUMNS(MISSED_COLUMNS), plan->reason))
+static int write_misses(struct plan *plan, const struct all_misses *all) {
+    FILE *stream = output_table(&plan->output, "misses",
+                                "sections whose volumes cross, by brute force, and how many of "
+                                "these no point shows (the thesis, figure 4.13)",
+                                plan->subjects[0].scene, COLUMNS(MISSED_COLUMNS));
+    if (!stream)
         return -1;
     for (int i = 0; i < SLENDERNESSES; i++)
-        write_missed(file.stream, &(struct missed_row){"sections that lie any way", slenderness[i],
-                                                       all->random[i]});
-    write_missed(file.stream,
-                 &(struct missed_row){"sections of the scene", all->own, all->sections});
-    write_missed(file.stream, &(struct missed_row){"wisps of the scene", all->own, all->wisps});
-    return atomic_commit(&file, plan->reason);
+        write_missed(stream, "sections that lie any way", slenderness[i], &all->random[i]);
+    write_missed(stream, "sections of the scene", all->own, &all->sections);
+    write_missed(stream, "wisps of the scene", all->own, &all->wisps);
+    return 0;
 }
 
 /* Sections that are shorter than thick are the control. */
@@ -211,13 +182,8 @@ static void state_slenderness(struct hair_study *study, const struct all_misses 
     for (int i = 2; i < SLENDERNESSES; i++)
         grows &= all->random[i].missed > all->random[i - 1].missed;
     hair_state(study,
-               (struct statement){.key = "missed crossings",
-                                  .figure = "series",
-                                  .tables = "misses",
-                                  .by = THESIS,
-                                  .verdict = holds_if(grows),
-                                  .value = percent(&all->random[SLENDERNESSES - 1]),
-                                  .unit = "%"},
+               thesis_row("series", "misses", holds_if(grows),
+                          percent(&all->random[SLENDERNESSES - 1]), "%", "missed crossings"),
                "The longer sections are over their thickness, the more of their crossings no point "
                "shows (figure 4.13): of %d crossings of sections that lie any way none shows %.1f "
                "%% at a length of 1 diameter, %.1f %% at 2, %.1f %% at 4 and %.1f %% at 8; a "
@@ -229,12 +195,8 @@ static void state_slenderness(struct hair_study *study, const struct all_misses 
 
 /* Sections that are missed have neighbours, which may be seen. */
 static void state_own(struct hair_study *study, const struct all_misses *all) {
-    struct statement row = {.key = "missed here",
-                            .figure = "series",
-                            .tables = "misses",
-                            .by = THESIS,
-                            .value = percent(&all->wisps),
-                            .unit = "%"};
+    struct statement row =
+        thesis_row("series", "misses", HOLDS, percent(&all->wisps), "%", "missed here");
     row.verdict = all->wisps.crossings > 0 ? holds_if(percent(&all->wisps) <= 10) : NOT_REACHED;
     hair_state(study, row,
                "Sections about as long as thick are enough: where they are %.2g diameters long, no "
@@ -244,13 +206,13 @@ static void state_own(struct hair_study *study, const struct all_misses *all) {
                all->wisps.missed);
 }
 
-static int tables(struct plan *plan, const char *folder, struct hair_study *study) {
+static int tables(struct plan *plan, struct hair_study *study) {
     struct all_misses all = {.own = 0};
     if (find_misses(&study->runs[NONE].hair, &all))
         return fail_with(plan->reason, "out of memory");
     state_slenderness(study, &all);
     state_own(study, &all);
-    return write_misses(plan, folder, study, &all);
+    return write_misses(plan, &all);
 }
 
 /* The thesis tells the two kinds of meeting apart from its third animation on; in the second all
@@ -292,13 +254,9 @@ const struct experiment interactions_experiment = {
     .name = "interactions",
     .question = "what do wisps do to each other when they meet?",
     .thesis = "section 5.2",
-    .chapter = CHAPTER_THESIS,
     .place = 8,
     .headline = "choice",
     .quick_seconds = 3,
     .full_seconds = 15,
-    .answers = 1u << ANSWERS_CHOICE,
-    .study = &question,
-    .plan = hair_plan,
-    .tabulate = hair_tabulate,
+    HAIR_EXPERIMENT(&question),
 };

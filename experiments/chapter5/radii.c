@@ -33,9 +33,9 @@ static double most_inclined(const struct hair_study *study, int series, int vari
 static void state_radius(struct hair_study *study, int series, const struct hair_run *run) {
     const int frame = hair_largest(run, series);
     const double most = run->series[series][frame];
-    char key[64];
-    snprintf(key, sizeof key, "%s, %.40s", inclinations[series], run->variant->label);
-    hair_state(study, (struct statement){.key = key, .value = most, .unit = "deg"},
+    hair_state(study,
+               our_row(NULL, NULL, HOLDS, most, "deg", "%s, %.40s", inclinations[series],
+                       run->variant->label),
                "The %s inclination of the run '%s' is at most %.1f degrees, at %.2f s.",
                inclinations[series], run->variant->label, most, run->hair.frames[frame].t);
 }
@@ -61,28 +61,25 @@ static void state_inclination(struct hair_study *study, int series) {
     }
     for (int i = 0; i < study->count; i++)
         state_radius(study, series, &study->runs[i]);
-    char key[64];
     const int met = wisps_meet(study);
-    snprintf(key, sizeof key, "%s falls", name);
-    hair_claim(study,
-               (struct statement){.key = key, .verdict = met ? holds_if(falls) : NOT_REACHED},
-               met ? "The %s inclination %s from each radius to the next."
-                   : "Nothing holds the wisps back, for none touches another: the %s inclination "
-                     "%s from each radius to the next.",
-               name, falls ? "falls" : "does not fall");
-    const int far = least - widest > visible;
     hair_claim(
         study,
-        (struct statement){.key = name,
-                           .by = series == LARGEST ? THESIS : OURS,
-                           .verdict = met ? holds_if(far) : NOT_REACHED,
-                           .value = least - widest,
-                           .unit = "deg"},
+        our_row(NULL, NULL, met ? holds_if(falls) : NOT_REACHED, NAN, NULL, "%s falls", name),
+        met ? "The %s inclination %s from each radius to the next."
+            : "Nothing holds the wisps back, for none touches another: the %s inclination %s from "
+              "each radius to the next.",
+        name, falls ? "falls" : "does not fall");
+    const int far = least - widest > visible;
+    struct statement row =
+        our_row(NULL, NULL, met ? holds_if(far) : NOT_REACHED, least - widest, "deg", "%s", name);
+    row.by = series == LARGEST ? THESIS : OURS;
+    hair_claim(
+        study, row,
         series == LARGEST
             ? "The widest wisps lean far less than the others: their %s inclination is at most "
               "%.1f degrees, %.1f degrees less than that of the others, and %.0f would be seen."
-            : "The greatest %s inclination of the widest wisps is %.1f degrees, %.1f degrees "
-              "less than that of the others, and %.0f would be seen.",
+            : "The greatest %s inclination of the widest wisps is %.1f degrees, %.1f degrees less "
+              "than that of the others, and %.0f would be seen.",
         name, widest, least - widest, visible);
 }
 
@@ -94,13 +91,8 @@ static void state_cost(struct hair_study *study) {
     const double few = hair_contacts_per_frame(&study->runs[0]),
                  many = hair_contacts_per_frame(&study->runs[RADII - 1]);
     hair_claim(study,
-               (struct statement){.key = "contacts",
-                                  .figure = "cost",
-                                  .tables = "table",
-                                  .by = THESIS,
-                                  .verdict = wisps_meet(study) ? holds_if(rises) : NOT_REACHED,
-                                  .value = many - few,
-                                  .unit = "1"},
+               thesis_row("cost", "table", wisps_meet(study) ? holds_if(rises) : NOT_REACHED,
+                          many - few, "1", "contacts"),
                "Wider wisps cost more because they have more contacts: these rise from %.1f to "
                "%.1f a frame.",
                few, many);
@@ -140,13 +132,9 @@ const struct experiment radii_experiment = {
     .name = "radii",
     .question = "what does the radius of wisps do to motion and cost?",
     .thesis = "section 5.1",
-    .chapter = CHAPTER_THESIS,
     .place = 7,
     .headline = "largest",
     .quick_seconds = 8,
     .full_seconds = 30,
-    .answers = 1u << ANSWERS_CHOICE,
-    .study = &question,
-    .plan = hair_plan,
-    .tabulate = hair_tabulate,
+    HAIR_EXPERIMENT(&question),
 };

@@ -86,11 +86,7 @@ static void state(struct hair_study *study) {
     const double lag = lag_of(run), most = run->series[BEHIND][frame],
                  end = run->series[BEHIND][last];
     const int turns = head_turns(run);
-    hair_claim(study,
-               (struct statement){.key = "lag",
-                                  .verdict = turns ? holds_if(lag > 0) : NOT_REACHED,
-                                  .value = lag,
-                                  .unit = "s"},
+    hair_claim(study, our_row(NULL, NULL, turns ? holds_if(lag > 0) : NOT_REACHED, lag, "s", "lag"),
                turns ? "The hair lags the head by %.3f s: that much earlier the head's turn fits "
                        "the hair's best (correlation %.2f)."
                      : "The head does not turn, and nothing lags it (%.3f s, correlation %.2f).",
@@ -99,11 +95,9 @@ static void state(struct hair_study *study) {
                "Hair and head are at most %.1f degrees apart, at %.2f s.", most,
                run->hair.frames[frame].t);
     hair_claim(study,
-               (struct statement){.key = "returned",
-                                  .verdict = turns ? holds_if(most > 0 && end < left_over * most)
-                                                   : NOT_REACHED,
-                                  .value = end,
-                                  .unit = "deg"},
+               our_row(NULL, NULL,
+                       turns ? holds_if(most > 0 && end < left_over * most) : NOT_REACHED, end,
+                       "deg", "returned"),
                "At %.2f s hair and head are %.1f degrees apart, %.0f %% of the most; below %.0f %% "
                "the hair has returned.",
                run->hair.frames[last].t, end, most > 0 ? 100 * end / most : 0, 100 * left_over);
@@ -134,13 +128,9 @@ static const struct hair_question question = {
 const struct experiment shake_experiment = {
     .name = "shake",
     .question = "does hair lag behind the head, and does it return?",
-    .chapter = CHAPTER_THESIS,
     .place = 13,
     .headline = "choice",
     .quick_seconds = 12,
     .full_seconds = 60,
-    .answers = 1u << ANSWERS_CHOICE,
-    .study = &question,
-    .plan = hair_plan,
-    .tabulate = hair_tabulate,
+    HAIR_EXPERIMENT(&question),
 };

@@ -39,10 +39,8 @@ static double largest(const struct hair_run *run, int series) {
 
 static void state_touch(struct hair_study *study, const struct hair_run *run) {
     const double contacts = body_contacts(run);
-    const struct statement row = {.key = "touched",
-                                  .verdict = contacts > 0 ? HOLDS : NOT_REACHED,
-                                  .value = contacts,
-                                  .unit = "1"};
+    const struct statement row =
+        our_row(NULL, NULL, contacts > 0 ? HOLDS : NOT_REACHED, contacts, "1", "touched");
     if (contacts > 0)
         hair_claim(study, row, "The body puts a node or a sample outside %.0f times.", contacts);
     else
@@ -54,17 +52,13 @@ static void state_depths(struct hair_study *study, const struct hair_run *run) {
     const double inside = run_number(&run->files, "counters.nodes_left_inside"),
                  points = largest(run, POINTS), margin = sample_margin(run->hair.scene);
     hair_claim(study,
-               (struct statement){.key = "nodes left inside",
-                                  .verdict = pushed ? holds_if(inside == 0) : NOT_REACHED,
-                                  .value = inside,
-                                  .unit = "1"},
+               our_row(NULL, NULL, pushed ? holds_if(inside == 0) : NOT_REACHED, inside, "1",
+                       "nodes left inside"),
                "After the ticks %.0f nodes are still inside.", inside);
     hair_claim(study,
-               (struct statement){.key = "deepest point",
-                                  .verdict = pushed || points > margin ? holds_if(points <= margin)
-                                                                       : NOT_REACHED,
-                                  .value = points,
-                                  .unit = "mm"},
+               our_row(NULL, NULL,
+                       pushed || points > margin ? holds_if(points <= margin) : NOT_REACHED, points,
+                       "mm", "deepest point"),
                "At the frames nodes and samples are at most %.2g mm inside; a sample whose node is "
                "at the surface may be %.2g mm inside.",
                points, margin);
@@ -81,12 +75,9 @@ static void state_strain(struct hair_study *study, const struct hair_run *run,
     const int frame = hair_largest(run, STRAIN);
     const double most = largest(run, STRAIN), without = largest(control, STRAIN);
     hair_state(study,
-               (struct statement){.key = "strain",
-                                  .by = THESIS,
-                                  .verdict = body_contacts(run) > 0 ? holds_if(most - without < 1)
-                                                                    : NOT_REACHED,
-                                  .value = most - without,
-                                  .unit = "%"},
+               thesis_row(NULL, NULL,
+                          body_contacts(run) > 0 ? holds_if(most - without < 1) : NOT_REACHED,
+                          most - without, "%", "strain"),
                "The push lengthens no spring: the largest strain is %.2f %%, at %.2f s, against "
                "%.2f %% where nothing feels the body, and less than 1 %% more does not count.",
                most, run->hair.frames[frame].t, without);
@@ -122,13 +113,9 @@ const struct experiment sphere_experiment = {
     .name = "sphere",
     .question = "does a moving body keep hair outside without stretching it?",
     .thesis = "section 5.4",
-    .chapter = CHAPTER_THESIS,
     .place = 10,
     .headline = "choice",
     .quick_seconds = 3,
     .full_seconds = 30,
-    .answers = 1u << ANSWERS_CHOICE,
-    .study = &question,
-    .plan = hair_plan,
-    .tabulate = hair_tabulate,
+    HAIR_EXPERIMENT(&question),
 };

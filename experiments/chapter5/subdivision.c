@@ -1,6 +1,5 @@
 /* What does adaptive subdivision add to the motion, and what does it cost? Two wisps that
  * swing into each other, with and without it (section 5.5 of the thesis). */
-#include "base/vector.h"
 #include "hair_study.h"
 
 #include <math.h>
@@ -15,14 +14,11 @@ static double twins_apart(const struct hair *hair, int frame) {
     double largest = 0;
     for (int w = hair->scene->wisp_count; w < hair->frames[frame].wisps; w++) {
         const int twin = hair->states->parent[w];
-        for (int i = 2; i < hair_nodes(hair, frame, w); i++) {
-            double apart[3] = {0, 0, 0};
-            vector_add(apart, 1, hair_node(hair, frame, w, i));
-            vector_add(apart, -1, hair_node(hair, frame, twin, i));
-            largest = fmax(largest, vector_length(apart));
-        }
+        for (int i = 2; i < hair_nodes(hair, frame, w); i++)
+            largest = fmax(largest, square_distance(hair_node(hair, frame, w, i),
+                                                    hair_node(hair, frame, twin, i)));
     }
-    return largest;
+    return sqrt(largest);
 }
 
 static int measure(const struct hair_study *study, struct hair_run *run) {
@@ -54,20 +50,12 @@ static void state_count(struct hair_study *study, const struct hair_run *whole,
                  without = whole->series[WISPS][whole->hair.frame_count - 1];
     hair_state(
         study,
-        (struct statement){.key = "wisps, without",
-                           .by = THESIS,
-                           .verdict = holds_if(without == whole->series[WISPS][0]),
-                           .value = without,
-                           .unit = "1"},
+        thesis_row(NULL, NULL, holds_if(without == whole->series[WISPS][0]), without, "1",
+                   "wisps, without"),
         "Without subdivision wisps stay whole: there are %.0f at the start and %.0f at the end.",
         whole->series[WISPS][0], without);
     hair_claim(
-        study,
-        (struct statement){.key = "wisps",
-                           .by = THESIS,
-                           .verdict = holds_if(end == 2 * first),
-                           .value = end,
-                           .unit = "1"},
+        study, thesis_row(NULL, NULL, holds_if(end == 2 * first), end, "1", "wisps"),
         "With subdivision the wisps double: there are %.0f at the start and %.0f at the end.",
         first, end);
 }
@@ -79,14 +67,11 @@ static void state_split(struct hair_study *study, const struct hair_run *whole,
     int same = 0;
     while (same < divided && hair_same(&whole->hair, &split->hair, same))
         same++;
-    hair_claim(
-        study,
-        (struct statement){.key = "the same until",
-                           .verdict = has_split(split) ? holds_if(same == divided) : NOT_REACHED,
-                           .value = same,
-                           .unit = "frame"},
-        "Of the %d frames before the first split %d are the same in both runs, bit for bit.",
-        divided, same);
+    hair_claim(study,
+               our_row(NULL, NULL, has_split(split) ? holds_if(same == divided) : NOT_REACHED, same,
+                       "frame", "the same until"),
+               "Of the %d frames before the first split %d are the same in both runs, bit for bit.",
+               divided, same);
     if (has_split(split)) {
         const double number = split->hair.frames[divided].t * 30 + 1;
         hair_state(study, (struct statement){.key = "split", .value = number, .unit = "frame"},
@@ -103,12 +88,9 @@ static void state_complexity(struct hair_study *study, const struct hair_run *sp
     const int frame = hair_largest(split, APART);
     const double most = split->series[APART][frame],
                  radius = 1e3 * split->hair.scene->wisps[0].radius;
-    const struct statement row = {.key = "complexity",
-                                  .by = THESIS,
-                                  .verdict =
-                                      has_split(split) ? holds_if(most > radius) : NOT_REACHED,
-                                  .value = most,
-                                  .unit = "mm"};
+    const struct statement row =
+        thesis_row(NULL, NULL, has_split(split) ? holds_if(most > radius) : NOT_REACHED, most, "mm",
+                   "complexity");
     if (has_split(split))
         hair_claim(study, row,
                    "The animation gains in visual complexity: twins are up to %.1f mm apart, at "
@@ -129,14 +111,9 @@ static void state_cost(struct hair_study *study, const struct hair_run *whole,
                  ours = evaluations(split) / evaluations(whole);
     hair_claim(
         study,
-        (struct statement){.key = "evaluations",
-                           .figure = "cost",
-                           .tables = "table",
-                           .by = THESIS,
-                           .verdict = has_split(split) ? holds_if(fabs(ours / theirs - 1) < 0.1)
-                                                       : NOT_REACHED,
-                           .value = ours,
-                           .unit = "1"},
+        thesis_row("cost", "table",
+                   has_split(split) ? holds_if(fabs(ours / theirs - 1) < 0.1) : NOT_REACHED, ours,
+                   "1", "evaluations"),
         "From the split on wisps cost as much more as they are more: the forces of a wisp are "
         "evaluated %.2f times as often, and in the thesis the time was %.2f times as long.",
         ours, theirs);
@@ -178,13 +155,9 @@ const struct experiment subdivision_experiment = {
     .name = "subdivision",
     .question = "what does adaptive subdivision add, and what does it cost?",
     .thesis = "section 5.5",
-    .chapter = CHAPTER_THESIS,
     .place = 11,
     .headline = "choice",
     .quick_seconds = 2,
     .full_seconds = 15,
-    .answers = 1u << ANSWERS_CHOICE,
-    .study = &question,
-    .plan = hair_plan,
-    .tabulate = hair_tabulate,
+    HAIR_EXPERIMENT(&question),
 };

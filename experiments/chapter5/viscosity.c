@@ -60,11 +60,13 @@ static int starts_together(const struct hair_run *run) {
 static void state_parting(struct hair_study *study, const struct hair_run *run) {
     const char *label = run->variant->label;
     const int parted = parting(run), apart = apart_at(run, PARTED);
-    struct statement row = {.key = "parted", .by = THESIS, .unit = "frame"};
-    row.value = parted < 0 ? last_number(run) : number_of(run, parted);
-    row.verdict = hair_frame_numbered(run, PARTED) < 0 || !starts_together(run)
-                      ? NOT_REACHED
-                      : holds_if(parted >= 0 && row.value <= PARTED && apart);
+    const double number = parted < 0 ? last_number(run) : number_of(run, parted);
+    const struct statement row =
+        thesis_row(NULL, NULL,
+                   hair_frame_numbered(run, PARTED) < 0 || !starts_together(run)
+                       ? NOT_REACHED
+                       : holds_if(parted >= 0 && number <= PARTED && apart),
+                   number, "frame", "parted");
     if (!starts_together(run))
         hair_claim(study, row,
                    "At low viscosity the wisps part: they do not start in each other, and cannot.");
@@ -89,11 +91,12 @@ static void state_parting(struct hair_study *study, const struct hair_run *run) 
 static void state_staying(struct hair_study *study, const struct hair_run *run) {
     const char *label = run->variant->label;
     const int stay = staying(run), parted = parting(run);
-    struct statement row = {.key = "stay", .by = THESIS, .unit = "frame"};
-    row.value = stay > parted ? number_of(run, stay) : last_number(run);
-    row.verdict = hair_frame_numbered(run, TOGETHER) < 0 || parted < 0
-                      ? NOT_REACHED
-                      : holds_if(stay > parted && row.value <= TOGETHER);
+    const double number = stay > parted ? number_of(run, stay) : last_number(run);
+    const struct statement row = thesis_row(NULL, NULL,
+                                            hair_frame_numbered(run, TOGETHER) < 0 || parted < 0
+                                                ? NOT_REACHED
+                                                : holds_if(stay > parted && number <= TOGETHER),
+                                            number, "frame", "stay");
     if (parted < 0)
         hair_claim(
             study, row,
@@ -119,12 +122,13 @@ static void state_staying(struct hair_study *study, const struct hair_run *run) 
 static void state_sticking(struct hair_study *study, const struct hair_run *run) {
     const char *label = run->variant->label;
     const int parted = parting(run);
-    struct statement row = {.key = "stuck", .by = THESIS, .unit = "frame"};
-    row.value = parted < 0 ? last_number(run) : number_of(run, parted);
-    row.verdict = hair_contacts(run) == 0                   ? NOT_REACHED
-                  : parted >= 0                             ? HOLDS_NOT
-                  : hair_frame_numbered(run, TOGETHER) >= 0 ? HOLDS
-                                                            : NOT_REACHED;
+    const struct statement row =
+        thesis_row(NULL, NULL,
+                   hair_contacts(run) == 0                   ? NOT_REACHED
+                   : parted >= 0                             ? HOLDS_NOT
+                   : hair_frame_numbered(run, TOGETHER) >= 0 ? HOLDS
+                                                             : NOT_REACHED,
+                   parted < 0 ? last_number(run) : number_of(run, parted), "frame", "stuck");
     if (hair_contacts(run) == 0)
         hair_claim(study, row,
                    "At high viscosity the wisps stick together: with %s no contact acts.", label);
@@ -143,8 +147,7 @@ static void state_sticking(struct hair_study *study, const struct hair_run *run)
 static void state_difference(struct hair_study *study, const struct hair_run *thin,
                              const struct hair_run *thick) {
     const int frame = hair_frame_numbered(thin, PARTED), other = hair_frame_numbered(thick, PARTED);
-    struct statement row = {
-        .key = "held together", .by = THESIS, .verdict = NOT_REACHED, .value = NAN, .unit = "1"};
+    struct statement row = thesis_row(NULL, NULL, NOT_REACHED, NAN, "1", "held together");
     if (frame < 0 || other < 0) {
         hair_claim(study, row,
                    "Viscosity holds wisps together: frame %d, at which the two are compared, was "
@@ -194,13 +197,9 @@ const struct experiment viscosity_experiment = {
     .name = "viscosity",
     .question = "how does viscosity hold wisps together?",
     .thesis = "section 5.3",
-    .chapter = CHAPTER_THESIS,
     .place = 9,
     .headline = "choice",
     .quick_seconds = 2,
     .full_seconds = 15,
-    .answers = 1u << ANSWERS_CHOICE,
-    .study = &question,
-    .plan = hair_plan,
-    .tabulate = hair_tabulate,
+    HAIR_EXPERIMENT(&question),
 };

@@ -43,12 +43,8 @@ static double mean_length(const struct scene *scene) {
 static double moved(const struct hair *hair, int frame) {
     double squares = 0, count = 0;
     for (int w = 0; w < hair->frames[0].wisps; w++)
-        for (int i = 2; i < hair_nodes(hair, frame, w); i++, count++) {
-            double apart[3] = {0, 0, 0};
-            vector_add(apart, 1, hair_node(hair, frame, w, i));
-            vector_add(apart, -1, hair_node(hair, 0, w, i));
-            squares += vector_dot(apart, apart);
-        }
+        for (int i = 2; i < hair_nodes(hair, frame, w); i++, count++)
+            squares += square_distance(hair_node(hair, frame, w, i), hair_node(hair, 0, w, i));
     return sqrt(squares / count);
 }
 
@@ -59,13 +55,10 @@ static void state_rest(struct hair_study *study) {
     double most = 0;
     for (int f = 0; f < hair->frame_count; f++)
         most = fmax(most, 1e3 * moved(hair, f));
-    hair_state(
-        study,
-        (struct statement){
-            .key = "at rest", .verdict = holds_if(most <= none), .value = most, .unit = "mm"},
-        "In still air nodes move by at most %.2g mm (rms), and less than a tenth of a wisp's "
-        "radius is not seen.",
-        most);
+    hair_state(study, our_row(NULL, NULL, holds_if(most <= none), most, "mm", "at rest"),
+               "In still air nodes move by at most %.2g mm (rms), and less than a tenth of a "
+               "wisp's radius is not seen.",
+               most);
 }
 
 /* --- who moves most --- */
@@ -84,12 +77,8 @@ static int last_windy(const struct wind *wind, const struct hair *hair) {
 static double wisp_moved(const struct hair *hair, int wisp, int last) {
     double squares = 0, count = 0;
     for (int f = 0; f <= last; f++)
-        for (int i = 2; i < hair_nodes(hair, f, wisp); i++, count++) {
-            double apart[3] = {0, 0, 0};
-            vector_add(apart, 1, hair_node(hair, f, wisp, i));
-            vector_add(apart, -1, hair_node(hair, 0, wisp, i));
-            squares += vector_dot(apart, apart);
-        }
+        for (int i = 2; i < hair_nodes(hair, f, wisp); i++, count++)
+            squares += square_distance(hair_node(hair, f, wisp, i), hair_node(hair, 0, wisp, i));
     return sqrt(squares / count);
 }
 
@@ -127,8 +116,7 @@ static void state_artefact(struct hair_study *study) {
     const struct wind *wind = &study->subject->scene->around.wind;
     const int wisps = hair->frames[0].wisps;
     const double seen = 0.1 * hair->scene->wisps[0].radius;
-    struct statement row = {
-        .key = "farthest move most", .by = THESIS, .verdict = NOT_REACHED, .unit = "1"};
+    struct statement row = thesis_row(NULL, NULL, NOT_REACHED, 0, "1", "farthest move most");
     if (wisps < 6) {
         hair_claim(study, row,
                    "The wisps that are farthest from the wind move most: it cannot be told of %d.",
@@ -162,21 +150,21 @@ static void state(struct hair_study *study) {
     const double length = mean_length(run->hair.scene), t = run->hair.frames[frame].t,
                  until = run->hair.frames[last].t, gust = wind->hold + 3 * wind->decay;
     const int lies = most > laid_over * length;
-    struct statement row = {.key = "laid over", .by = THESIS, .value = most, .unit = "cm"};
-    row.verdict = lies || until >= gust ? holds_if(lies) : NOT_REACHED;
-    hair_claim(study, row,
+    const int over = until >= gust && lies;
+    hair_claim(study,
+               thesis_row(NULL, NULL, lies || until >= gust ? holds_if(lies) : NOT_REACHED, most,
+                          "cm", "laid over"),
                "The gust lays the hair over: at %.2f s its tips are %.1f cm downwind in the mean, "
                "and a tenth of its length is %.1f cm.",
                t, most, laid_over * length);
-    row = (struct statement){.key = "in the gust", .value = t, .unit = "s"};
-    row.verdict = until < gust || !lies ? NOT_REACHED : holds_if(t <= gust);
-    hair_claim(study, row,
+    hair_claim(study,
+               our_row(NULL, NULL, over ? holds_if(t <= gust) : NOT_REACHED, t, "s", "in the gust"),
                "The tips are farthest at %.2f s, while the wind blows: for %.1f s, and then it "
                "decays in %.3f s.",
                t, wind->hold, wind->decay);
-    row = (struct statement){.key = "fallen back", .by = THESIS, .value = end, .unit = "cm"};
-    row.verdict = until < gust || !lies ? NOT_REACHED : holds_if(end < left_over * most);
-    hair_claim(study, row,
+    hair_claim(study,
+               thesis_row(NULL, NULL, over ? holds_if(end < left_over * most) : NOT_REACHED, end,
+                          "cm", "fallen back"),
                "The hair falls back: at %.2f s its tips are %.1f cm from where they were, %.0f %% "
                "of the most; below %.0f %% it has fallen back.",
                until, end, most > 0 ? 100 * end / most : 0, 100 * left_over);
@@ -210,13 +198,9 @@ const struct experiment wind_experiment = {
     .name = "wind",
     .question = "does a gust lay hair over, and does it fall back?",
     .thesis = "section 5.6",
-    .chapter = CHAPTER_THESIS,
     .place = 12,
     .headline = "choice",
     .quick_seconds = 15,
     .full_seconds = 60,
-    .answers = 1u << ANSWERS_CHOICE,
-    .study = &question,
-    .plan = hair_plan,
-    .tabulate = hair_tabulate,
+    HAIR_EXPERIMENT(&question),
 };

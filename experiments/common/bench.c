@@ -4,7 +4,7 @@
 #include "integrators/plugin.h"
 #include "run/program.h"
 
-int bench_run(struct plan *plan, const char *measurement, const char *scene, const char *folder) {
+int bench_run(struct plan *plan, const char *measurement, const char *scene) {
     char program[PATH_SIZE];
     struct run_limits limits = plan->limits;
     size_t argc = 0, plugged = 0;
@@ -14,7 +14,7 @@ int bench_run(struct plan *plan, const char *measurement, const char *scene, con
     argv[argc++] = program;
     argv[argc++] = measurement;
     argv[argc++] = scene;
-    argv[argc++] = folder;
+    argv[argc++] = plan->output.folder;
     limits.seconds *= 10; /* of CPU time, which is that by the clock on a machine that is as busy */
     if (plan->quick)
         argv[argc++] = "--quick";

@@ -5,7 +5,7 @@
 #include "plan.h"
 
 /* Lets it take a measurement, "kernel" or "speed", on a scene with the user's changes, and write
- * tables into `folder`. As an experiment's tabulate. */
-int bench_run(struct plan *plan, const char *measurement, const char *scene, const char *folder);
+ * tables and statements into the folder of plan->output. As an experiment's tabulate. */
+int bench_run(struct plan *plan, const char *measurement, const char *scene);
 
 #endif

@@ -51,13 +51,7 @@ static int state_residual(const char *path, const char *variant, const char *fig
         return -1;
     const double residual = measure_largest(&table, "residual"),
                  kinetic = measure_largest(&table, "kinetic");
-    statements_add(statements,
-                   (struct statement){.key = figure,
-                                      .figure = figure,
-                                      .tables = figure,
-                                      .verdict = HOLDS,
-                                      .value = residual,
-                                      .unit = "J"},
+    statements_add(statements, our_row(figure, figure, HOLDS, residual, "J", "%s", figure),
                    "In the run '%s' at most %.2g J of energy are left unaccounted for, and the "
                    "largest kinetic energy is %.2g J.",
                    variant, residual, kinetic);

@@ -2,7 +2,6 @@
 
 #include "base/files.h"
 #include "curve.h"
-#include "run/record.h"
 
 #include <complex.h>
 #include <gsl/gsl_fit.h>
@@ -10,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* --- configurations and cases --- */
+/* --- configurations --- */
 
 int configuration_is_adaptive(const struct configuration *configuration) {
     return (configuration->method->capabilities & STEPPER_ADAPTIVE) != 0;
@@ -29,49 +28,6 @@ struct run_request configuration_request(const struct configuration *configurati
                                 .step = adaptive ? 0 : setting,
                                 .rtol = adaptive ? setting : 0,
                                 .atol = adaptive ? setting * atol_ratio : 0};
-}
-
-const struct labelled_case *find_case(const struct plan *plan, const char *group,
-                                      const char *label) {
-    for (int i = 0; i < plan->case_count; i++)
-        if (strcmp(plan->cases[i].group, group) == 0 && strcmp(plan->cases[i].label, label) == 0)
-            return &plan->cases[i];
-    return NULL;
-}
-
-int open_table(struct atomic_file *file, const char *folder, const char *name, const char *what,
-               const struct scene *scene, const struct column *columns, char *reason) {
-    char path[PATH_SIZE];
-    if (path_format(path, "%s/%s.tsv", folder, name))
-        return fail_with(reason, "the path of table %.100s is too long", name);
-    if (atomic_open(file, path, reason))
-        return -1;
-    write_provenance(file->stream, what, scene);
-    columns_write(file->stream, columns);
-    return 0;
-}
-
-int tables_open(struct atomic_file *files, const struct table_form *forms, int count,
-                const char *folder, const char *prefix, const struct scene *scene, char *reason) {
-    for (int i = 0; i < count; i++) {
-        char name[128];
-        snprintf(name, sizeof name, "%s%s", prefix, forms[i].name);
-        if (open_table(&files[i], folder, name, forms[i].what, scene, forms[i].columns, reason)) {
-            tables_close(files, i, -1, reason);
-            return -1;
-        }
-    }
-    return 0;
-}
-
-int tables_close(struct atomic_file *files, int count, int code, char *reason) {
-    for (int i = 0; i < count; i++) {
-        if (code)
-            atomic_discard(&files[i]);
-        else
-            code = atomic_commit(&files[i], reason);
-    }
-    return code;
 }
 
 /* The cost of a step, per unknown, s: with tensions an evaluation takes 1.2 to 1.9 times as long as
@@ -98,6 +54,13 @@ static double tick_cost(const struct scene *scene) {
     return point * points * rate * scene->duration;
 }
 
+double scene_unknowns(const struct scene *scene, enum wisp_treatment treatment) {
+    double unknowns = 0;
+    for (int i = 0; i < scene->wisp_count; i++)
+        unknowns += (scene->wisps[i].nodes - 2) * wisp_node_unknowns(&scene->wisps[i], treatment);
+    return unknowns;
+}
+
 double estimated_cost(const struct scene *scene, enum wisp_treatment treatment,
                       const struct configuration *configuration, double step) {
     const struct linear_method *linear =
@@ -106,12 +69,10 @@ double estimated_cost(const struct scene *scene, enum wisp_treatment treatment,
     const struct options options = {request.options, request.option_count};
     const int most = stepper_lanes(configuration->method, linear, &options);
     const int lanes = most < 4 ? most : 4; /* as on any machine */
-    double unknowns = 0;
-    for (int i = 0; i < scene->wisp_count; i++)
-        unknowns += (scene->wisps[i].nodes - 2) * wisp_node_unknowns(&scene->wisps[i], treatment);
     const double parts = ceil((double)scene->wisp_count / lanes);
-    return tick_cost(scene) + step_cost(scene, configuration) * (unknowns / scene->wisp_count) *
-                                  parts * scene->duration / step;
+    const double unknowns = scene_unknowns(scene, treatment) / scene->wisp_count;
+    return tick_cost(scene) +
+           step_cost(scene, configuration) * unknowns * parts * scene->duration / step;
 }
 
 void cost_count(struct cost *cost, const struct scene *scene, enum wisp_treatment treatment,
@@ -203,16 +164,14 @@ static int same_wisps(const struct trajectory *run, const struct trajectory *ref
 
 /* Sums of squares, to become means. */
 struct sums {
-    double all, free, relative, end_all, end, velocity, radius, worst_component;
-    double rows, free_rows, end_rows, free_end_rows, samples;
+    double free, relative, end_all, end, velocity, radius, worst_component;
+    double free_rows, end_rows, free_end_rows, samples;
 };
 
 static void add_row(struct sums *sums, struct deviation *d, const double *a, const double *b,
                     double length, int at_end) {
     const int is_free = b[STATE_NODE] >= 2;
     const double error = distance(a + STATE_X, b + STATE_X), square = error * error;
-    sums->all += square;
-    sums->rows++;
     sums->end_all += at_end * square;
     sums->end_rows += at_end;
     if (!is_free)
@@ -239,7 +198,6 @@ static void add_samples(struct sums *sums, const struct trajectory *run, const d
 
 static void finish(const struct sums *sums, struct deviation *d) {
     d->rms = sqrt(sums->free / sums->free_rows);
-    d->rms_all = sqrt(sums->all / sums->rows);
     d->relative = sqrt(sums->relative / sums->free_rows);
     d->end = sqrt(sums->end / sums->free_end_rows);
     d->end_all = sqrt(sums->end_all / sums->end_rows);
@@ -369,31 +327,18 @@ int scene_has_contacts(const struct scene *scene) {
 double reference_cost(const struct scene *scene) {
     const double node_seconds =
         0.04; /* measured on `interactions`; the tightest third is CVODE's */
-    int nodes = 0;
-    for (int i = 0; i < scene->wisp_count; i++)
-        nodes += scene->wisps[i].nodes - 2;
-    return node_seconds * nodes;
+    return node_seconds * free_nodes(scene);
 }
 
-/* Calls `use` with the largest distance of a node at each frame that both runs have. */
-static void look_at_frames(const struct trajectory *a, const struct trajectory *b,
-                           void (*use)(void *ctx, double t, double apart), void *ctx) {
-    double apart = 0;
-    for (int i = 0; i < a->table.row_count && i < b->table.row_count; i++) {
-        const double *x = trajectory_row(a, i), *y = trajectory_row(b, i);
-        const int last =
-            i + 1 == a->table.row_count || trajectory_row(a, i + 1)[STATE_T] != x[STATE_T];
-        apart = fmax(apart, distance(x + STATE_X, y + STATE_X));
-        if (last) {
-            use(ctx, x[STATE_T], apart);
-            apart = 0;
-        }
-    }
-}
+/* How far two runs are from each other at a frame that both have. */
+struct separation {
+    double t, apart; /* s; the largest distance of a node, m */
+};
 
-static int each_separation(struct trajectories *owner, const char *folder, const char *other_folder,
-                           void (*use)(void *ctx, double t, double apart), void *ctx,
-                           int *both_finished, char *reason) {
+/* The frames of both, for free; and whether both runs finished. Returns 0, or -1 with a reason. */
+static int read_separations(struct trajectories *owner, const char *folder,
+                            const char *other_folder, struct separation **frames, int *count,
+                            int *both_finished, char *reason) {
     struct run_files one, other;
     if (run_read_states(&one, folder, owner, reason))
         return -1;
@@ -401,54 +346,47 @@ static int each_separation(struct trajectories *owner, const char *folder, const
         run_free(&one);
         return -1;
     }
-    look_at_frames(one.states, other.states, use, ctx);
+    const struct trajectory *a = one.states, *b = other.states;
+    *count = 0;
+    *frames = calloc((size_t)a->frame_count + 1, sizeof **frames);
+    for (int i = 0; *frames && i < a->table.row_count && i < b->table.row_count; i++) {
+        const double *x = trajectory_row(a, i), *y = trajectory_row(b, i);
+        struct separation *frame = &(*frames)[*count];
+        frame->t = x[STATE_T];
+        frame->apart = fmax(frame->apart, distance(x + STATE_X, y + STATE_X));
+        *count += i + 1 == a->table.row_count || trajectory_row(a, i + 1)[STATE_T] != frame->t;
+    }
     *both_finished = one.outcome == FINISHED && other.outcome == FINISHED;
     run_free(&one);
     run_free(&other);
-    return 0;
+    return *frames ? 0 : fail_with(reason, "out of memory");
 }
-
-struct horizon {
-    double begin, t; /* s */
-    int frames, over;
-};
 
 /* A frame that is too far apart ends it; the second one never does, for it would leave nothing to
  * compare. */
-static void look_out(void *ctx, double t, double apart) {
-    struct horizon *horizon = ctx;
-    if (!horizon->frames++)
-        horizon->begin = t;
-    horizon->over |= horizon->frames > 2 && apart > HORIZON_DISTANCE;
-    if (!horizon->over)
-        horizon->t = t;
-}
-
 int measure_horizon(struct trajectories *owner, const char *folder, const char *other_folder,
                     double *horizon, char *reason) {
-    struct horizon found = {0, 0, 0, 0};
-    int finished;
-    if (each_separation(owner, folder, other_folder, look_out, &found, &finished, reason))
+    struct separation *frames;
+    int count, finished, last = 0;
+    if (read_separations(owner, folder, other_folder, &frames, &count, &finished, reason))
         return -1;
-    *horizon = finished ? found.t - found.begin : NAN;
+    while (last + 1 < count && (last == 0 || frames[last + 1].apart <= HORIZON_DISTANCE))
+        last++;
+    *horizon = finished ? frames[last].t - frames[0].t : NAN;
+    free(frames);
     return 0;
-}
-
-struct separation_rows {
-    FILE *stream;
-    const char *name;
-};
-
-static void write_separation(void *ctx, double t, double apart) {
-    const struct separation_rows *rows = ctx;
-    WRITE_ROW(rows->stream, SEPARATION_COLUMNS);
 }
 
 int measure_separation(struct trajectories *owner, const char *folder, const char *other_folder,
                        const char *name, FILE *stream, char *reason) {
-    struct separation_rows rows = {stream, name};
-    int finished;
-    return each_separation(owner, folder, other_folder, write_separation, &rows, &finished, reason);
+    struct separation *frames;
+    int count, finished;
+    if (read_separations(owner, folder, other_folder, &frames, &count, &finished, reason))
+        return -1;
+    for (int i = 0; i < count; i++)
+        WRITE_ROW(stream, SEPARATION_COLUMNS);
+    free(frames);
+    return 0;
 }
 
 /* --- slopes --- */

@@ -1,5 +1,5 @@
 /* What experiments have in common: whom they compare, how far a run is from another, what it cost,
- * and the tables that say so. */
+ * and the columns that say so. */
 #ifndef WISPLAB_MEASURE_H
 #define WISPLAB_MEASURE_H
 
@@ -16,26 +16,8 @@ int configuration_is_adaptive(const struct configuration *configuration);
 struct run_request configuration_request(const struct configuration *configuration, double setting,
                                          double atol_ratio);
 
-/* The first case of the plan in a group with that label, or NULL. */
-const struct labelled_case *find_case(const struct plan *plan, const char *group,
-                                      const char *label);
-
-/* Opens folder/name.tsv and writes where it comes from, what its columns are, and their names.
- * Returns 0, or -1 with a reason. */
-int open_table(struct atomic_file *file, const char *folder, const char *name, const char *what,
-               const struct scene *scene, const struct column *columns, char *reason);
-
-/* Several at once: all of them, or none. `prefix` stands before their names. */
-struct table_form {
-    const char *name, *what;
-    const struct column *columns;
-};
-int tables_open(struct atomic_file *files, const struct table_form *forms, int count,
-                const char *folder, const char *prefix, const struct scene *scene, char *reason);
-
-/* Commits them, or where `code` is not 0 discards them and returns that. Returns 0, or -1 with one
- * line in `reason`. */
-int tables_close(struct atomic_file *files, int count, int code, char *reason);
+/* Unknowns of all wisps of a scene with a treatment. */
+double scene_unknowns(const struct scene *scene, enum wisp_treatment treatment);
 
 /* CPU time of one run in steps of that length, s, as the table of configurations predicts it on all
  * machines: wisps that are computed side by side cost one, and points at ticks of contact theirs.
@@ -99,7 +81,7 @@ struct deviation {
     double rms, largest;     /* m */
     double relative;         /* rms over the length of the node's wisp */
     double end, end_largest; /* rms and largest at the last frame, m */
-    double rms_all, end_all; /* rms over the prescribed nodes too, m */
+    double end_all;          /* rms at the last frame over the prescribed nodes too, m */
     double velocity;         /* rms, m/s */
     double radius;           /* rms of the samples' distances from their node, m; 0: none */
     double mescd;            /* -log10 of the largest error at the end over atol/rtol + |value| */
@@ -157,10 +139,10 @@ int measure_horizon(struct trajectories *owner, const char *folder, const char *
 
 /* Writes a row for each frame of both runs. Returns 0, or -1 with a reason. */
 #define SEPARATION_COLUMNS(X)                                                                     \
-    SCENE_COLUMN(X, rows->name)                                                                   \
-    X("t", "s", "time of the frame", "%.17g", t)                                                  \
+    SCENE_COLUMN(X, name)                                                                         \
+    X("t", "s", "time of the frame", "%.17g", frames[i].t)                                        \
     X("separation", "m", "largest distance of a node of one run from that of the other", "%.17g", \
-      apart)
+      frames[i].apart)
 int measure_separation(struct trajectories *owner, const char *folder, const char *other_folder,
                        const char *name, FILE *stream, char *reason);
 

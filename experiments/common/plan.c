@@ -3,11 +3,11 @@
 #include "base/files.h"
 #include "model/model.h"
 #include "model/problems.h"
-#include "run/results.h"
 #include "scene/scene_contacts.h"
 #include "scene/scene_detail.h"
 #include "scene/scene_load.h"
 #include "scene/scene_wisps.h"
+#include "sets.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -88,10 +88,9 @@ const struct scene *plan_scene(struct plan *plan, const char *name, const char *
 
 const struct scene *plan_scene_bare(struct plan *plan, const char *name, double frame_rate) {
     static const char *const gone[] = {"envelope="};
-    char rate[64];
-    const char *const sets[] = {rate};
-    snprintf(rate, sizeof rate, "frame_rate=%.17e", frame_rate);
-    struct scene *scene = load(plan, name, sets, 1);
+    struct sets sets = {0};
+    set_add(&sets, "frame_rate=%.17e", frame_rate);
+    struct scene *scene = load(plan, name, sets.list, sets.count);
     if (scene)
         scene_remove_envelope(scene);
     return keep_scene(plan, scene, lost_of(plan, gone, 1));
@@ -158,24 +157,29 @@ int plan_subjects(struct plan *plan, const char *const *own, int own_count) {
     return 0;
 }
 
+int free_nodes(const struct scene *scene) {
+    int nodes = 0;
+    for (int i = 0; i < scene->wisp_count; i++)
+        nodes += scene->wisps[i].nodes - 2;
+    return nodes;
+}
+
 double sparse_frame_rate(const struct scene *scene, double duration) {
     const double most = 200000; /* 4 MB of text */
-    double nodes = 0;
-    for (int i = 0; i < scene->wisp_count; i++)
-        nodes += scene->wisps[i].nodes;
+    const double nodes = free_nodes(scene) + 2. * scene->wisp_count;
     const double numbers = nodes * (7 + 6 * scene->wisps[0].samples) * duration * scene->frame_rate;
     return scene->frame_rate / fmax(1, ceil(numbers / most));
 }
 
 const struct scene *plan_cut_scene(struct plan *plan, const struct subject *subject, double rate,
                                    double duration, const char *set) {
-    char sets[2][64];
-    const char *const all[] = {sets[0], sets[1], set};
+    struct sets sets = {0};
     const double frames = fmax(1, floor(duration * rate + 1e-9));
-    snprintf(sets[0], sizeof sets[0], "frame_rate=%.17e", rate);
-    snprintf(sets[1], sizeof sets[1], "duration=%.17e",
-             fmin(frames / rate, subject->scene->duration));
-    return plan_scene(plan, subject->source, all, set ? 3 : 2);
+    set_add(&sets, "frame_rate=%.17e", rate);
+    set_add(&sets, "duration=%.17e", fmin(frames / rate, subject->scene->duration));
+    if (set)
+        set_add(&sets, "%s", set);
+    return plan_scene(plan, subject->source, sets.list, sets.count);
 }
 
 int plan_wants(const struct plan *plan, const char *stepper) {
@@ -361,11 +365,27 @@ int plan_allow_strain(struct plan *plan, int first, char *waiting) {
     return 0;
 }
 
-int plan_open_statements(const struct plan *plan, struct statements *statements, const char *folder,
-                         const struct scene *scene, const char *cut, char *reason) {
-    if (statements_open(statements, folder, scene, cut, reason))
+const struct labelled_case *find_case(const struct plan *plan, const char *group, const char *label,
+                                      ...) {
+    char named[sizeof plan->cases->label];
+    va_list arguments;
+    va_start(arguments, label);
+    vsnprintf(named, sizeof named, label, arguments);
+    va_end(arguments);
+    for (int i = 0; i < plan->case_count; i++)
+        if (strcmp(plan->cases[i].group, group) == 0 && strcmp(plan->cases[i].label, named) == 0)
+            return &plan->cases[i];
+    return NULL;
+}
+
+int plan_read(struct plan *plan, const struct labelled_case *one, struct run_files *run) {
+    return run_read_states(run, one->run.folder, plan->trajectories, plan->reason);
+}
+
+int plan_open_statements(struct plan *plan, const struct scene *scene, const char *cut) {
+    if (output_statements(&plan->output, scene, cut))
         return -1;
-    statements_of_changed(statements, plan->sets, plan->set_count);
+    statements_of_changed(&plan->output.statements, plan->sets, plan->set_count);
     return 0;
 }
 

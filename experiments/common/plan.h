@@ -6,8 +6,9 @@
 #include "base/files.h"
 #include "integrators/configurations.h"
 #include "model/trajectory.h"
+#include "output.h"
+#include "run/results.h"
 #include "run/runs.h"
-#include "statements.h"
 
 /* A run and what the tables call it. */
 struct labelled_case {
@@ -55,6 +56,7 @@ struct plan {
     char refusal[REASON_SIZE];            /* and why */
     void *memo;               /* the experiment's own, from round to round; freed with the plan */
     char reason[REASON_SIZE]; /* of a failure */
+    struct output output;     /* what tabulate writes */
 };
 
 /* The parts of a report that experiments belong to. X(symbol, anchor, title, what it is about) */
@@ -109,10 +111,10 @@ struct experiment {
      * with plan->reason. */
     int (*refine)(struct plan *plan);
 
-    /* Writes the tables into `folder` from the run folders, among them statements.tsv: what was
-     * found, with a row at least of each figure. Returns 0, or -1 with plan->reason, or 1 with one
-     * where the runs left nothing to tabulate. */
-    int (*tabulate)(struct plan *plan, const char *folder);
+    /* Writes plan->output from the run folders: tables, and statements of what was found, with a
+     * row at least of each figure; who has called it ends them. Returns 0, or -1 with plan->reason,
+     * or 1 with one where the runs left nothing to state. */
+    int (*tabulate)(struct plan *plan);
 };
 
 /* Its question as a title, with where the thesis asks it. */
@@ -148,6 +150,9 @@ const struct scene *plan_push_bodies(struct plan *plan, const struct scene *scen
  * of wisps, and get 30 frames a second where they have none: runs are compared at the same times.
  * Returns 0, or -1 with plan->reason. */
 int plan_subjects(struct plan *plan, const char *const *own, int own_count);
+
+/* The free nodes of all wisps of a scene. */
+int free_nodes(const struct scene *scene);
 
 /* The frame rate at which a run of that duration writes no more numbers than are of use, a whole
  * fraction of the scene's, Hz. */
@@ -192,9 +197,16 @@ int plan_add(struct plan *plan, const struct scene *scene, const struct run_requ
  * yet. Returns 0, or -1 with plan->reason. */
 int plan_allow_strain(struct plan *plan, int first, char *waiting);
 
-/* statements_open, and where the user has changed the scenes a row that says so. */
-int plan_open_statements(const struct plan *plan, struct statements *statements, const char *folder,
-                         const struct scene *scene, const char *cut, char *reason);
+/* The first case of a group with that label (printf), or NULL. */
+const struct labelled_case *find_case(const struct plan *plan, const char *group, const char *label,
+                                      ...) __attribute__((format(printf, 3, 4)));
+
+/* Reads the run of a case with its states: see run_read_states. Returns 0, or -1 with plan->reason.
+ */
+int plan_read(struct plan *plan, const struct labelled_case *one, struct run_files *run);
+
+/* output_statements, and where the user has changed the scenes a row that says so. */
+int plan_open_statements(struct plan *plan, const struct scene *scene, const char *cut);
 
 void plan_free(struct plan *plan);
 

@@ -154,7 +154,8 @@ static int tabulate_and_draw(struct plan *plan, struct manner *manner) {
     const char *name = plan->experiment->name;
     if (path_format(folder, "%s/%s", plan->out, name) || make_folder(folder, plan->reason))
         return complain(2, "%s", plan->reason);
-    int code = plan->experiment->tabulate(plan, folder);
+    plan->output = (struct output){.folder = folder, .reason = plan->reason};
+    int code = output_close(&plan->output, plan->experiment->tabulate(plan));
     if (!code)
         code = statements_print(folder, plan->reason);
     const int undrawn = !code && !runs_interrupted() && plot_experiment(name, folder, plan->reason);

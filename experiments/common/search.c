@@ -37,9 +37,8 @@ int judge_runs(struct plan *plan, int first, int count, const struct scene *scen
     for (int i = first; i < first + count && verdict->outcome == FINISHED; i++) {
         struct run_files run;
         struct deviation deviation;
-        int code =
-            run_read_states(&run, plan->cases[i].run.folder, plan->trajectories, plan->reason);
-        if (code)
+        int code = 0;
+        if (plan_read(plan, &plan->cases[i], &run))
             return -1;
         if (run.outcome == FINISHED) {
             code = measure_deviation(scene, run.states, reference->states, 1, &deviation,
@@ -62,8 +61,7 @@ int searches_go_on(struct plan *plan, const struct searches *s) {
         left += !s->is_done(s->ctx, i);
     if (left == 0)
         return 0;
-    if (run_read_states(&reference, plan->cases[s->reference].run.folder, plan->trajectories,
-                        plan->reason))
+    if (plan_read(plan, &plan->cases[s->reference], &reference))
         return -1;
     for (int i = 0; i < s->count && !code; i++)
         if (!s->is_done(s->ctx, i))

@@ -1,6 +1,6 @@
 #include "statements.h"
 
-#include "measure.h"
+#include "output.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -62,7 +62,8 @@ int statements_open(struct statements *statements, const char *folder, const str
              " value: what the verdict rests on; by: whose claim it is; tables: that it follows "
              "from; -: none%s%s",
              cut ? "; " : "", cut ? cut : "");
-    return open_table(&statements->file, folder, "statements", what, scene, columns, reason);
+    const struct table_form form = {"statements", what, columns};
+    return open_table(&statements->file, folder, &form, scene, reason);
 }
 
 /* A text as a cell: one line, no tabs, and something in it. */
@@ -88,12 +89,34 @@ void statements_add(struct statements *statements, struct statement row, const c
     WRITE_ROW(statements->file.stream, ROW_COLUMNS);
 }
 
+struct statement statement_row(enum whose by, const char *figure, const char *tables,
+                               enum claim_verdict verdict, double value, const char *unit,
+                               const char *key, ...) {
+    struct statement row = {
+        .figure = figure, .by = by, .verdict = verdict, .value = value, .unit = unit};
+    va_list arguments;
+    va_start(arguments, key);
+    vsnprintf(row.key, sizeof row.key, key, arguments);
+    va_end(arguments);
+    snprintf(row.tables, sizeof row.tables, "%s", tables ? tables : "");
+    return row;
+}
+
+void list_add(char *list, size_t size, const char *item, ...) {
+    const size_t used = strlen(list), more = used > 0 ? used + 2 : 0;
+    va_list arguments;
+    if (more >= size)
+        return;
+    memcpy(list + used, ", ", more - used);
+    va_start(arguments, item);
+    vsnprintf(list + more, size - more, item, arguments);
+    va_end(arguments);
+}
+
 void statements_of_changed(struct statements *statements, const char *const *sets, int set_count) {
     char changes[512] = "";
-    for (int i = 0; i < set_count; i++) {
-        const size_t used = strlen(changes);
-        snprintf(changes + used, sizeof changes - used, "%s%s", i ? ", " : "", sets[i]);
-    }
+    for (int i = 0; i < set_count; i++)
+        list_add(changes, sizeof changes, "%s", sets[i]);
     if (set_count > 0)
         statements_add(
             statements, (struct statement){.key = "changed scenes", .verdict = NOT_ASKED},

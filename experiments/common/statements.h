@@ -54,15 +54,27 @@ enum whose { OURS, THESIS };
 
 /* A row but for its sentence. */
 struct statement {
-    const char *key;    /* names the row; no other row of the table has it */
+    char key[192];      /* names the row; no other row of the table has it */
     const char *figure; /* under which it stands, without .svg; NULL: none */
-    const char *tables; /* that it follows from, without .tsv, separated by blanks; NULL: none */
+    char tables[192];   /* that it follows from, without .tsv, separated by blanks; empty: none */
     enum question answers;
     enum claim_verdict verdict;
     enum whose by;
     double value;     /* on which the verdict rests */
     const char *unit; /* of it, as "mm" or "frame"; "1": a ratio or a number; NULL: no value */
 };
+
+/* A row of what we found, or of what the thesis claims, that answers no question; its key (printf)
+ * is last. `tables`: NULL for none. */
+#define our_row(...)    statement_row(OURS, __VA_ARGS__)
+#define thesis_row(...) statement_row(THESIS, __VA_ARGS__)
+struct statement statement_row(enum whose by, const char *figure, const char *tables,
+                               enum claim_verdict verdict, double value, const char *unit,
+                               const char *key, ...) __attribute__((format(printf, 7, 8)));
+
+/* Adds to a list in a sentence (printf), after ", " where there is something. What does not fit in
+ * its `size` is left out. */
+void list_add(char *list, size_t size, const char *item, ...) __attribute__((format(printf, 3, 4)));
 
 /* --- the one writer --- */
 

@@ -98,24 +98,20 @@ static int add_point(struct plan *plan, const struct study *study, struct series
     return point->at < 0 ? -1 : 0;
 }
 
-/* --quick leaves out the slowest rate and the one next to the yardstick. */
-static int is_in(const struct plan *plan, double rate) {
-    return !plan->quick || (rate != 30 && rate != 3000);
-}
-
 /* The rates of the experiment, and the scene's own in its place. */
 static int add_points(struct plan *plan, const struct study *study, struct series *series) {
     const struct scene *scene = study->subject->scene;
     const int wisps = series->ticks == WISP_TICKS;
     const double *rates = wisps ? wisp_rates : body_rates;
     const double own = wisps ? scene->interaction.rate : scene->collision_rate;
-    const size_t count =
-        wisps ? sizeof wisp_rates / sizeof *rates : sizeof body_rates / sizeof *rates;
+    const size_t count = (wisps ? sizeof wisp_rates : sizeof body_rates) / sizeof *rates;
     double before = 0;
     for (size_t i = 0; i < count; before = rates[i++]) {
         if (own > before && own < rates[i] && add_point(plan, study, series, own))
             return -1;
-        if ((is_in(plan, rates[i]) || rates[i] == own) && add_point(plan, study, series, rates[i]))
+        /* --quick leaves out the slowest rate and the one next to the yardstick */
+        if ((!plan->quick || (rates[i] != 30 && rates[i] != 3000) || rates[i] == own) &&
+            add_point(plan, study, series, rates[i]))
             return -1;
     }
     return 0;
@@ -220,8 +216,7 @@ static int add_sources(struct plan *plan, struct study *study) {
 
 /* --- the plan --- */
 
-/* The scene's own step to the nearest that divides the time between the yardstick's ticks. */
-static double step_of(const struct scene *scene) {
+double step_between_ticks(const struct scene *scene) {
     const double own = usual_step(scene, stepper_find("rk4"));
     return 1 / YARDSTICK_RATE / fmax(1, round(1 / (YARDSTICK_RATE * own)));
 }
@@ -235,22 +230,14 @@ static double frame_rate_of(const struct scene *scene, double duration) {
 static void measure_out(const struct plan *plan, struct study *study) {
     const struct scene *scene = study->subject->scene;
     const double most = plan->quick ? most_quick_work : most_work;
-    double nodes = 0;
-    for (int i = 0; i < scene->wisp_count; i++)
-        nodes += scene->wisps[i].nodes - 2;
-    study->step = step_of(scene);
-    const double work = nodes / (study->step * YARDSTICK_RATE);
+    study->step = step_between_ticks(scene);
+    const double work = free_nodes(scene) / (study->step * YARDSTICK_RATE);
     study->frame_rate = frame_rate_of(scene, fmin(scene->duration, most / work));
     const double frames = fmax(2, floor(most / work * study->frame_rate + 1e-9));
     study->duration = fmin(scene->duration, frames / study->frame_rate);
     study->work = work * study->duration;
     study->own_contact = (scene->interaction.interpenetration ? FRICTION : 0) |
                          (scene->interaction.collision ? COLLISION : 0);
-}
-
-static int plan_study(struct plan *plan, struct study *study) {
-    measure_out(plan, study);
-    return add_all_series(plan, study) || add_sources(plan, study) ? -1 : 0;
 }
 
 /* `viscosity` has two: at 0.5 /s all that contact does is a third of a millimetre, and no rate can
@@ -288,14 +275,11 @@ static int contact_rate_plan(struct plan *plan) {
     const char *scenes[OWN_SUBJECTS];
     int count = 0;
     plan->run_seconds = 200;
-    if (plan_has_no_steppers(plan, "rates"))
-        return -1;
     for (int i = 0; i < OWN_SUBJECTS; i++) /* those of --quick come first */
         if (!plan->quick || own_subjects[i].quick)
             scenes[count++] = own_subjects[i].scene;
-    if (plan_subjects(plan, scenes, count))
-        return -1;
-    if (plan_configurations(plan, CONFIGURATION_PLAIN, 0))
+    if (plan_has_no_steppers(plan, "rates") || plan_subjects(plan, scenes, count) ||
+        plan_configurations(plan, CONFIGURATION_PLAIN, 0))
         return -1;
     const size_t studies = (size_t)plan->subject_count * sizeof(struct study);
     struct contact_rate *all = plan->memo = calloc(1, sizeof *all + studies + pushing_size(plan));
@@ -305,8 +289,10 @@ static int contact_rate_plan(struct plan *plan) {
     if (plan->scene_count == 0 && set_own_subjects(plan, all))
         return -1;
     for (int i = 0; i < all->count; i++) {
-        all->study[i].subject = &plan->subjects[i];
-        if (plan_study(plan, &all->study[i]))
+        struct study *study = &all->study[i];
+        study->subject = &plan->subjects[i];
+        measure_out(plan, study);
+        if (add_all_series(plan, study) || add_sources(plan, study))
             return -1;
     }
     return pushing_plan(plan, &all->pushing, (char *)all->study + studies);

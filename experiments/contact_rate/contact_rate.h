@@ -103,6 +103,12 @@ struct contact_rate {
 /* Penalty ratios from which the exact constrained motion is taken. */
 extern const double penalty_ratios[PENALTIES];
 
+/* The scene's own step to the nearest that divides the time between the yardstick's ticks, s. */
+double step_between_ticks(const struct scene *scene);
+
+/* The frames after `from` up to `to`, s from the first one on: lent. */
+struct trajectory frames_between(const struct trajectory *states, double from, double to);
+
 /* The series of the scene as it is; NULL: its ticks do nothing. */
 const struct series *own_series(const struct study *study, enum tick_kind ticks);
 
@@ -119,7 +125,7 @@ int read_horizon(struct plan *plan, struct series *series);
 int read_study(struct plan *plan, struct study *study);
 
 /* Writes the tables and statements from the plan's runs. */
-int contact_rate_tabulate(struct plan *plan, const char *folder);
+int contact_rate_tabulate(struct plan *plan);
 
 /* All statements. */
 void state_all(struct statements *statements, const struct contact_rate *all);

@@ -68,30 +68,18 @@ static int add_run(struct plan *plan, const struct pushed *pushed, double rate, 
  * node stays for some milliseconds only. */
 static double frame_rate_of(const struct scene *scene, double duration) {
     const double most = 2e6; /* numbers, 16 MB */
-    double nodes = 0;
-    for (int i = 0; i < scene->wisp_count; i++)
-        nodes += scene->wisps[i].nodes;
+    const double nodes = free_nodes(scene) + 2. * scene->wisp_count;
     const double numbers = nodes * (9 + 2 * scene->wisps[0].samples) * duration * scene->frame_rate;
     return scene->frame_rate * fmin(10, fmax(1, floor(most / numbers)));
 }
 
-/* The scene's own step to the nearest that divides the time between the yardstick's ticks. */
 static void measure_out(const struct plan *plan, struct pushed *pushed, const struct scene *scene) {
-    const double own = usual_step(scene, stepper_find("rk4"));
     const double most = plan->quick ? most_quick_work : most_work;
-    double nodes = 0;
-    for (int i = 0; i < scene->wisp_count; i++)
-        nodes += scene->wisps[i].nodes - 2;
-    pushed->step = 1 / YARDSTICK_RATE / fmax(1, round(1 / (YARDSTICK_RATE * own)));
+    pushed->step = step_between_ticks(scene);
     const double left = scene->duration - (pushed->begin - scene->begin) * (pushed->begin > 0);
-    const double seconds = fmin(left, most / (nodes / (pushed->step * YARDSTICK_RATE)));
+    const double seconds = fmin(left, most / (free_nodes(scene) / (pushed->step * YARDSTICK_RATE)));
     pushed->duration = fmax(2, floor(seconds * scene->frame_rate + 1e-9)) / scene->frame_rate;
     pushed->frame_rate = frame_rate_of(scene, pushed->duration);
-}
-
-/* --quick leaves out what is between the softest and the stiffest. */
-static int is_in(const struct plan *plan, int response) {
-    return !plan->quick || frequency_of[response] != 100;
 }
 
 static int plan_pushed(struct plan *plan, struct pushed *pushed) {
@@ -107,7 +95,7 @@ static int plan_pushed(struct plan *plan, struct pushed *pushed) {
         return -1;
     for (int i = 0; i < RESPONSES; i++) {
         pushed->run[i].at = -1;
-        if (!is_in(plan, i))
+        if (plan->quick && frequency_of[i] == 100) /* between the softest and the stiffest */
             continue;
         pushed->run[i].at = add_run(plan, pushed, scene->collision_rate, frequency_of[i], 1, 0, 0);
         if (pushed->run[i].at < 0)
@@ -254,11 +242,6 @@ int pushing_plan(struct plan *plan, struct pushing *pushing, void *room) {
 
 /* --- from round to round --- */
 
-/* A twentieth of the hair's length, as experiment stability has it. */
-static double allowed(const struct probe *probe) {
-    return 0.05 * probe->scene->wisps[0].length;
-}
-
 static int is_done(const void *ctx, int i) {
     return ((const struct probe *)ctx)->trials[i].done;
 }
@@ -266,6 +249,8 @@ static int is_done(const void *ctx, int i) {
 static int go_on(struct plan *plan, void *ctx, int i, const struct run_files *reference) {
     const int resolution = plan->quick ? 8 : 2; /* 26 %, 6 % */
     const struct probe *probe = ctx;
+    /* a twentieth of the hair's length, as experiment stability has it */
+    const double allowed = 0.05 * probe->scene->wisps[0].length;
     struct push_trial *trial = &probe->trials[i];
     struct verdict verdict;
     trial->done = reference->outcome != FINISHED;
@@ -273,7 +258,7 @@ static int go_on(struct plan *plan, void *ctx, int i, const struct run_files *re
         return 0;
     if (judge_runs(plan, trial->run, 1, probe->scene, reference, &verdict))
         return -1;
-    const int good = verdict.outcome == FINISHED && verdict.error <= allowed(probe);
+    const int good = verdict.outcome == FINISHED && verdict.error <= allowed;
     if (good)
         trial->error = verdict.error;
     if (bracket_take(&trial->place, good, STRIDE, resolution))
@@ -327,20 +312,10 @@ static double deepest(const struct scene *scene, const struct trajectory *states
     return most;
 }
 
-/* The frames up to `to` s after the first: lent. */
-static struct trajectory frames_to(const struct trajectory *states, double to) {
-    struct trajectory part = *states;
-    const double begin = part.frame_count > 0 ? part.frames[0].t : 0;
-    while (part.frame_count > 0 && part.frames[part.frame_count - 1].t - begin > to + 1e-9) {
-        part.frame_count--;
-        part.table.row_count = part.frames[part.frame_count].row;
-    }
-    return part;
-}
-
 static int distance(struct plan *plan, const struct pushed *pushed, const struct run_files *run,
                     const struct run_files *reference, double to, struct deviation *d) {
-    const struct trajectory a = frames_to(run->states, to), b = frames_to(reference->states, to);
+    const struct trajectory a = frames_between(run->states, -1, to),
+                            b = frames_between(reference->states, -1, to);
     *d = (struct deviation){.rms = NAN, .largest = NAN};
     if (run->outcome != FINISHED || reference->outcome != FINISHED || isnan(to))
         return 0;
@@ -353,7 +328,7 @@ static int read_one(struct plan *plan, const struct pushed *pushed,
     const struct scene *scene = plan->cases[one->at].run.scene;
     struct run_files run;
     struct deviation near, whole;
-    if (run_read_states(&run, plan->cases[one->at].run.folder, plan->trajectories, plan->reason))
+    if (plan_read(plan, &plan->cases[one->at], &run))
         return -1;
     const int code = distance(plan, pushed, &run, reference, pushed->horizon, &near) ||
                      distance(plan, pushed, &run, reference, INFINITY, &whole);
@@ -375,11 +350,9 @@ static int read_pushed(struct plan *plan, struct pushed *pushed) {
     struct deviation d;
     if (measure_horizon(plan->trajectories, plan->cases[pushed->reference].run.folder,
                         plan->cases[pushed->again].run.folder, &pushed->horizon, plan->reason) ||
-        run_read_states(&reference, plan->cases[pushed->reference].run.folder, plan->trajectories,
-                        plan->reason))
+        plan_read(plan, &plan->cases[pushed->reference], &reference))
         return -1;
-    int code = run_read_states(&again, plan->cases[pushed->again].run.folder, plan->trajectories,
-                               plan->reason);
+    int code = plan_read(plan, &plan->cases[pushed->again], &again);
     if (!code) {
         code = distance(plan, pushed, &again, &reference, pushed->horizon, &d);
         pushed->doubt = d.rms;

@@ -82,7 +82,7 @@ const struct push_trial *trial_of(const struct pushing *pushing, int hair, int r
 int pushing_read(struct plan *plan, struct pushing *pushing);
 
 /* Writes the tables penalty and penalty-steps. Returns 0, or -1 with plan->reason. */
-int pushing_tabulate(struct plan *plan, const struct pushing *pushing, const char *folder);
+int pushing_tabulate(struct plan *plan, const struct pushing *pushing);
 
 void pushing_state(struct statements *statements, const struct pushing *pushing);
 

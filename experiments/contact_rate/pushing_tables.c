@@ -1,5 +1,4 @@
 /* The tables of bodies by penalty, and what is said of them. */
-#include "base/files.h"
 #include "contact_rate.h"
 #include "pushing.h"
 
@@ -54,20 +53,19 @@ static const struct table_form tables[TABLES] = {
      COLUMNS(PUSHED_COLUMNS)},
     {"penalty-steps",
      "the longest fixed step of a method with which one wisp of `swing` that falls onto a ball "
-     "stays within a twentieth of its length from `reference` (rms over free nodes and frames, "
-     "0.6 s, generalised), s; hair: default springs, or rigid segments, which only explicit "
-     "methods take; frequency: of the ball's penalty, Hz; 0: ticks at 300 Hz, which a step never "
-     "goes beyond; error: of that step, m; beyond: the shortest step tried that does not, s; nan: "
-     "there is none",
+     "stays within a twentieth of its length from `reference` (rms over free nodes and frames, 0.6 "
+     "s, generalised), s; hair: default springs, or rigid segments, which only explicit methods "
+     "take; frequency: of the ball's penalty, Hz; 0: ticks at 300 Hz, which a step never goes "
+     "beyond; error: of that step, m; beyond: the shortest step tried that does not, s; nan: there "
+     "is none",
      COLUMNS(TRIAL_COLUMNS)},
 };
 
 static void write_pushed(FILE *stream, const struct pushed *pushed) {
     for (int i = 0; i < RESPONSES; i++) {
         const struct pushed_run *run = &pushed->run[i];
-        if (run->at < 0)
-            continue;
-        WRITE_ROW(stream, PUSHED_COLUMNS);
+        if (run->at >= 0)
+            WRITE_ROW(stream, PUSHED_COLUMNS);
     }
 }
 
@@ -90,35 +88,28 @@ static void write_steps(FILE *stream, const struct plan *plan, const struct push
             }
 }
 
-int pushing_tabulate(struct plan *plan, const struct pushing *pushing, const char *folder) {
-    struct atomic_file files[TABLES];
-    int code = 0;
-    if (tables_open(files, tables, TABLES, folder, "", NULL, plan->reason))
+int pushing_tabulate(struct plan *plan, const struct pushing *pushing) {
+    FILE *streams[TABLES];
+    if (output_tables(&plan->output, streams, tables, TABLES, "", NULL))
         return -1;
-    for (int i = 0; i < pushing->pushed_count && !code; i++)
-        write_pushed(files[PENALTY].stream, &pushing->pushed[i]);
-    if (!code)
-        write_steps(files[STEPS].stream, plan, pushing);
-    return tables_close(files, TABLES, code, plan->reason);
+    for (int i = 0; i < pushing->pushed_count; i++)
+        write_pushed(streams[PENALTY], &pushing->pushed[i]);
+    write_steps(streams[STEPS], plan, pushing);
+    return 0;
 }
 
 /* --- statements --- */
 
-static double millimetres(double length) {
-    return 1e3 * length;
-}
-
 /* "0.3 mm at 300 Hz, 4 at 30" of the depths or errors, from the stiffest down. */
 static void list_runs(const struct pushed *pushed, int depth, char text[256]) {
     const char *mm = " mm", *hz = " Hz";
-    int used = snprintf(text, 256, "%s", "");
+    text[0] = '\0';
     for (int i = RESPONSES - 1; i > TICKS; i--) {
         const struct pushed_run *run = &pushed->run[i];
         const double value = depth ? run->depth : run->error;
         if (run->at < 0 || !isfinite(value))
             continue;
-        used += snprintf(text + used, 256 - (size_t)used, "%s%.2g%s at %g%s", used ? ", " : "",
-                         millimetres(value), mm, frequency_of[i], hz);
+        list_add(text, 256, "%.2g%s at %g%s", 1e3 * value, mm, frequency_of[i], hz);
         mm = hz = "";
     }
 }
@@ -127,20 +118,15 @@ static void list_runs(const struct pushed *pushed, int depth, char text[256]) {
 static void state_depth(struct statements *statements, const struct pushed *pushed) {
     const struct pushed_run *soft = &pushed->run[1], *stiff = &pushed->run[RESPONSES - 1];
     const char *scene = pushed->subject.name;
-    char key[192], list[256];
-    snprintf(key, sizeof key, "%.70s, penalty, depth", scene);
+    char list[256];
     list_runs(pushed, 1, list);
     const int there = isfinite(soft->depth) && isfinite(stiff->depth);
-    statements_add(
-        statements,
-        (struct statement){.key = key,
-                           .figure = "penalty",
-                           .tables = "penalty",
-                           .verdict = there ? holds_if(stiff->depth <= HARM) : NOT_REACHED,
-                           .value = millimetres(stiff->depth),
-                           .unit = "mm"},
-        "On %s bodies by penalty let nodes in by at most %s.", scene,
-        *list ? list : "an unknown depth, for no run came to its end");
+    statements_add(statements,
+                   our_row("penalty", "penalty",
+                           there ? holds_if(stiff->depth <= HARM) : NOT_REACHED, 1e3 * stiff->depth,
+                           "mm", "%.70s, penalty, depth", scene),
+                   "On %s bodies by penalty let nodes in by at most %s.", scene,
+                   *list ? list : "an unknown depth, for no run came to its end");
 }
 
 /* The frequency that comes nearest to what ticks at 9000 Hz do; 0: none can be told. */
@@ -157,17 +143,12 @@ static void state_error(struct statements *statements, const struct pushed *push
     const int best = nearest(pushed);
     const struct pushed_run *run = &pushed->run[best], *ticks = &pushed->run[TICKS];
     const char *scene = pushed->subject.name;
-    char key[192], list[256];
-    snprintf(key, sizeof key, "%.70s, penalty, error", scene);
+    char list[256];
     list_runs(pushed, 0, list);
-    struct statement row = {.key = key,
-                            .figure = "penalty",
-                            .tables = "penalty",
-                            .verdict = best && isfinite(ticks->error)
-                                           ? holds_if(run->error <= ticks->error)
-                                           : NOT_REACHED,
-                            .value = best ? millimetres(run->error) : NAN,
-                            .unit = "mm"};
+    struct statement row =
+        our_row("penalty", "penalty",
+                best && isfinite(ticks->error) ? holds_if(run->error <= ticks->error) : NOT_REACHED,
+                best ? 1e3 * run->error : NAN, "mm", "%.70s, penalty, error", scene);
     if (!best || !isfinite(ticks->error))
         statements_add(statements, row, "On %s no penalty can be compared with ticks: runs fail.",
                        scene);
@@ -176,8 +157,7 @@ static void state_error(struct statements *statements, const struct pushed *push
             statements, row,
             "On %s %s penalty puts hair as near to where ticks at 9000 Hz put it as ticks at the "
             "scene's own rate, which are %.2g mm off (rms up to %.3g s), for it is %s off.",
-            scene, row.verdict == HOLDS ? "some" : "no", millimetres(ticks->error), pushed->horizon,
-            list);
+            scene, row.verdict == HOLDS ? "some" : "no", 1e3 * ticks->error, pushed->horizon, list);
 }
 
 /* By how much a method's longest step is shorter against a body of a high frequency than against
@@ -205,19 +185,14 @@ static void state_stiffness(struct statements *statements, const struct pushing 
     const struct push_trial *soft = trial_of(pushing, claim->hair, 1, claim->method, &soft_probe);
     const struct push_trial *stiff =
         trial_of(pushing, claim->hair, claim->response, claim->method, &stiff_probe);
-    char key[192];
     if (!soft || !stiff)
         return;
     const double from = trial_step(soft_probe, soft), to = trial_step(stiff_probe, stiff);
     const int there = isfinite(from) && isfinite(to), shorter = to <= claim->least * from;
-    snprintf(key, sizeof key, "penalty, %s, %.60s, %g Hz", hair_names[claim->hair], claim->method,
-             frequency_of[claim->response]);
-    struct statement row = {.key = key,
-                            .figure = "penalty-steps",
-                            .tables = "penalty-steps",
-                            .verdict = there ? holds_if(shorter == claim->feels) : NOT_REACHED,
-                            .value = to / from,
-                            .unit = "1"};
+    struct statement row = our_row(
+        "penalty-steps", "penalty-steps", there ? holds_if(shorter == claim->feels) : NOT_REACHED,
+        to / from, "1", "penalty, %s, %.60s, %g Hz", hair_names[claim->hair], claim->method,
+        frequency_of[claim->response]);
     if (there)
         statements_add(statements, row,
                        "%s: its longest step is %.2g ms there and %.2g ms against %g Hz.",

@@ -38,8 +38,7 @@ const struct rate_point *point_at(const struct series *series, double rate) {
 
 /* --- distances --- */
 
-/* The frames after `from` up to `to`, s from the first one on: lent. */
-static struct trajectory frames_between(const struct trajectory *states, double from, double to) {
+struct trajectory frames_between(const struct trajectory *states, double from, double to) {
     struct trajectory part = *states;
     const double begin = part.frame_count > 0 ? part.frames[0].t : 0;
     while (part.frame_count > 0 && part.frames[0].t - begin <= from + 1e-9) {
@@ -61,7 +60,7 @@ static int compare(struct plan *plan, const struct study *study, const struct tr
 }
 
 static int read_run(struct plan *plan, int at, struct run_files *run) {
-    return run_read_states(run, plan->cases[at].run.folder, plan->trajectories, plan->reason);
+    return plan_read(plan, &plan->cases[at], run);
 }
 
 /* --- the horizon --- */
@@ -292,10 +291,9 @@ static int find_span(struct plan *plan, struct study *study) {
 /* Distances of a run from states: up to the span, over all frames. */
 static int read_both(struct plan *plan, const struct study *study, int at,
                      const struct trajectory *states, double *near, double *whole) {
-    return distance_of(plan, study, at, states, study->span, near) ||
-                   distance_of(plan, study, at, states, INFINITY, whole)
+    return distance_of(plan, study, at, states, study->span, near)
                ? -1
-               : 0;
+               : distance_of(plan, study, at, states, INFINITY, whole);
 }
 
 /* The error of run `at` by the states of another, which are in doubt by run `again`. */
@@ -381,10 +379,10 @@ static int read_sources(struct plan *plan, struct study *study) {
     for (int i = 0; i < SOURCES; i++)
         study->error[i] = (struct source_error){NAN, NAN, NAN, NAN, ""};
     study->span = NAN;
-    return find_span(plan, study) || read_integrator(plan, study) || read_treatment(plan, study) ||
-                   read_ticks(plan, study, WISP_TICKS) || read_ticks(plan, study, BODY_TICKS)
-               ? -1
-               : 0;
+    if (find_span(plan, study) || read_integrator(plan, study) || read_treatment(plan, study) ||
+        read_ticks(plan, study, WISP_TICKS))
+        return -1;
+    return read_ticks(plan, study, BODY_TICKS);
 }
 
 int read_study(struct plan *plan, struct study *study) {

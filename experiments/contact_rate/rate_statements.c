@@ -11,26 +11,17 @@ static const double thesis_rate = 90;
  * does not converge has order 0. Halfway is where a verdict turns. */
 static const double converging = 0.5;
 
-static double millimetres(double length) {
-    return 1e3 * length;
-}
-
-static void make_key(char key[192], const struct study *study, const char *what, const char *more) {
-    snprintf(key, 192, "%.70s, %.50s%s%.50s", study->subject->name, what, *more ? ", " : "", more);
-}
-
 /* --- whether it converges --- */
 
 /* "12 mm at 90 Hz, 3.1 at 300" of the rates below the yardstick's. */
 static void list_errors(const struct series *series, char text[256]) {
     const char *mm = " mm", *hz = " Hz";
-    int used = snprintf(text, 256, "%s", "");
+    text[0] = '\0';
     for (int i = 0; i + 1 < series->rate_count; i++) {
         const struct rate_point *point = &series->point[i];
         if (!isfinite(point->error))
             continue;
-        used += snprintf(text + used, 256 - (size_t)used, "%s%.3g%s at %g%s", used ? ", " : "",
-                         millimetres(point->error), mm, point->rate, hz);
+        list_add(text, 256, "%.3g%s at %g%s", 1e3 * point->error, mm, point->rate, hz);
         mm = hz = "";
     }
 }
@@ -47,16 +38,11 @@ static int converges(const struct series *series) {
 static void state_convergence(struct statements *statements, const struct study *study,
                               const struct series *series) {
     const char *scene = study->subject->name;
-    char key[192], errors[256];
-    make_key(key, study, series->name, "converges");
+    char errors[256];
     list_errors(series, errors);
-    struct statement row = {.key = key,
-                            .figure = scene,
-                            .tables = "rates series",
-                            .verdict =
-                                series->has_order ? holds_if(converges(series)) : NOT_REACHED,
-                            .value = series->order.slope,
-                            .unit = "1"};
+    struct statement row = our_row(
+        scene, "rates series", series->has_order ? holds_if(converges(series)) : NOT_REACHED,
+        series->order.slope, "1", "%.70s, %s, converges", scene, series->name);
     if (isnan(series->horizon))
         statements_add(statements, row, "On %s with %s the run at 9000 Hz fails.", scene,
                        series->name);
@@ -64,7 +50,7 @@ static void state_convergence(struct statements *statements, const struct study 
         statements_add(statements, row,
                        "On %s with %s too few rates can be told from the one they are compared "
                        "with, which is itself in doubt by %.2g mm: they are %s from it.",
-                       scene, series->name, millimetres(series->doubt), errors);
+                       scene, series->name, 1e3 * series->doubt, errors);
     else
         statements_add(statements, row,
                        "On %s with %s the motion %s as contacts become more frequent: up to %.3g s "
@@ -83,14 +69,9 @@ static int acts(const struct series *series) {
 
 static void state_nothing(struct statements *statements, const struct study *study,
                           const struct series *series) {
-    char key[192];
-    make_key(key, study, series->name, "");
     statements_add(statements,
-                   (struct statement){.key = key,
-                                      .figure = study->subject->name,
-                                      .tables = "series",
-                                      .verdict = NOT_REACHED,
-                                      .by = THESIS},
+                   thesis_row(study->subject->name, "series", NOT_REACHED, NAN, NULL, "%.70s, %s",
+                              study->subject->name, series->name),
                    "On %s with %s contacts a hundred times rarer do no harm: nothing happens up to "
                    "%.3g s, and no rate could do any.",
                    study->subject->name, series->name, series->horizon);
@@ -104,18 +85,12 @@ static void state_harm(struct statements *statements, const struct study *study,
                        const struct series *series) {
     const struct rate_point *point = point_at(series, thesis_rate);
     const char *scene = study->subject->name;
-    char key[192];
     if (!point)
         return;
-    make_key(key, study, series->name, "90 Hz");
-    struct statement row = {.key = key,
-                            .figure = scene,
-                            .tables = "rates series",
-                            .by = THESIS,
-                            .verdict = is_told(series, point) ? holds_if(point->error <= HARM)
-                                                              : NOT_REACHED,
-                            .value = millimetres(point->error),
-                            .unit = "mm"};
+    struct statement row =
+        thesis_row(scene, "rates series",
+                   is_told(series, point) ? holds_if(point->error <= HARM) : NOT_REACHED,
+                   1e3 * point->error, "mm", "%.70s, %s, 90 Hz", scene, series->name);
     if (!isfinite(point->error))
         statements_add(statements, row,
                        "On %s with %s contacts a hundred times rarer do no harm: the run at 90 Hz "
@@ -125,12 +100,12 @@ static void state_harm(struct statements *statements, const struct study *study,
         statements_add(statements, row,
                        "On %s with %s contacts a hundred times rarer do no harm: up to %.3g s all "
                        "that contact does is %.2g mm.",
-                       scene, series->name, series->horizon, millimetres(series->effect));
+                       scene, series->name, series->horizon, 1e3 * series->effect);
     else
         statements_add(statements, row,
                        "On %s with %s contacts a hundred times rarer do no harm: up to %.3g s hair "
                        "at 90 Hz is %.3g mm (rms) from hair at 9000 Hz, %.2g of what contact does.",
-                       scene, series->name, series->horizon, millimetres(point->error),
+                       scene, series->name, series->horizon, 1e3 * point->error,
                        point->error / series->effect);
 }
 
@@ -141,26 +116,19 @@ static void state_after(struct statements *statements, const struct study *study
     const struct rate_point *point = point_at(series, thesis_rate),
                             *yardstick = point_at(series, YARDSTICK_RATE);
     const char *scene = study->subject->name;
-    char key[192];
     if (!point || point->after.pairs == 0 || yardstick->after.pairs == 0)
         return;
-    make_key(key, study, series->name, "90 Hz after the horizon");
     statements_add(
         statements,
-        (struct statement){.key = key,
-                           .figure = scene,
-                           .tables = "rates",
-                           .by = THESIS,
-                           .verdict = holds_if(point->after.median <= yardstick->after.upper),
-                           .value = millimetres(point->after.median),
-                           .unit = "mm"},
-        "On %s with %s, after %.3g s, hair at 90 Hz is no farther from hair at 9000 Hz "
-        "than that is from itself after starts 1e-6 m apart: median %.3g mm (quartiles "
-        "%.3g, %.3g) against %.3g (%.3g, %.3g).",
-        scene, series->name, series->horizon, millimetres(point->after.median),
-        millimetres(point->after.lower), millimetres(point->after.upper),
-        millimetres(yardstick->after.median), millimetres(yardstick->after.lower),
-        millimetres(yardstick->after.upper));
+        thesis_row(scene, "rates", holds_if(point->after.median <= yardstick->after.upper),
+                   1e3 * point->after.median, "mm", "%.70s, %s, 90 Hz after the horizon", scene,
+                   series->name),
+        "On %s with %s, after %.3g s, hair at 90 Hz is no farther from hair at 9000 Hz than that "
+        "is from itself after starts 1e-6 m apart: median %.3g mm (quartiles %.3g, %.3g) against "
+        "%.3g (%.3g, %.3g).",
+        scene, series->name, series->horizon, 1e3 * point->after.median, 1e3 * point->after.lower,
+        1e3 * point->after.upper, 1e3 * yardstick->after.median, 1e3 * yardstick->after.lower,
+        1e3 * yardstick->after.upper);
 }
 
 /* --- bodies --- */
@@ -176,17 +144,12 @@ static void state_bodies(struct statements *statements, const struct study *stud
     const struct series *series = own_series(study, BODY_TICKS);
     const struct rate_point *point = point_at(series, study->subject->scene->collision_rate);
     const char *scene = study->subject->name;
-    char key[192];
     if (!point)
         return;
     const int acting = bodies_act(study), told = acting && isfinite(point->error);
-    make_key(key, study, "bodies", "");
-    struct statement row = {.key = key,
-                            .figure = scene,
-                            .tables = "rates series",
-                            .verdict = told ? holds_if(point->error <= HARM) : NOT_REACHED,
-                            .value = millimetres(point->error),
-                            .unit = "mm"};
+    struct statement row =
+        our_row(scene, "rates series", told ? holds_if(point->error <= HARM) : NOT_REACHED,
+                1e3 * point->error, "mm", "%.70s, bodies", scene);
     if (!acting)
         statements_add(statements, row,
                        "On %s no body touches hair within %.3g s, and nothing is told of how often "
@@ -200,7 +163,7 @@ static void state_bodies(struct statements *statements, const struct study *stud
         statements_add(statements, row,
                        "On %s bodies at %g Hz do no harm: up to %.3g s hair is %.3g mm (rms) from "
                        "where bodies at 9000 Hz leave it.",
-                       scene, point->rate, series->horizon, millimetres(point->error));
+                       scene, point->rate, series->horizon, 1e3 * point->error);
     if (acting)
         state_convergence(statements, study, series);
 }
@@ -213,48 +176,33 @@ static void state_control(struct statements *statements, const struct study *stu
     const struct rate_point *point = point_at(series_of(study, 0, 1), thesis_rate);
     const char *scene = study->subject->name;
     const int told = isfinite(point->error);
-    char key[192];
-    make_key(key, study, "control", "");
-    struct statement row = {.key = key,
-                            .figure = scene,
-                            .tables = "rates",
-                            .verdict = told ? holds_if(point->error <= rounding) : NOT_REACHED,
-                            .value = millimetres(point->error),
-                            .unit = "mm"};
+    struct statement row =
+        our_row(scene, "rates", told ? holds_if(point->error <= rounding) : NOT_REACHED,
+                1e3 * point->error, "mm", "%.70s, control", scene);
     if (told)
         statements_add(statements, row,
                        "On %s with its contact off, runs at 90 and 9000 Hz are %.2g mm apart.",
-                       scene, millimetres(point->error));
+                       scene, 1e3 * point->error);
     else
         statements_add(statements, row, "On %s with its contact off a run fails.", scene);
-    if (study->own_contact > 0)
-        return;
-    make_key(key, study, "contact", "");
-    row.verdict = NOT_REACHED;
-    row.unit = NULL;
-    statements_add(statements, row,
-                   "On %s wisps do nothing to each other, and nothing is told of how often they "
-                   "should.",
-                   scene);
+    if (study->own_contact == 0)
+        statements_add(
+            statements, our_row(scene, "rates", NOT_REACHED, NAN, NULL, "%.70s, contact", scene),
+            "On %s wisps do nothing to each other, and nothing is told of how often they should.",
+            scene);
 }
 
 static void state_cost(struct statements *statements, const struct study *study) {
     const struct series *series = own_series(study, WISP_TICKS);
     const struct rate_point *rare = point_at(series, thesis_rate),
                             *often = point_at(series, YARDSTICK_RATE);
-    char key[192];
     if (!rare)
         return;
     const int told = rare->outcome == FINISHED && often->outcome == FINISHED && rare->contacts > 0;
     const double sections = often->sections / rare->sections;
-    make_key(key, study, "cost", "");
-    struct statement row = {.key = key,
-                            .figure = "cost",
-                            .tables = "rates",
-                            .by = THESIS,
-                            .verdict = told ? holds_if(sections >= 50) : NOT_REACHED,
-                            .value = sections,
-                            .unit = "1"};
+    struct statement row =
+        thesis_row("cost", "rates", told ? holds_if(sections >= 50) : NOT_REACHED, sections, "1",
+                   "%.70s, cost", study->subject->name);
     if (told)
         statements_add(statements, row,
                        "On %s rare contacts are cheap: at 9000 Hz points are looked for in %.3g "
@@ -299,16 +247,15 @@ static int larger(const struct judged *e, int a, int b) {
 static void list_sources(const struct judged *e, char text[256]) {
     static const enum source order[] = {OF_WISP_TICKS, OF_BODY_TICKS, TREATMENT, INTEGRATOR};
     const char *mm = " mm";
-    int used = snprintf(text, 256, "%s", "");
+    text[0] = '\0';
     for (int k = 0; k < SOURCES; k++) {
         const int i = (int)order[k];
         if (!(e->error[i] > 1e-9)) /* none, or bodies where there are none */
             continue;
-        used += snprintf(text + used, 256 - (size_t)used, "%s%s %.3g%s", used ? ", " : "",
-                         source_names[i], millimetres(e->error[i]), mm);
+        char doubt[48] = "";
         if (e->doubt[i] > 0.1 * e->error[i])
-            used += snprintf(text + used, 256 - (size_t)used, " (in doubt by %.2g)",
-                             millimetres(e->doubt[i]));
+            snprintf(doubt, sizeof doubt, " (in doubt by %.2g)", 1e3 * e->doubt[i]);
+        list_add(text, 256, "%s %.3g%s%s", source_names[i], 1e3 * e->error[i], mm, doubt);
         mm = "";
     }
 }
@@ -324,23 +271,19 @@ static void state_sources(struct statements *statements, const struct study *stu
     const int there = isfinite(e.error[INTEGRATOR]) && isfinite(e.error[TREATMENT]);
     const int told = study->has_sources && touches && there &&
                      (beyond(&e, ticks, other) || beyond(&e, other, ticks));
-    char key[192], list[256];
-    make_key(key, study, "sources", whole ? "to the end" : "");
+    char list[256];
     list_sources(&e, list);
-    struct statement row = {.key = key,
-                            .figure = "sources",
-                            .tables = "sources",
-                            .verdict = told ? holds_if(beyond(&e, ticks, other)) : NOT_REACHED,
-                            .value = millimetres(e.error[ticks]),
-                            .unit = "mm"};
+    struct statement row =
+        our_row("sources", "sources", told ? holds_if(beyond(&e, ticks, other)) : NOT_REACHED,
+                1e3 * e.error[ticks], "mm", "%.70s, sources%s", scene, whole ? ", to the end" : "");
     if (!study->has_sources)
         statements_add(statements, row, "On %s there is no envelope, and no treatment to compare.",
                        scene);
     else if (!there)
-        statements_add(statements, row,
-                       "On %s no error can be told from another: a run fails, or wisps split at "
-                       "other times.",
-                       scene);
+        statements_add(
+            statements, row,
+            "On %s no error can be told from another: a run fails, or wisps split at other times.",
+            scene);
     else if (!touches)
         statements_add(statements, row,
                        "On %s nothing touches, and nothing is told of where the largest error is.",
@@ -366,7 +309,6 @@ static void state_kind(struct statements *statements, const struct contact_rate 
                *pushes = reciprocal ? "that push both wisps" : "that push one wisp alone";
     int told = 0, harmless = 0;
     double worst = 0;
-    char key[192];
     for (int i = 0; i < all->count; i++) {
         const struct series *series = series_of(&all->study[i], contact, reciprocal);
         const struct rate_point *point = point_at(series, thesis_rate);
@@ -376,13 +318,9 @@ static void state_kind(struct statements *statements, const struct contact_rate 
         harmless += point->error <= HARM;
         worst = fmax(worst, point->error);
     }
-    snprintf(key, sizeof key, "%s, %s", contact_names[contact], response);
-    struct statement row = {.key = key,
-                            .tables = "rates series",
-                            .by = THESIS,
-                            .verdict = told ? holds_if(harmless == told) : NOT_REACHED,
-                            .value = millimetres(worst),
-                            .unit = "mm"};
+    struct statement row =
+        thesis_row(NULL, "rates series", told ? holds_if(harmless == told) : NOT_REACHED,
+                   1e3 * worst, "mm", "%s, %s", contact_names[contact], response);
     if (told == 0)
         statements_add(statements, row,
                        "Contacts a hundred times rarer do no harm with %s %s: on no scene does "
@@ -393,7 +331,7 @@ static void state_kind(struct statements *statements, const struct contact_rate 
             statements, row,
             "Contacts a hundred times rarer do no harm with %s %s: where contact does more than 1 "
             "mm, hair stays within 1 mm (rms) on %d of %d scenes, and at most it is %.3g mm off.",
-            kind, pushes, harmless, told, millimetres(worst));
+            kind, pushes, harmless, told, 1e3 * worst);
 }
 
 /* Where nothing collides friction alone is all of the contact, whose rows speak for both. */

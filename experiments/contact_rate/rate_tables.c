@@ -1,5 +1,4 @@
 /* The tables of contact-rate. */
-#include "base/files.h"
 #include "contact_rate.h"
 
 #include <math.h>
@@ -89,13 +88,12 @@ static const struct table_form tables[TABLES] = {
      "distance from that at 9000 Hz up to the horizon (series.tsv), rms over free nodes and "
      "frames, m; largest: of a node there, m; whole: rms over all frames, m, after the horizon a "
      "draw from a distribution; history_diverged: when its wisps are no longer the same "
-     "(subdivision), s; "
-     "contacts: points found in other wisps (wisps), or in bodies; sections: in which points were "
-     "looked for; stops: of the smooth advance, at ticks and frames; evaluations: of forces; cpu: "
-     "time, s, which depends on the machine and is no part of any statement; pairs, after_*: "
-     "quartiles of the distance, after the horizon, of runs from starts displaced by 1e-6 m (rms; "
-     "draws 2 to 9, --quick 2 to 5) from as many at 9000 Hz, there from each other, m; nan: it "
-     "failed, or there is no such thing or run",
+     "(subdivision), s; contacts: points found in other wisps (wisps), or in bodies; sections: in "
+     "which points were looked for; stops: of the smooth advance, at ticks and frames; "
+     "evaluations: of forces; cpu: time, s, which depends on the machine and is no part of any "
+     "statement; pairs, after_*: quartiles of the distance, after the horizon, of runs from starts "
+     "displaced by 1e-6 m (rms; draws 2 to 9, --quick 2 to 5) from as many at 9000 Hz, there from "
+     "each other, m; nan: it failed, or there is no such thing or run",
      COLUMNS(POINT_COLUMNS)},
     {"series",
      "runs that differ in one rate alone; own: whether it is the scene's own contact; horizon: to "
@@ -116,61 +114,36 @@ static const struct table_form tables[TABLES] = {
      COLUMNS(SOURCE_COLUMNS)},
 };
 
-static void write_point(FILE *stream, const struct study *study, const struct series *series,
-                        const struct rate_point *p) {
-    WRITE_ROW(stream, POINT_COLUMNS);
-}
-
-static void write_series(FILE *stream, const struct study *study, const struct series *series) {
-    WRITE_ROW(stream, SERIES_COLUMNS);
-}
-
-static void write_sources(FILE *stream, const struct study *study) {
-    for (int i = 0; i < SOURCES && study->has_sources; i++) {
-        const struct source_error *e = &study->error[i];
-        WRITE_ROW(stream, SOURCE_COLUMNS);
-    }
-}
-
-static void write_study(const struct atomic_file *files, const struct study *study) {
+static void write_study(FILE *const *streams, const struct study *study) {
     for (int k = 0; k < study->series_count; k++) {
         const struct series *series = &study->series[k];
-        write_series(files[SERIES].stream, study, series);
-        for (int i = 0; i < series->rate_count; i++)
-            write_point(files[RATES].stream, study, series, &series->point[i]);
+        WRITE_ROW(streams[SERIES], SERIES_COLUMNS);
+        for (int i = 0; i < series->rate_count; i++) {
+            const struct rate_point *p = &series->point[i];
+            WRITE_ROW(streams[RATES], POINT_COLUMNS);
+        }
     }
-    write_sources(files[SOURCES_TABLE].stream, study);
+    for (int i = 0; i < SOURCES && study->has_sources; i++) {
+        const struct source_error *e = &study->error[i];
+        WRITE_ROW(streams[SOURCES_TABLE], SOURCE_COLUMNS);
+    }
 }
 
-/* Opens all tables and writes them. Returns 0, or -1 with plan->reason. */
-static int write_tables(struct plan *plan, const char *folder) {
-    const struct contact_rate *all = plan->memo;
-    struct atomic_file files[TABLES];
-    int code = 0;
-    if (tables_open(files, tables, TABLES, folder, "", NULL, plan->reason))
-        return -1;
-    for (int i = 0; i < all->count && !code; i++)
-        write_study(files, &all->study[i]);
-    return tables_close(files, TABLES, code, plan->reason);
-}
-
-int contact_rate_tabulate(struct plan *plan, const char *folder) {
+int contact_rate_tabulate(struct plan *plan) {
     struct contact_rate *all = plan->memo;
-    struct statements statements;
+    FILE *streams[TABLES];
     for (int i = 0; i < all->count; i++)
         if (read_study(plan, &all->study[i]))
             return -1;
-    if (pushing_read(plan, &all->pushing))
+    if (pushing_read(plan, &all->pushing) ||
+        plan_open_statements(plan, NULL,
+                             plan->quick ? "--quick: two scenes, fewer rates and starts" : NULL) ||
+        output_tables(&plan->output, streams, tables, TABLES, "", NULL) ||
+        pushing_tabulate(plan, &all->pushing))
         return -1;
-    if (plan_open_statements(plan, &statements, folder, NULL,
-                             plan->quick ? "--quick: two scenes, fewer rates and starts" : NULL,
-                             plan->reason))
-        return -1;
-    const int code =
-        write_tables(plan, folder) || pushing_tabulate(plan, &all->pushing, folder) ? -1 : 0;
-    if (!code) {
-        state_all(&statements, all);
-        pushing_state(&statements, &all->pushing);
-    }
-    return statements_close(&statements, code, plan->reason);
+    for (int i = 0; i < all->count; i++)
+        write_study(streams, &all->study[i]);
+    state_all(&plan->output.statements, all);
+    pushing_state(&plan->output.statements, &all->pushing);
+    return 0;
 }

@@ -42,9 +42,8 @@ const struct era eras[ERAS] = {
      .own = -1},
 };
 
-int read_reference(struct plan *plan, const char *group, const char *label, struct run_files *run) {
-    const struct labelled_case *one = find_case(plan, group, label);
-    if (run_read_states(run, one->run.folder, plan->trajectories, plan->reason))
+int read_reference(struct plan *plan, const struct labelled_case *one, struct run_files *run) {
+    if (plan_read(plan, one, run))
         return -1;
     if (run->outcome == FINISHED)
         return 0;
@@ -59,7 +58,7 @@ int read_compared(struct plan *plan, const struct labelled_case *one,
                   const struct run_files *reference, struct run_files *run, double *error) {
     struct deviation deviation;
     *error = NAN;
-    if (run_read_states(run, one->run.folder, plan->trajectories, plan->reason))
+    if (plan_read(plan, one, run))
         return -1;
     if (run->outcome != FINISHED)
         return 0;

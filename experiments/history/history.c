@@ -3,27 +3,21 @@
 #include "history.h"
 
 static int history_plan(struct plan *plan) {
-    return plan_has_no_scenes(plan) || plan_has_no_steppers(plan, "the recipes of their times") ||
-                   recipes_plan(plan) || stiffness_map_plan(plan)
-               ? -1
-               : 0;
-}
-
-static int write_tables(struct plan *plan, const char *folder, struct statements *statements) {
-    int code = recipes_tabulate(plan, folder, statements);
-    code = code ? code : stiffness_map_tabulate(plan, folder, statements);
-    return code ? code : news_tabulate(plan, folder, statements);
-}
-
-static int history_tabulate(struct plan *plan, const char *folder) {
-    struct statements statements;
-    if (statements_open(&statements, folder, NULL,
-                        plan->quick ? "--quick: every other rate, and none above 1 MHz; the map "
-                                      "every other stiffness"
-                                    : NULL,
-                        plan->reason))
+    if (plan_has_no_scenes(plan) || plan_has_no_steppers(plan, "the recipes of their times") ||
+        recipes_plan(plan))
         return -1;
-    return statements_close(&statements, write_tables(plan, folder, &statements), plan->reason);
+    return stiffness_map_plan(plan);
+}
+
+static int history_tabulate(struct plan *plan) {
+    int code = plan_open_statements(
+        plan, NULL,
+        plan->quick
+            ? "--quick: every other rate, and none above 1 MHz; the map every other stiffness"
+            : NULL);
+    code = code ? code : recipes_tabulate(plan);
+    code = code ? code : stiffness_map_tabulate(plan);
+    return code ? code : news_tabulate(plan);
 }
 
 const struct experiment history_experiment = {

@@ -29,22 +29,21 @@ extern const char yardstick_scene[];
 int read_compared(struct plan *plan, const struct labelled_case *one,
                   const struct run_files *reference, struct run_files *run, double *error);
 
-/* The reference run of a scene, which must have finished. Returns 0, or -1 or 1 with plan->reason.
- */
-int read_reference(struct plan *plan, const char *group, const char *label, struct run_files *run);
+/* Reads a reference run, which must have finished. Returns 0, or -1 or 1 with plan->reason. */
+int read_reference(struct plan *plan, const struct labelled_case *one, struct run_files *run);
 
 /* --- recipes.c: error against cost, and the films --- */
 
 int recipes_plan(struct plan *plan);
-int recipes_tabulate(struct plan *plan, const char *folder, struct statements *statements);
+int recipes_tabulate(struct plan *plan);
 
 /* --- stiffness_map.c: Rosenblum's hair by stiffness and rate --- */
 
 int stiffness_map_plan(struct plan *plan);
-int stiffness_map_tabulate(struct plan *plan, const char *folder, struct statements *statements);
+int stiffness_map_tabulate(struct plan *plan);
 
 /* --- news.c: how fast a step carries news --- */
 
-int news_tabulate(struct plan *plan, const char *folder, struct statements *statements);
+int news_tabulate(struct plan *plan);
 
 #endif

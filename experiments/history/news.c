@@ -4,7 +4,7 @@
  * as far as it evaluates forces one on the other, and a step that solves a linear system, to the
  * end. An explicit step must carry news at least as fast as a wave runs along the hair: that is why
  * its rate grows with the number of nodes (Courant, Friedrichs & Lewy 1928). */
-#include "base/files.h"
+#include "experiments/common/sets.h"
 #include "graph.h"
 #include "history.h"
 #include "model/model.h"
@@ -242,11 +242,11 @@ struct nearest {
 
 /* swing with springs alone and so many nodes. */
 static const struct scene *spring_hair(struct plan *plan, int nodes) {
-    char wisps[128];
-    const char *const sets[] = {"material={bending=\"none\";}", wisps};
-    snprintf(wisps, sizeof wisps,
-             "wisps=({root=[0.0,0.0,0.0];direction=[1.0,0.0,0.0];length=0.3;nodes=%d;})", nodes);
-    return plan_scene(plan, yardstick_scene, sets, 2);
+    struct sets sets = {0};
+    set_add(&sets, "material={bending=\"none\";}");
+    set_add(&sets, "wisps=({root=[0.0,0.0,0.0];direction=[1.0,0.0,0.0];length=0.3;nodes=%d;})",
+            nodes);
+    return plan_scene(plan, yardstick_scene, sets.list, sets.count);
 }
 
 #define RATE_COLUMNS(X)                                                                            \
@@ -322,82 +322,52 @@ static int up(int x, int by) {
  * evaluations are a frame. */
 static void state_claim(struct statements *statements, const struct summary *sum) {
     const int with = sum->euler[ROSENBLUM].evaluations, without = sum->euler[NO_HINGES].evaluations;
-    statements_add(statements,
-                   (struct statement){.key = "fifteen evaluations",
-                                      .figure = "news",
-                                      .tables = "news arrivals",
-                                      .by = THESIS,
-                                      .verdict = holds_if(with == 15),
-                                      .value = with,
-                                      .unit = "1"},
-                   "A change at the tip of Rosenblum's hair makes the root react “only fifteen "
-                   "evaluations later, that is eight frames” (section 3.1): it is %d evaluations "
-                   "and %d frames later, for hinges reach two particles, and explicit Euler moves "
-                   "one only an evaluation after it is pushed; without hinges it is %d and %d.",
-                   with, up(with, 2), without, up(without, 2));
+    statements_add(
+        statements,
+        thesis_row("news", "news arrivals", holds_if(with == 15), with, "1", "fifteen evaluations"),
+        "A change at the tip of Rosenblum's hair makes the root react “only fifteen evaluations "
+        "later, that is eight frames” (section 3.1): it is %d evaluations and %d frames later, for "
+        "hinges reach two particles, and explicit Euler moves one only an evaluation after it is "
+        "pushed; without hinges it is %d and %d.",
+        with, up(with, 2), without, up(without, 2));
 }
 
 static void state_news(struct statements *statements, const struct summary *sum,
                        const struct nearest *nearest) {
-    struct statement row = {.key = "explicit",
-                            .figure = "news",
-                            .tables = "news arrivals",
-                            .value = sum->euler[SPRINGS].step,
-                            .unit = "1"};
     statements_add(
-        statements, row,
+        statements,
+        our_row("news", "news arrivals", HOLDS, sum->euler[SPRINGS].step, "1", "explicit"),
         "News from the tip reaches the first of %d free nodes after %d steps of explicit Euler "
         "with springs alone, a node an evaluation, and after %d with skip springs, two nodes an "
         "evaluation; Runge-Kutta 4, with four evaluations a step, takes %d and %d steps.",
         FREE, sum->euler[SPRINGS].step, sum->euler[SKIP].step, sum->rk4[SPRINGS].step,
         sum->rk4[SKIP].step);
-    row = (struct statement){.key = "implicit",
-                             .figure = "news",
-                             .tables = "news",
-                             .verdict = holds_if(sum->at_once == sum->solving),
-                             .value = sum->at_once,
-                             .unit = "1"};
-    statements_add(statements, row,
+    statements_add(statements,
+                   our_row("news", "news", holds_if(sum->at_once == sum->solving), sum->at_once,
+                           "1", "implicit"),
                    "A step that solves a linear system for the whole hair carries news to its end, "
                    "in %d of %d pairs of such a method and a law.",
                    sum->at_once, sum->solving);
-    row = (struct statement){.key = "bits",
-                             .figure = "news",
-                             .tables = "news",
-                             .verdict = holds_if(sum->same > sum->hidden + sum->told),
-                             .value = sum->same,
-                             .unit = "1"};
     statements_add(
-        statements, row,
-        "Two hairs whose tips are 1 mm apart first differ at the root in the step that "
-        "the graph says, to the bit, in %d of %d pairs of a law and a fixed-step method; "
-        "in %d rounding hides it for longer, and in %d, of methods with a norm over all nodes, "
-        "they "
-        "do earlier.",
+        statements,
+        our_row("news", "news", holds_if(sum->same > sum->hidden + sum->told), sum->same, "1",
+                "bits"),
+        "Two hairs whose tips are 1 mm apart first differ at the root in the step that the graph "
+        "says, to the bit, in %d of %d pairs of a law and a fixed-step method; in %d rounding "
+        "hides it for longer, and in %d, of methods with a norm over all nodes, they do earlier.",
         sum->same, sum->same + sum->hidden + sum->told, sum->hidden, sum->told);
-    row = (struct statement){.key = "no way back",
-                             .figure = "news",
-                             .tables = "news",
-                             .by = THESIS,
-                             .verdict = holds_if(sum->never == sum->of_anjyo),
-                             .value = sum->never,
-                             .unit = "1"};
+    statements_add(statements,
+                   thesis_row("news", "news", holds_if(sum->never == sum->of_anjyo), sum->never,
+                              "1", "no way back"),
+                   "In Anjyo's hair no force goes from the tip to the root (section 3.3): on its "
+                   "graph no news ever does, with %d of %d methods.",
+                   sum->never, sum->of_anjyo);
     statements_add(
-        statements, row,
-        "In Anjyo's hair no force goes from the tip to the root (section 3.3): on its graph "
-        "no news ever does, with %d of %d methods.",
-        sum->never, sum->of_anjyo);
-    row = (struct statement){.key = "waves",
-                             .figure = "news",
-                             .tables = "rates",
-                             .verdict = holds_if(nearest->ratio >= 0.99),
-                             .value = nearest->ratio,
-                             .unit = "1"};
-    statements_add(
-        statements, row,
-        "No explicit method is stable at a rate at which its steps carry news more slowly "
-        "than the stretch wave runs, which grows with the number of segments; the "
-        "nearest, %s, needs %.3g times that rate.",
+        statements,
+        our_row("news", "rates", holds_if(nearest->ratio >= 0.99), nearest->ratio, "1", "waves"),
+        "No explicit method is stable at a rate at which its steps carry news more slowly than the "
+        "stretch wave runs, which grows with the number of segments; the nearest, %s, needs %.3g "
+        "times that rate.",
         nearest->method, nearest->ratio);
 }
 
@@ -409,9 +379,8 @@ static const struct table_form tables[TABLES] = {
      "steps until a change at the tip of a hair of fifteen particles (16 nodes, of which 0 and 1 "
      "rest) is at node 2. reach: how many nodes away a force feels a position, and a velocity "
      "(nan: not at all; 0: its own only); steps, evaluations: on the graph of these couplings "
-     "(nan: "
-     "never); nodes a step: 13 over steps; bits: steps until two real hairs whose tips are 1 mm "
-     "apart differ there (nan: not in 64, or not asked, of a method that chooses its steps)",
+     "(nan: never); nodes a step: 13 over steps; bits: steps until two real hairs whose tips are 1 "
+     "mm apart differ there (nan: not in 64, or not asked, of a method that chooses its steps)",
      COLUMNS(NEWS_COLUMNS)},
     {"arrivals",
      "after how many steps and evaluations each node has heard of a change at the tip, node 15, on "
@@ -424,7 +393,7 @@ static const struct table_form tables[TABLES] = {
      COLUMNS(RATE_COLUMNS)},
 };
 
-static int count_law(struct plan *plan, const struct law *law, const struct atomic_file *files,
+static int count_law(struct plan *plan, const struct law *law, FILE *const *streams,
                      struct summary *sum) {
     const char *const sets[] = {HAIR, law->set};
     const struct scene *scene = plan_scene(plan, law->scene, sets, law->set ? 2 : 1);
@@ -437,7 +406,7 @@ static int count_law(struct plan *plan, const struct law *law, const struct atom
         code = take_count(&count, law, stepper_methods[m], scene, reach);
         if (code)
             continue;
-        write_count(files[NEWS].stream, files[ARRIVALS].stream, &count);
+        write_count(streams[NEWS], streams[ARRIVALS], &count);
         add_count(sum, &count);
     }
     if (code < 0)
@@ -445,20 +414,18 @@ static int count_law(struct plan *plan, const struct law *law, const struct atom
     return code < 0 ? -1 : 0;
 }
 
-int news_tabulate(struct plan *plan, const char *folder, struct statements *statements) {
-    struct atomic_file files[TABLES];
+int news_tabulate(struct plan *plan) {
+    FILE *streams[TABLES];
     struct summary sum = {.at_once = 0};
     struct nearest nearest = {"none", INFINITY};
-    int code = 0;
-    if (tables_open(files, tables, TABLES, folder, "", NULL, plan->reason))
+    if (output_tables(&plan->output, streams, tables, TABLES, "", NULL))
         return -1;
-    for (int i = 0; i < LAWS && !code; i++)
-        code = count_law(plan, &laws[i], files, &sum);
-    code = code ? code : write_rates(plan, files[RATES].stream, &nearest);
-    code = tables_close(files, TABLES, code, plan->reason);
-    if (code)
-        return code;
-    state_claim(statements, &sum);
-    state_news(statements, &sum, &nearest);
+    for (int i = 0; i < LAWS; i++)
+        if (count_law(plan, &laws[i], streams, &sum))
+            return -1;
+    if (write_rates(plan, streams[RATES], &nearest))
+        return -1;
+    state_claim(&plan->output.statements, &sum);
+    state_news(&plan->output.statements, &sum, &nearest);
     return 0;
 }

@@ -1,6 +1,5 @@
 /* The recipes of their times on the hair of `swing`: how far each is from its motion, for what
  * cost, and how that looks. */
-#include "base/files.h"
 #include "history.h"
 
 #include <math.h>
@@ -11,9 +10,8 @@ static const double millimetre = 1e-3;
 static const char what[] =
     "recipes of their times on the hair of swing. error: rms over free nodes and frames from the "
     "reference solution of swing, m; own: 1 at the rate that its authors chose, of today's the "
-    "cheapest "
-    "within 1 mm; cost: of the simulated second, CPU s; nan: of a run that failed there is no "
-    "error, of another no time at which it did";
+    "cheapest within 1 mm; cost: of the simulated second, CPU s; nan: of a run that failed there "
+    "is no error, of another no time at which it did";
 
 /* --- the runs --- */
 
@@ -78,10 +76,8 @@ struct result {
 
 static int read_point(struct plan *plan, const struct era *era, int level,
                       const struct run_files *truth, struct point *point) {
-    char label[16];
     struct run_files run;
-    snprintf(label, sizeof label, "%d", level);
-    *point = (struct point){find_case(plan, era->name, label), NAN, no_cost};
+    *point = (struct point){find_case(plan, era->name, "%d", level), NAN, no_cost};
     if (!point->one)
         return 0;
     if (read_compared(plan, point->one, truth, &run, &point->error))
@@ -140,9 +136,8 @@ static int read_result(struct plan *plan, const struct era *era, const struct ru
 static void write_points(FILE *stream, const struct result *result) {
     for (int level = 0; level < result->era->levels; level++) {
         const struct point *p = &result->points[level];
-        if (!p->one)
-            continue;
-        WRITE_ROW(stream, POINT_COLUMNS);
+        if (p->one)
+            WRITE_ROW(stream, POINT_COLUMNS);
     }
 }
 
@@ -166,28 +161,26 @@ static void write_film(FILE *stream, const char *name, const struct trajectory *
         }
 }
 
-static int write_films(struct plan *plan, const char *folder, const struct result *results,
+static int write_films(struct plan *plan, const struct result *results,
                        const struct run_files *truth) {
-    struct atomic_file file;
-    if (open_table(&file, folder, "film",
-                   "frames of the hair of swing by each recipe as its authors ran it, and by the "
-                   "reference solution (exact); a run that failed has frames up to then; m",
-                   NULL, COLUMNS(FILM_COLUMNS), plan->reason))
+    FILE *stream =
+        output_table(&plan->output, "film",
+                     "frames of the hair of swing by each recipe as its authors ran it, and by the "
+                     "reference solution (exact); a run that failed has frames up to then; m",
+                     NULL, COLUMNS(FILM_COLUMNS));
+    if (!stream)
         return -1;
-    write_film(file.stream, "exact", truth->states);
+    write_film(stream, "exact", truth->states);
     for (int e = 0; e < ERAS; e++) {
         struct run_files run;
         if (results[e].own < 0)
             continue;
-        const struct labelled_case *one = results[e].points[results[e].own].one;
-        if (run_read_states(&run, one->run.folder, plan->trajectories, plan->reason)) {
-            atomic_discard(&file);
+        if (plan_read(plan, results[e].points[results[e].own].one, &run))
             return -1;
-        }
-        write_film(file.stream, eras[e].name, run.states);
+        write_film(stream, eras[e].name, run.states);
         run_free(&run);
     }
-    return atomic_commit(&file, plan->reason);
+    return 0;
 }
 
 /* A rate of the recipe's, Hz; NaN: there is none. */
@@ -215,22 +208,21 @@ static double rate_or_none(const struct result *r, int level) {
       : r->first_near < 0 ? "no rate that was tried is within 1 mm"                                \
                           : "")
 
-static int write_eras(struct plan *plan, const char *folder, const struct result *results) {
-    struct atomic_file file;
-    if (open_table(&file, folder, "eras",
-                   "each recipe as its authors ran it. apart: rms distance of its problem's own "
-                   "exact motion from that of swing, m (0: it is that problem); rates: the least "
-                   "stable one and the least within 1 mm, Hz; nan: of rates none reached that, of "
-                   "times it did not fail, of errors it did",
-                   NULL, COLUMNS(OWN_COLUMNS), plan->reason))
-        return -1;
-    for (int e = 0; e < ERAS; e++) {
+static int write_eras(struct plan *plan, const struct result *results) {
+    FILE *stream =
+        output_table(&plan->output, "eras",
+                     "each recipe as its authors ran it. apart: rms distance of its problem's own "
+                     "exact motion from that of swing, m (0: it is that problem); rates: the least "
+                     "stable one and the least within 1 mm, Hz; nan: of rates none reached that, "
+                     "of times it did not fail, of errors it did",
+                     NULL, COLUMNS(OWN_COLUMNS));
+    for (int e = 0; e < ERAS && stream; e++) {
         const struct result *r = &results[e];
         const struct point none = {NULL, NAN, no_cost};
         const struct point *own = r->own < 0 ? &none : &r->points[r->own];
-        WRITE_ROW(file.stream, OWN_COLUMNS);
+        WRITE_ROW(stream, OWN_COLUMNS);
     }
-    return atomic_commit(&file, plan->reason);
+    return stream ? 0 : -1;
 }
 
 /* --- sentences --- */
@@ -274,12 +266,8 @@ static void say_near(const struct result *r, const struct plan *plan, char text[
 
 static void state_era(struct statements *statements, const struct plan *plan,
                       const struct result *r) {
-    struct statement row = {.key = r->era->name,
-                            .figure = "recipes",
-                            .tables = "recipes eras",
-                            .value = NAN,
-                            .unit = "mm",
-                            .verdict = NOT_REACHED};
+    struct statement row =
+        our_row("recipes", "recipes eras", NOT_REACHED, NAN, "mm", "%s", r->era->name);
     char own[160], near[200];
     if (r->own < 0) {
         statements_add(statements, row, "No rate of %s comes within 1 mm of the motion of swing.",
@@ -300,12 +288,8 @@ static void state_era(struct statements *statements, const struct plan *plan,
 /* Today's against the thesis's at a millimetre, by what is counted. */
 static void state_gain(struct statements *statements, const struct result *then,
                        const struct result *now) {
-    struct statement row = {.key = "today against 1999",
-                            .figure = "recipes",
-                            .tables = "recipes",
-                            .unit = "1",
-                            .value = NAN,
-                            .verdict = NOT_REACHED};
+    struct statement row =
+        our_row("recipes", "recipes", NOT_REACHED, NAN, "1", "today against 1999");
     if (then->first_near < 0 || now->first_near < 0) {
         statements_add(statements, row,
                        "Not both recipes come within 1 mm of the motion of swing.");
@@ -324,7 +308,7 @@ static void state_gain(struct statements *statements, const struct result *then,
 static int state_bending(struct plan *plan, struct statements *statements, double apart) {
     struct run_files hinges, theirs;
     double with_hinges;
-    int code = read_reference(plan, "hinges", "reference", &hinges);
+    int code = read_reference(plan, find_case(plan, "hinges", "reference"), &hinges);
     if (code)
         return code;
     code = read_compared(plan, find_case(plan, eras[0].name, "reference"), &hinges, &theirs,
@@ -334,12 +318,8 @@ static int state_bending(struct plan *plan, struct statements *statements, doubl
         return code;
     run_free(&theirs);
     statements_add(statements,
-                   (struct statement){.key = "law of bending",
-                                      .figure = "recipes",
-                                      .tables = "eras",
-                                      .verdict = holds_if(with_hinges < 0.2 * apart),
-                                      .value = 1e3 * with_hinges,
-                                      .unit = "mm"},
+                   our_row("recipes", "eras", holds_if(with_hinges < 0.2 * apart),
+                           1e3 * with_hinges, "mm", "law of bending"),
                    "Rosenblum's own motion is %.3g mm from that of swing, which has skip springs, "
                    "and %.2g mm from swing's with hinges, which are its own law of bending.",
                    1e3 * apart, 1e3 * with_hinges);
@@ -350,37 +330,30 @@ static void state_film(struct statements *statements, const struct result *resul
     int good = 0;
     char list[200] = "";
     for (int e = 0; e < ERAS; e++) {
-        const int is_good = results[e].own >= 0 && results[e].points[results[e].own].error <= 0.01;
-        if (is_good)
-            snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s", good ? ", " : "",
-                     eras[e].name);
-        good += is_good;
+        if (results[e].own < 0 || !(results[e].points[results[e].own].error <= 0.01))
+            continue;
+        list_add(list, sizeof list, "%s", eras[e].name);
+        good++;
     }
     statements_add(
-        statements,
-        (struct statement){
-            .key = "film", .figure = "film", .tables = "film eras", .value = good, .unit = "1"},
+        statements, our_row("film", "film eras", HOLDS, good, "1", "film"),
         "Of %d recipes as their authors ran them %d stay within 1 cm of the motion of swing (%s).",
         ERAS, good, good ? list : "none");
 }
 
 /* --- all --- */
 
-static int tabulate(struct plan *plan, const char *folder, struct statements *statements,
-                    struct result *results, const struct run_files *truth) {
-    struct atomic_file file;
+static int tabulate(struct plan *plan, struct result *results, const struct run_files *truth) {
+    struct statements *statements = &plan->output.statements;
     int code = 0;
     for (int e = 0; e < ERAS && !code; e++)
         code = read_result(plan, &eras[e], truth, &results[e]);
-    code = code ? code
-                : open_table(&file, folder, "recipes", what, NULL, COLUMNS(POINT_COLUMNS),
-                             plan->reason);
     if (code)
         return code;
-    for (int e = 0; e < ERAS; e++)
-        write_points(file.stream, &results[e]);
-    if (atomic_commit(&file, plan->reason) || write_eras(plan, folder, results) ||
-        write_films(plan, folder, results, truth))
+    FILE *stream = output_table(&plan->output, "recipes", what, NULL, COLUMNS(POINT_COLUMNS));
+    for (int e = 0; e < ERAS && stream; e++)
+        write_points(stream, &results[e]);
+    if (!stream || write_eras(plan, results) || write_films(plan, results, truth))
         return -1;
     for (int e = 0; e < ERAS; e++)
         state_era(statements, plan, &results[e]);
@@ -389,14 +362,14 @@ static int tabulate(struct plan *plan, const char *folder, struct statements *st
     return state_bending(plan, statements, results[0].apart);
 }
 
-int recipes_tabulate(struct plan *plan, const char *folder, struct statements *statements) {
+int recipes_tabulate(struct plan *plan) {
     struct run_files truth;
     struct result *results = calloc(ERAS, sizeof *results);
     if (!results)
         return fail_with(plan->reason, "out of memory");
-    int code = read_reference(plan, eras[ERAS - 1].name, "reference", &truth);
+    int code = read_reference(plan, find_case(plan, eras[ERAS - 1].name, "reference"), &truth);
     if (!code) {
-        code = tabulate(plan, folder, statements, results, &truth);
+        code = tabulate(plan, results, &truth);
         run_free(&truth);
     }
     free(results);

@@ -1,7 +1,7 @@
 /* Rosenblum's hair by stiffness and rate. Springs that nothing damps but the air are stable under
  * explicit Euler at a rate of omega^2 / gamma and more, which grows with the stiffness; and what is
  * soft enough for a rate is no hair. */
-#include "base/files.h"
+#include "experiments/common/sets.h"
 #include "history.h"
 
 #include <math.h>
@@ -30,13 +30,12 @@ static int is_run(const struct plan *plan, int s, int r) {
 
 int stiffness_map_plan(struct plan *plan) {
     for (int s = 0; s < STIFFNESSES; s++) {
-        char set[64];
-        const char *const sets[] = {set};
+        struct sets sets = {0};
         const struct run_request reference = {.stepper = "reference"};
         if (!is_run(plan, s, 0))
             continue;
-        snprintf(set, sizeof set, "material.stretch_stiffness=%.17e", stiffness(s));
-        const struct scene *scene = plan_scene(plan, "rosenblum", sets, 1);
+        set_add(&sets, "material.stretch_stiffness=%.17e", stiffness(s));
+        const struct scene *scene = plan_scene(plan, "rosenblum", sets.list, sets.count);
         if (!scene || plan_add(plan, scene, &reference, group, "reference %d", s))
             return -1;
         for (int r = 0; r < RATES; r++) {
@@ -109,13 +108,12 @@ static int tabulate_cell(struct plan *plan, const struct labelled_case *one, con
 }
 
 static int tabulate_row(struct plan *plan, int s, FILE *cells, FILE *stiffnesses, struct row *row) {
-    char label[32];
     struct run_files reference;
-    snprintf(label, sizeof label, "reference %d", s);
-    int code = read_reference(plan, group, label, &reference);
+    const struct labelled_case *truth = find_case(plan, group, "reference %d", s);
+    const struct scene *scene = truth->run.scene;
+    int code = read_reference(plan, truth, &reference);
     if (code)
         return code;
-    const struct scene *scene = find_case(plan, group, label)->run.scene;
     *row = (struct row){.stiffness = stiffness(s),
                         .strain = run_number(&reference, "largest_strain"),
                         .limit = fmax(stable_rate(scene), hinge_rate(scene)),
@@ -124,8 +122,7 @@ static int tabulate_row(struct plan *plan, int s, FILE *cells, FILE *stiffnesses
     int all_near = 1;
     for (int r = RATES - 1; r >= 0 && !code; r--) {
         int near = 0;
-        snprintf(label, sizeof label, "%d %d", s, r);
-        const struct labelled_case *one = find_case(plan, group, label);
+        const struct labelled_case *one = find_case(plan, group, "%d %d", s, r);
         if (!one)
             continue;
         code = tabulate_cell(plan, one, row, &reference, rate_of(r), cells, &near);
@@ -157,46 +154,32 @@ static void state_map(struct statements *statements, const struct row *rows, int
     if (stable > 0)
         snprintf(soft, sizeof soft, "it is stable only up to %.2g N", stiffest_stable);
     else
-        snprintf(
-            soft, sizeof soft,
-            "none is stable there, since the hinges alone ask for %.2g kHz (without them theory "
-            "allows %.1g N)",
-            1e-3 * hinge_rate(scene),
-            scene->wisps[0].stretch_stiffness * own_rate / stable_rate(scene));
+        snprintf(soft, sizeof soft,
+                 "none is stable there, since the hinges alone ask for %.2g kHz (without them "
+                 "theory allows %.1g N)",
+                 1e-3 * hinge_rate(scene),
+                 scene->wisps[0].stretch_stiffness * own_rate / stable_rate(scene));
     statements_add(
-        statements,
-        (struct statement){.key = "60 Hz",
-                           .figure = "map",
-                           .tables = "map stiffnesses",
-                           .verdict = holds_if(fine == 0),
-                           .value = fine,
-                           .unit = "1"},
-        "At 60 Hz, the step of Rosenblum et al., explicit Euler moves their hair rightly "
-        "at %d of %d stiffnesses: %s, and up to %.2g N hair stretches by more than a "
-        "tenth.",
+        statements, our_row("map", "map stiffnesses", holds_if(fine == 0), fine, "1", "60 Hz"),
+        "At 60 Hz, the step of Rosenblum et al., explicit Euler moves their hair rightly at %d of "
+        "%d stiffnesses: %s, and up to %.2g N hair stretches by more than a tenth.",
         fine, count, soft, limpest);
-    statements_add(
-        statements,
-        (struct statement){.key = "rate of theory",
-                           .figure = "map",
-                           .tables = "stiffnesses",
-                           .value = stable_rate(scene),
-                           .unit = "Hz"},
-        "By linear theory the %g N of swing take %.2g MHz, for nothing but the air damps "
-        "the springs, and the 16 800 N of real hair %.2g GHz.",
-        scene->wisps[0].stretch_stiffness, 1e-6 * stable_rate(scene),
-        1e-9 * stable_rate(scene) * 16800 / scene->wisps[0].stretch_stiffness);
+    statements_add(statements,
+                   our_row("map", "stiffnesses", HOLDS, stable_rate(scene), "Hz", "rate of theory"),
+                   "By linear theory the %g N of swing take %.2g MHz, for nothing but the air "
+                   "damps the springs, and the 16 800 N of real hair %.2g GHz.",
+                   scene->wisps[0].stretch_stiffness, 1e-6 * stable_rate(scene),
+                   1e-9 * stable_rate(scene) * 16800 / scene->wisps[0].stretch_stiffness);
 }
 
 enum { MAP, STIFFNESS_ROWS, TABLES };
 static const struct table_form tables[TABLES] = {
     [MAP] =
         {"map",
-         "Rosenblum's hair under explicit Euler, by stiffness (N) and rate (Hz). state: "
-         "fine; unstable: not finite, or farther from its own exact motion (rms over free nodes "
-         "and frames) than a twentieth of the length to which that stretches; limp: it "
-         "stretches by more than a tenth; both; error in m, nan: the run failed; "
-         "failure_time: nan: it did not",
+         "Rosenblum's hair under explicit Euler, by stiffness (N) and rate (Hz). state: fine; "
+         "unstable: not finite, or farther from its own exact motion (rms over free nodes and "
+         "frames) than a twentieth of the length to which that stretches; limp: it stretches by "
+         "more than a tenth; both; error in m, nan: the run failed; failure_time: nan: it did not",
          COLUMNS(CELL_COLUMNS)},
     [STIFFNESS_ROWS] =
         {"stiffnesses",
@@ -206,17 +189,17 @@ static const struct table_form tables[TABLES] = {
          COLUMNS(STIFFNESS_COLUMNS)},
 };
 
-int stiffness_map_tabulate(struct plan *plan, const char *folder, struct statements *statements) {
-    struct atomic_file files[TABLES];
+int stiffness_map_tabulate(struct plan *plan) {
+    FILE *streams[TABLES];
     struct row rows[STIFFNESSES];
     int code = 0, count = 0;
-    if (tables_open(files, tables, TABLES, folder, "", NULL, plan->reason))
+    if (output_tables(&plan->output, streams, tables, TABLES, "", NULL))
         return -1;
     for (int s = 0; s < STIFFNESSES && !code; s++)
         if (is_run(plan, s, 0))
-            code = tabulate_row(plan, s, files[MAP].stream, files[STIFFNESS_ROWS].stream,
-                                &rows[count++]);
+            code = tabulate_row(plan, s, streams[MAP], streams[STIFFNESS_ROWS], &rows[count++]);
     if (!code)
-        state_map(statements, rows, count, find_case(plan, eras[0].name, "reference")->run.scene);
-    return tables_close(files, TABLES, code, plan->reason);
+        state_map(&plan->output.statements, rows, count,
+                  find_case(plan, eras[0].name, "reference")->run.scene);
+    return code;
 }

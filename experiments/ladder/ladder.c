@@ -20,16 +20,6 @@ enum { STEPS_STRIDE = 16, TOLERANCES_STRIDE = 8 };
 
 /* --- settings --- */
 
-static int stride_of(const struct configuration *configuration) {
-    return configuration_is_adaptive(configuration) ? TOLERANCES_STRIDE : STEPS_STRIDE;
-}
-
-/* How close the two sides of the bracket must come: 4 % of a step, a third of a tolerance; with
- * --quick a fifth and three quarters. */
-static int resolution(const struct plan *plan, const struct configuration *configuration) {
-    return !plan->quick ? 1 : configuration_is_adaptive(configuration) ? 2 : 4;
-}
-
 /* The step, s, which divides the time between frames, or the tolerance. */
 static double setting_at(const struct scene *scene, const struct configuration *configuration,
                          int place) {
@@ -170,10 +160,15 @@ static int ladder_plan(struct plan *plan) {
 
 /* --- from round to round --- */
 
-/* The next place after one has been judged, or the timing of the best. */
+/* The next place after one has been judged, or the timing of the best. The two sides of the bracket
+ * must come as close as 4 % of a step, a third of a tolerance; with --quick a fifth and three
+ * quarters. */
 static int go_on(struct plan *plan, struct search *s, int reached) {
-    const int more = bracket_take(&s->place, reached, stride_of(s->configuration),
-                                  resolution(plan, s->configuration));
+    const int adaptive = configuration_is_adaptive(s->configuration);
+    const int more = bracket_take(&s->place, reached, adaptive ? TOLERANCES_STRIDE : STEPS_STRIDE,
+                                  !plan->quick ? 1
+                                  : adaptive   ? 2
+                                               : 4);
     if (s->place.reached < 0 && is_beyond(s, plan->subjects[s->cell].scene)) {
         s->phase = DONE;
         return 0;
@@ -247,15 +242,12 @@ double ladder_setting(const struct plan *plan, const struct search *s, int place
     return place < 0 ? NAN : setting_at(plan->subjects[s->cell].scene, s->configuration, place);
 }
 
-static int ladder_tabulate(struct plan *plan, const char *folder) {
-    struct statements statements;
-    if (plan_open_statements(plan, &statements, folder, plan->subjects[0].scene,
-                             plan->quick ? "--quick: coarser brackets" : NULL, plan->reason))
+static int ladder_tabulate(struct plan *plan) {
+    if (plan_open_statements(plan, plan->subjects[0].scene,
+                             plan->quick ? "--quick: coarser brackets" : NULL) ||
+        ladder_write(plan))
         return -1;
-    int code = ladder_write(plan, folder, plan->reason);
-    if (!code)
-        code = ladder_state(&statements, plan);
-    return statements_close(&statements, code, plan->reason);
+    return ladder_state(&plan->output.statements, plan);
 }
 
 const struct experiment ladder_experiment = {

@@ -16,8 +16,8 @@ struct hair {
     double most;         /* EA, N, beyond which nobody waits for a reference solution; 0: none */
     double damping;      /* of the highest stretch mode; 0: the scene's stretch_time */
     int rigid;           /* of infinite stiffness: no other has a meaning */
-    int quick_from, quick_to; /* of the stiffnesses, those that --quick has */
-    const char *figure;       /* without .svg */
+    int quick_from, quick_end; /* of the stiffnesses, those that --quick has */
+    const char *figure;        /* without .svg */
 };
 
 /* One kind of hair at one stiffness. The cells of a kind follow each other from soft to stiff. */
@@ -63,11 +63,9 @@ enum { JITTERED = 9, JITTERED_QUICK = 3 };
 
 /* --- ladder_cells.c --- */
 
-/* Makes the cells, and their scenes the plan's subjects. Returns 0, or -1 with plan->reason. */
+/* Makes the cells, and their scenes the plan's subjects, called "default, EA 90 N", or of rigid
+ * segments by their hair's name. Returns 0, or -1 with plan->reason. */
 int ladder_cells(struct plan *plan, struct ladder *ladder);
-
-/* Writes "default, EA 90 N", or of rigid segments their name. */
-void ladder_name_cell(char *name, size_t size, const struct cell *cell);
 
 /* Whether a cell's kind is the one of the cell before it. */
 int ladder_goes_on(const struct ladder *ladder, int cell);
@@ -93,8 +91,8 @@ int ladder_is_apart(const struct search *a, const struct search *b);
  * where they keep their order. */
 double ladder_crossing(const double stiffness[2], const double a[2], const double b[2]);
 
-/* Writes the tables into `folder`. Returns 0, or -1 with a reason. */
-int ladder_write(const struct plan *plan, const char *folder, char *reason);
+/* Writes the tables. Returns 0, or -1 with plan->reason. */
+int ladder_write(struct plan *plan);
 
 /* --- ladder_statements.c --- */
 

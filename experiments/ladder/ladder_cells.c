@@ -1,4 +1,5 @@
 /* The hair on which a millimetre is asked for. */
+#include "experiments/common/sets.h"
 #include "ladder.h"
 
 #include <math.h>
@@ -16,49 +17,45 @@ enum { STIFFNESSES = sizeof stiffnesses / sizeof *stiffnesses };
 static const struct hair hairs[] = {
     {.name = "default",
      .phrase = "hair with the scene's bending and damping",
-     .quick_to = 2,
+     .quick_end = 3,
      .figure = "ladder"},
     {.name = "rigid segments",
      .phrase = "hair of rigid segments, the limit of stiff springs",
      .sets = {"material.stretch=rigid"},
      .rigid = 1,
-     .quick_to = 3,
+     .quick_end = 4,
      .figure = "ladder"},
     {.name = "skip springs, EI 1e-3",
      .phrase = "hair bent by skip springs of 1e-3 N m2",
      .scene = "swing",
      .sets = {"material.bending_stiffness=1e-3"},
      .quick_from = 1,
-     .quick_to = 2,
+     .quick_end = 3,
      .figure = "ladder"},
     {.name = "hinges, EI 1e-3",
      .phrase = "hair bent by hinges of 1e-3 N m2 and shaken",
      .scene = "swing-shaken",
      .sets = {"material.bending_stiffness=1e-3"},
      .quick_from = 1,
-     .quick_to = 2,
+     .quick_end = 3,
      .figure = "ladder"},
     {.name = "41 nodes",
      .phrase = "hair of 41 nodes",
      .scene = "swing",
      .detail = 4,
      .most = 1500,
-     .quick_to = -1,
      .figure = "ladder"},
     {.name = "damping 0.02",
      .phrase = "hair with damping 0.02",
      .damping = 0.02,
-     .quick_to = -1,
      .figure = "dampings"},
     {.name = "damping 0.1",
      .phrase = "hair with damping 0.1",
      .damping = 0.1,
-     .quick_to = -1,
      .figure = "dampings"},
     {.name = "damping 0.5",
      .phrase = "hair with damping 0.5",
      .damping = 0.5,
-     .quick_to = -1,
      .figure = "dampings"},
 };
 enum { HAIRS = sizeof hairs / sizeof *hairs };
@@ -71,14 +68,7 @@ static int is_in(const struct plan *plan, const struct scene *asked, const struc
     return (hair->rigid ? stiffness == STIFFNESSES - 1 : !rigid) &&
            (!hair->scene || plan_is_own(plan)) &&
            !(hair->most > 0 && stiffnesses[stiffness] > hair->most) &&
-           (!plan->quick || (hair->quick_from <= stiffness && stiffness <= hair->quick_to));
-}
-
-void ladder_name_cell(char *name, size_t size, const struct cell *cell) {
-    if (cell->hair->rigid)
-        snprintf(name, size, "%s", cell->hair->name);
-    else
-        snprintf(name, size, "%s, EA %g N", cell->hair->name, cell->stiffness);
+           (!plan->quick || (hair->quick_from <= stiffness && stiffness < hair->quick_end));
 }
 
 int ladder_goes_on(const struct ladder *ladder, int cell) {
@@ -86,37 +76,38 @@ int ladder_goes_on(const struct ladder *ladder, int cell) {
 }
 
 static const struct scene *scene_of(struct plan *plan, const char *source, const struct hair *hair,
-                                    const char *const *sets, int count) {
-    return hair->detail > 0 ? plan_scene_detail(plan, source, sets, count, hair->detail, 0)
-                            : plan_scene(plan, source, sets, count);
+                                    const struct sets *sets) {
+    return hair->detail > 0
+               ? plan_scene_detail(plan, source, sets->list, sets->count, hair->detail, 0)
+               : plan_scene(plan, source, sets->list, sets->count);
 }
 
 /* On a mode of frequency w a damper of tau times the spring is tau w / 2 of critical. */
 static int plan_cell(struct plan *plan, const struct subject *subject, struct cell *cell,
                      struct subject *to) {
-    char rate[64], stiffness[64], time[64];
+    struct sets sets = {0};
     const struct hair *hair = cell->hair;
-    const char *source = hair->scene ? hair->scene : subject->source, *sets[8] = {rate};
-    int count = 1;
-    snprintf(rate, sizeof rate, "frame_rate=%.17e", subject->scene->frame_rate);
-    snprintf(stiffness, sizeof stiffness, "material.stretch_stiffness=%.17e", cell->stiffness);
+    const char *source = hair->scene ? hair->scene : subject->source;
+    set_add(&sets, "frame_rate=%.17e", subject->scene->frame_rate);
     if (!hair->rigid)
-        sets[count++] = stiffness;
+        set_add(&sets, "material.stretch_stiffness=%.17e", cell->stiffness);
     for (int i = 0; hair->sets[i]; i++)
-        sets[count++] = hair->sets[i];
-    const struct scene *scene = scene_of(plan, source, hair, sets, count);
+        set_add(&sets, "%s", hair->sets[i]);
+    const struct scene *scene = scene_of(plan, source, hair, &sets);
     if (scene && hair->damping > 0) {
-        snprintf(time, sizeof time, "material.stretch_time=%.17e",
-                 2 * hair->damping / stiffest_mode(scene).frequency);
-        sets[count++] = time;
-        scene = scene_of(plan, source, hair, sets, count);
+        set_add(&sets, "material.stretch_time=%.17e",
+                2 * hair->damping / stiffest_mode(scene).frequency);
+        scene = scene_of(plan, source, hair, &sets);
     }
     if (!scene)
         return -1;
     const struct mode mode = stiffest_mode(scene);
     cell->damping = hair->rigid ? NAN : mode.damping_time * mode.frequency / 2;
     *to = (struct subject){.scene = scene, .source = source};
-    ladder_name_cell(to->name, sizeof to->name, cell);
+    if (hair->rigid)
+        snprintf(to->name, sizeof to->name, "%s", hair->name);
+    else
+        snprintf(to->name, sizeof to->name, "%s, EA %g N", hair->name, cell->stiffness);
     return 0;
 }
 

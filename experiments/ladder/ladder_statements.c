@@ -66,13 +66,11 @@ static void state_cell(struct statements *statements, const struct plan *plan, i
     const struct cell *cell = &ladder->cell[at];
     const struct search *best = cheapest(ladder, at, ALL, NULL);
     const struct search *next = best ? cheapest(ladder, at, ALL, best) : NULL;
-    char key[96], place[160], tied[512] = "", runner_up[128] = "";
-    ladder_name_cell(key, sizeof key, cell);
+    char place[160], tied[512] = "", runner_up[128] = "";
     name_place(place, cell);
-    struct statement row = {
-        .key = key, .figure = cell->hair->figure, .tables = "ladder", .unit = "ms"};
-    row.value = best ? 1e3 * best->cost.cpu.median : NAN;
-    row.verdict = best ? HOLDS : NOT_REACHED;
+    const struct statement row =
+        our_row(cell->hair->figure, "ladder", best ? HOLDS : NOT_REACHED,
+                best ? 1e3 * best->cost.cpu.median : NAN, "ms", "%s", plan->subjects[at].name);
     if (best)
         list_tied(ladder, best, tied);
     if (next)
@@ -119,19 +117,14 @@ static void state_crossings(struct statements *statements, const struct ladder *
     const struct hair *hair = ladder->cell[first].hair;
     for (int k = 0; k + 1 < count; k++) {
         const struct cell *cell = &ladder->cell[first + k];
-        char key[96];
         const double stiffness[2] = {cell->stiffness, cell[1].stiffness},
                      explicits[2] = {least_cost(ladder, first + k, EXPLICIT),
                                      least_cost(ladder, first + k + 1, EXPLICIT)},
                      implicits[2] = {least_cost(ladder, first + k, IMPLICIT),
                                      least_cost(ladder, first + k + 1, IMPLICIT)},
                      at = ladder_crossing(stiffness, explicits, implicits);
-        snprintf(key, sizeof key, "order, %s, %d", hair->name, k);
-        const struct statement row = {.key = key,
-                                      .figure = hair->figure,
-                                      .tables = "ladder crossings",
-                                      .unit = "N",
-                                      .value = at};
+        const struct statement row = our_row(hair->figure, "ladder crossings", HOLDS, at, "N",
+                                             "order, %s, %d", hair->name, k);
         if (!isnan(at))
             statements_add(statements, row,
                            "For %s the best explicit and the best implicit method cost the same at "
@@ -146,20 +139,16 @@ static void state_order(struct statements *statements, const struct ladder *ladd
                         int count) {
     const struct hair *hair = ladder->cell[first].hair;
     const struct order order = order_of(ladder, first, count);
-    char key[96];
     state_crossings(statements, ladder, first, count);
     if (order.explicit_first > 0 && order.implicit_first > 0)
         return;
-    snprintf(key, sizeof key, "order, %s", hair->name);
     const int one_kind = order.explicit_first + order.implicit_first;
-    const struct statement row = {
-        .key = key,
-        .figure = hair->figure,
-        .tables = "ladder crossings",
-        .value = NAN,
-        .verdict = one_kind + order.tied > 0                                    ? HOLDS
-                   : was_asked(ladder, EXPLICIT) && was_asked(ladder, IMPLICIT) ? NOT_REACHED
-                                                                                : NOT_ASKED};
+    const struct statement row =
+        our_row(hair->figure, "ladder crossings",
+                one_kind + order.tied > 0                                    ? HOLDS
+                : was_asked(ladder, EXPLICIT) && was_asked(ladder, IMPLICIT) ? NOT_REACHED
+                                                                             : NOT_ASKED,
+                NAN, NULL, "order, %s", hair->name);
     if (row.verdict == HOLDS && one_kind == 0)
         statements_add(statements, row,
                        "For %s explicit and implicit methods are tied at every stiffness tried.",
@@ -216,13 +205,7 @@ static void state_price(struct statements *statements, const struct plan *plan, 
     const struct ladder *ladder = plan->memo;
     const struct cell *soft = &ladder->cell[first], *stiff = &ladder->cell[first + count - 1];
     const struct range best = best_range(plan, first, count);
-    char key[96], euler[160] = "", place[160] = "F";
-    snprintf(key, sizeof key, "price, %s", soft->hair->name);
-    struct statement row = {.key = key,
-                            .figure = soft->hair->figure,
-                            .tables = "ladder",
-                            .unit = "1",
-                            .value = best.most / best.least};
+    char euler[160] = "", place[160] = "F";
     if (count < 2)
         return;
     if (first > 0) /* the first kind is hair as the scene has it */
@@ -238,10 +221,13 @@ static void state_price(struct statements *statements, const struct plan *plan, 
             else
                 snprintf(euler, sizeof euler, ", and explicit Euler does not always reach it");
         }
-    row.verdict = !best.configuration   ? NOT_REACHED
-                  : !(row.value < flat) ? HOLDS_NOT
-                  : grown < flat        ? TELLS_NOTHING
-                                        : HOLDS;
+    const double times = best.most / best.least;
+    const struct statement row = our_row(soft->hair->figure, "ladder",
+                                         !best.configuration ? NOT_REACHED
+                                         : !(times < flat)   ? HOLDS_NOT
+                                         : grown < flat      ? TELLS_NOTHING
+                                                             : HOLDS,
+                                         times, "1", "price, %s", soft->hair->name);
     if (!best.configuration)
         statements_add(statements, row,
                        "For %s no method reaches a millimetre at every stiffness from %g to %g N.",
@@ -250,7 +236,7 @@ static void state_price(struct statements *statements, const struct plan *plan, 
         statements_add(statements, row,
                        "%srom EA = %g to %g N a millimetre costs %s %s%.2g times its least%s.",
                        place, soft->stiffness, stiff->stiffness, best.configuration->name,
-                       row.value < flat ? "about the same, at most " : "up to ", row.value, euler);
+                       times < flat ? "about the same, at most " : "up to ", times, euler);
 }
 
 /* How far rigid segments are from the stiffest hair, of the cell before, by their reference
@@ -260,25 +246,20 @@ static int state_rigid(struct statements *statements, struct plan *plan, int at)
     const struct ladder *ladder = plan->memo;
     struct verdict verdict = {NAN, FINISHED, NAN};
     struct run_files stiffest;
-    if (run_read_states(&stiffest, plan->cases[at - 1].run.folder, plan->trajectories,
-                        plan->reason))
+    if (plan_read(plan, &plan->cases[at - 1], &stiffest))
         return -1;
     const int code = stiffest.outcome == FINISHED
                          ? judge_runs(plan, at, 1, plan->subjects[at].scene, &stiffest, &verdict)
                          : 0;
     run_free(&stiffest);
     const double apart = verdict.error;
-    const struct statement row = {.key = "rigid segments, as a model",
-                                  .figure = "ladder",
-                                  .tables = "ladder",
-                                  .unit = "mm",
-                                  .value = 1e3 * apart,
-                                  .verdict = isnan(apart) ? NOT_REACHED
-                                                          : holds_if(apart <= LADDER_TARGET)};
+    const struct statement row =
+        our_row("ladder", "ladder", isnan(apart) ? NOT_REACHED : holds_if(apart <= LADDER_TARGET),
+                1e3 * apart, "mm", "rigid segments, as a model");
     if (isnan(apart))
-        statements_add(statements, row,
-                       "What rigid segments make of hair is not known: a reference "
-                       "solution failed.");
+        statements_add(
+            statements, row,
+            "What rigid segments make of hair is not known: a reference solution failed.");
     else
         statements_add(statements, row,
                        "Hair of rigid segments stays within %.2g mm (rms) of hair of EA = %g N.",
@@ -303,10 +284,8 @@ int ladder_state(struct statements *statements, struct plan *plan) {
     }
     if (plan->quick)
         statements_add(
-            statements,
-            (struct statement){.key = "left out", .figure = "ladder", .verdict = NOT_REACHED},
+            statements, our_row("ladder", NULL, NOT_REACHED, NAN, NULL, "left out"),
             "Real hair (16800 N), hair of 41 nodes, the dampings 0.02, 0.1 and 0.5, converged "
-            "Newton "
-            "iterations and conjugate gradients are left out of --quick.");
+            "Newton iterations and conjugate gradients are left out of --quick.");
     return 0;
 }

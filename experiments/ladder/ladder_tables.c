@@ -1,5 +1,4 @@
 /* The tables of the ladder: what each method reached in each cell, and where two change places. */
-#include "base/files.h"
 #include "ladder.h"
 
 #include <math.h>
@@ -43,12 +42,6 @@ static const char *status_of(const struct search *s) {
     return s->refused ? outcome_name(REFUSED) : s->place.reached >= 0 ? "reached" : "never";
 }
 
-static void write_search(FILE *stream, const struct plan *plan, const struct search *s) {
-    const struct ladder *ladder = plan->memo;
-    const struct cell *cell = &ladder->cell[s->cell];
-    WRITE_ROW(stream, SEARCH_COLUMNS);
-}
-
 const struct search *ladder_search(const struct ladder *ladder, int cell,
                                    const struct configuration *configuration) {
     for (int i = 0; i < ladder->count; i++)
@@ -60,39 +53,39 @@ const struct search *ladder_search(const struct ladder *ladder, int cell,
 /* Rows of a method along the stiffness, of one kind of hair; blocks are separated by two blank
  * lines.
  */
-static int write_ladder(const struct plan *plan, const char *folder, char *reason) {
+static int write_ladder(struct plan *plan) {
     const struct ladder *ladder = plan->memo;
-    struct atomic_file file;
     char what[900];
     snprintf(
         what, sizeof what,
         "the largest step, s, or rtol that reaches %g m rms over free nodes and all frames "
         "(setting), the next one tried that does not (missed: its error, outcome and time of "
-        "failure), and what the first costs: CPU time, s, of repeated runs, force "
-        "evaluations, steps; errors of adaptive methods: the worst of %d tolerances "
-        "rtol(1 + j 1e-12), of which j = 0 is timed; counted: what the table of costs makes of "
-        "the steps, s, by which methods are put in order; limit: failure where the missed one "
-        "fails or is 100 times as wrong; zeta: damping of the highest stretch mode over critical; "
-        "figure: in which the kind of hair has a panel; nan: there is no number, see status and "
-        "note%s",
+        "failure), and what the first costs: CPU time, s, of repeated runs, force evaluations, "
+        "steps; errors of adaptive methods: the worst of %d tolerances rtol(1 + j 1e-12), of which "
+        "j = 0 is timed; counted: what the table of costs makes of the steps, s, by which methods "
+        "are put in order; limit: failure where the missed one fails or is 100 times as wrong; "
+        "zeta: damping of the highest stretch mode over critical; figure: in which the kind of "
+        "hair has a panel; nan: there is no number, see status and note%s",
         LADDER_TARGET, plan->quick ? JITTERED_QUICK : JITTERED,
         plan->quick ? "; --quick: no real hair, the scene's damping, coarser brackets" : "");
-    if (open_table(&file, folder, "ladder", what, plan->subjects[0].scene, COLUMNS(SEARCH_COLUMNS),
-                   reason))
+    FILE *stream = output_table(&plan->output, "ladder", what, plan->subjects[0].scene,
+                                COLUMNS(SEARCH_COLUMNS));
+    if (!stream)
         return -1;
     for (int first = 0, next; first < ladder->cell_count; first = next) {
         for (next = first + 1; next < ladder->cell_count && ladder_goes_on(ladder, next);)
             next++;
         for (int c = 0; c < plan->configuration_count; c++) {
-            for (int cell = first; cell < next; cell++) {
-                const struct search *s = ladder_search(ladder, cell, &plan->configurations[c]);
+            for (int k = first; k < next; k++) {
+                const struct cell *cell = &ladder->cell[k];
+                const struct search *s = ladder_search(ladder, k, &plan->configurations[c]);
                 if (s)
-                    write_search(file.stream, plan, s);
+                    WRITE_ROW(stream, SEARCH_COLUMNS);
             }
-            fprintf(file.stream, "\n\n");
+            fprintf(stream, "\n\n");
         }
     }
-    return atomic_commit(&file, reason);
+    return 0;
 }
 
 int ladder_has_cost(const struct search *s) {
@@ -143,25 +136,25 @@ static void write_crossing(FILE *stream, const struct ladder *ladder, int cell,
         WRITE_ROW(stream, CROSSING_COLUMNS);
 }
 
-static int write_crossings(const struct plan *plan, const char *folder, char *reason) {
+static int write_crossings(struct plan *plan) {
     const struct ladder *ladder = plan->memo;
-    struct atomic_file file;
-    if (open_table(
-            &file, folder, "crossings",
-            "pairs of methods of which one is cheaper for the target of ladder at a stiffness, N, "
-            "and the other at the next, by steps counted and the table of costs; crossing: where "
-            "lines through both, in logarithms, meet; clear: at neither end are the two tied "
-            "(within 1.4 times, or repeated times overlap)",
-            plan->subjects[0].scene, COLUMNS(CROSSING_COLUMNS), reason))
+    FILE *stream =
+        output_table(&plan->output, "crossings",
+                     "pairs of methods of which one is cheaper for the target of ladder at a "
+                     "stiffness, N, and the other at the next, by steps counted and the table of "
+                     "costs; crossing: where lines through both, in logarithms, meet; clear: at "
+                     "neither end are the two tied (within 1.4 times, or repeated times overlap)",
+                     plan->subjects[0].scene, COLUMNS(CROSSING_COLUMNS));
+    if (!stream)
         return -1;
     for (int cell = 0; cell + 1 < ladder->cell_count; cell++)
         for (int a = 0; a < plan->configuration_count && ladder_goes_on(ladder, cell + 1); a++)
             for (int b = a + 1; b < plan->configuration_count; b++)
-                write_crossing(file.stream, ladder, cell, &plan->configurations[a],
+                write_crossing(stream, ladder, cell, &plan->configurations[a],
                                &plan->configurations[b]);
-    return atomic_commit(&file, reason);
+    return 0;
 }
 
-int ladder_write(const struct plan *plan, const char *folder, char *reason) {
-    return write_ladder(plan, folder, reason) || write_crossings(plan, folder, reason) ? -1 : 0;
+int ladder_write(struct plan *plan) {
+    return write_ladder(plan) || write_crossings(plan) ? -1 : 0;
 }

@@ -24,19 +24,16 @@ static const double seconds = 120, quick_seconds = 3; /* of wall time, on two co
 
 /* --- its runs --- */
 
-static const char *treatment_of(const struct menu *menu, const struct choice *choice) {
-    return wisp_problem.treatments[(int)value_of(menu, choice, TREATMENT)].name;
-}
-
 /* A run of the variant, with a share of its step. */
 static int add_run(struct plan *plan, const struct study *study, const struct scene *scene,
                    const struct variant *variant, double share, double perturbation,
                    const char *label) {
     const double cost = model_seconds(scene);
     const int repeats = plan->quick ? 1 : 3;
+    const int treatment = (int)value_of(&study->menu, &variant->choice, TREATMENT);
     const struct run_request request = {
         .stepper = "rk4",
-        .treatment = treatment_of(&study->menu, &variant->choice),
+        .treatment = wisp_problem.treatments[treatment].name,
         .step = share * variant->step,
         .perturbation = perturbation,
         .draw = perturbation > 0,
@@ -122,14 +119,13 @@ static int plan_rest(struct plan *plan, struct study *study) {
     study->phase = SINGLES;
     study->own = (struct variant){.thing = THINGS, .name = "the scene as it is"};
     study->own.choice = own_choice(study);
-    return add_check(plan, study, HALF_STEP, &study->full, 0, "full model, half the step") ||
-                   add_check(plan, study, PERTURBED, &study->full, HORIZON_PERTURBATION,
-                             "full model, perturbed") ||
-                   add_check(plan, study, SCATTERED, &study->full, scatter,
-                             "full model, scattered") ||
-                   add_variant(plan, study, &study->own) || add_singles(plan, study)
-               ? -1
-               : 0;
+    if (add_check(plan, study, HALF_STEP, &study->full, 0, "full model, half the step") ||
+        add_check(plan, study, PERTURBED, &study->full, HORIZON_PERTURBATION,
+                  "full model, perturbed") ||
+        add_check(plan, study, SCATTERED, &study->full, scatter, "full model, scattered") ||
+        add_variant(plan, study, &study->own))
+        return -1;
+    return add_singles(plan, study);
 }
 
 /* --- how much of each scene there is time for --- */
@@ -180,12 +176,9 @@ static int share_budget(struct plan *plan, struct needs *needs) {
 
 static int needs_plan(struct plan *plan) {
     plan->run_seconds = 200;
-    if (plan->stepper_count > 0)
-        return fail_with(plan->reason,
-                         "experiment needs compares models, not steppers; leave out --stepper");
-    if (plan_subjects(plan, own_scenes, plan->quick ? 2 : 4))
-        return -1;
-    if (plan_configurations(plan, CONFIGURATION_PLAIN, 0))
+    if (plan_has_no_steppers(plan, "models") ||
+        plan_subjects(plan, own_scenes, plan->quick ? 2 : 4) ||
+        plan_configurations(plan, CONFIGURATION_PLAIN, 0))
         return -1;
     const size_t studies = (size_t)plan->subject_count, methods = (size_t)plan->configuration_count;
     struct needs *needs = plan->memo = calloc(1, sizeof *needs + studies * sizeof *needs->study +
@@ -223,7 +216,7 @@ static int compare_to(struct plan *plan, const struct study *study, int at,
                       struct cost *cost, char *note) {
     struct run_files run;
     *change = (struct curve_deviation){NAN, NAN, NAN};
-    if (run_read_states(&run, plan->cases[at].run.folder, plan->trajectories, plan->reason))
+    if (plan_read(plan, &plan->cases[at], &run))
         return -1;
     const struct run_case *one = &plan->cases[at].run;
     const struct configuration recipe = configuration_of(one->settings.method);
@@ -285,23 +278,19 @@ static const struct variant *single_of(const struct study *study, enum thing thi
     return &study->full;
 }
 
-/* By steps counted and the table of costs, so that a busy machine finds the same model. */
-static double cost_of(const struct variant *variant) {
-    return variant->cost.counted;
-}
-
 static double change_of(const struct study *study, enum thing thing, int option) {
     return needs_is_full(study, thing, option) ? 0 : single_of(study, thing, option)->change.rms;
 }
 
 /* The cheapest option of a thing that alone is near enough, and nearer than `limit`; the full
- * model's where none of them saves anything. */
+ * model's where none of them saves anything. By steps counted and the table of costs, so that a
+ * busy machine finds the same model. */
 static int cheapest_option(const struct study *study, enum thing thing, double limit) {
     int best = study->full.choice.of[thing];
     for (int k = 0; k < study->menu.count[thing]; k++) {
         const struct variant *single = single_of(study, thing, k);
         if (needs_is_near(study, single) && single->change.rms < limit &&
-            cost_of(single) < cost_of(single_of(study, thing, best)))
+            single->cost.counted < single_of(study, thing, best)->cost.counted)
             best = k;
     }
     return best;
@@ -342,7 +331,7 @@ static int settle_full(struct plan *plan, struct study *study) {
     struct variant *full = &study->full;
     const struct option nodes = study->menu.option[NODES][full->choice.of[NODES]];
     struct run_files run;
-    if (run_read_states(&run, plan->cases[full->at].run.folder, plan->trajectories, plan->reason))
+    if (plan_read(plan, &plan->cases[full->at], &run))
         return -1;
     const int code = judge(plan, study, &run, full);
     run_free(&run);
@@ -391,8 +380,7 @@ static int go_on(struct plan *plan, struct study *study) {
 
 static int check_smallest(struct plan *plan, struct study *study) {
     struct run_files smallest;
-    if (run_read_states(&smallest, plan->cases[study->smallest.at].run.folder, plan->trajectories,
-                        plan->reason))
+    if (plan_read(plan, &plan->cases[study->smallest.at], &smallest))
         return -1;
     const int code = judge_check(plan, study, &smallest, SMALLEST_HALF_STEP);
     run_free(&smallest);
@@ -410,8 +398,7 @@ static int refine_study(struct plan *plan, struct study *study) {
         return check_smallest(plan, study);
     if (study->phase == RACING)
         return needs_go_on_racing(plan, study);
-    if (run_read_states(&full, plan->cases[study->full.at].run.folder, plan->trajectories,
-                        plan->reason))
+    if (plan_read(plan, &plan->cases[study->full.at], &full))
         return -1;
     const int code = study->phase == SINGLES ? judge_singles(plan, study, &full)
                                              : judge(plan, study, &full, &study->smallest);

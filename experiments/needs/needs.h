@@ -92,6 +92,6 @@ int needs_go_on_racing(struct plan *plan, struct study *study);
 const struct contender *needs_winner(const struct study *study);
 
 /* tabulate of struct experiment. */
-int needs_tabulate(struct plan *plan, const char *folder);
+int needs_tabulate(struct plan *plan);
 
 #endif

@@ -256,9 +256,5 @@ int may_hold(const struct scene *scene, const struct stepper_method *method, dou
  * alone costs less. */
 double model_seconds(const struct scene *scene) {
     const double cost = 20e-9;
-    double unknowns = 0;
-    for (int i = 0; i < scene->wisp_count; i++)
-        unknowns +=
-            (scene->wisps[i].nodes - 2) * wisp_node_unknowns(&scene->wisps[i], WISP_GENERALISED);
-    return cost * unknowns * scene->duration / recipe_step(scene);
+    return cost * scene_unknowns(scene, WISP_GENERALISED) * scene->duration / recipe_step(scene);
 }

@@ -72,8 +72,7 @@ static int judge(struct plan *plan, struct study *study, const struct run_files 
                  struct contender *contender) {
     struct curve_deviation change;
     struct run_files run;
-    if (run_read_states(&run, plan->cases[contender->at].run.folder, plan->trajectories,
-                        plan->reason))
+    if (plan_read(plan, &plan->cases[contender->at], &run))
         return -1;
     int code = 0;
     contender->cost = run_cost(&run);
@@ -94,8 +93,7 @@ static int judge(struct plan *plan, struct study *study, const struct run_files 
 int needs_go_on_racing(struct plan *plan, struct study *study) {
     struct run_files exact;
     int code = 0, running = 0;
-    if (run_read_states(&exact, plan->cases[study->race_yardstick].run.folder, plan->trajectories,
-                        plan->reason))
+    if (plan_read(plan, &plan->cases[study->race_yardstick], &exact))
         return -1;
     for (int i = 0; i < study->contenders && !code; i++)
         if (!study->contender[i].over)

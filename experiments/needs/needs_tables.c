@@ -1,6 +1,4 @@
 /* The tables and the answer of experiment needs. */
-#include "base/files.h"
-#include "experiments/common/statements.h"
 #include "needs.h"
 
 #include <math.h>
@@ -20,16 +18,14 @@ static const char *chosen(const struct study *study, const struct choice *choice
 enum which { AS_IN_FULL = 1, OTHER = 2, ALL = 3 };
 static void describe(const struct study *study, const struct choice *choice, enum which which,
                      char text[REASON_SIZE]) {
-    int used = snprintf(text, REASON_SIZE, "%s", "");
+    text[0] = '\0';
     for (int thing = 0; thing < THINGS; thing++) {
         const char *name = chosen(study, choice, (enum thing)thing);
-        if (strcmp(name, "-") != 0 &&
-            (which &
-             (needs_is_full(study, (enum thing)thing, choice->of[thing]) ? AS_IN_FULL : OTHER)))
-            used +=
-                snprintf(text + used, REASON_SIZE - (size_t)used, "%s%s", used ? ", " : "", name);
+        const int as_in_full = needs_is_full(study, (enum thing)thing, choice->of[thing]);
+        if (strcmp(name, "-") != 0 && which & (as_in_full ? AS_IN_FULL : OTHER))
+            list_add(text, REASON_SIZE, "%s", name);
     }
-    if (used == 0)
+    if (!text[0])
         snprintf(text, REASON_SIZE, "nothing");
 }
 
@@ -69,37 +65,37 @@ static void write_variant(FILE *stream, const struct study *study, const char *t
     WRITE_ROW(stream, VARIANT_COLUMNS);
 }
 
-static int write_needs(const struct plan *plan, const char *folder, char *reason) {
+static int write_needs(struct plan *plan) {
     const struct needs *needs = plan->memo;
-    struct atomic_file file;
     char what[1024];
-    snprintf(what, sizeof what,
-             "what each thing buys: distance of the model in which it alone is this way from the "
-             "full one (first row of a scene), m: rms over 32 points at equal shares of arc length "
-             "of all wisps and all frames, largest, rms at the last frame; CPU time, s, of rk4 at "
-             "%g of its longest step by linear theory (step, s): median, least, greatest of three "
-             "runs (--quick: one), or where the full model's takes over 0.3 s that of one; "
-             "cost_ratio: over the "
-             "full model's; needed: it changes more than %g m, and more than perturbed starts "
-             "do; chaos: more than that, but no more than perturbed starts; smallest model: all "
-             "together that smallest.tsv says; nan: the run failed or there was none, see note",
-             STABILITY_SHARE, NEEDS_TARGET);
-    if (open_table(&file, folder, "needs", what, needs->study[0].subject->scene,
-                   COLUMNS(VARIANT_COLUMNS), reason))
+    snprintf(
+        what, sizeof what,
+        "what each thing buys: distance of the model in which it alone is this way from the full "
+        "one (first row of a scene), m: rms over 32 points at equal shares of arc length of all "
+        "wisps and all frames, largest, rms at the last frame; CPU time, s, of rk4 at %g of its "
+        "longest step by linear theory (step, s): median, least, greatest of three runs (--quick: "
+        "one), or where the full model's takes over 0.3 s that of one; cost_ratio: over the full "
+        "model's; needed: it changes more than %g m, and more than perturbed starts do; chaos: "
+        "more than that, but no more than perturbed starts; smallest model: all together that "
+        "smallest.tsv says; nan: the run failed or there was none, see note",
+        STABILITY_SHARE, NEEDS_TARGET);
+    FILE *stream = output_table(&plan->output, "needs", what, plan->subjects[0].scene,
+                                COLUMNS(VARIANT_COLUMNS));
+    if (!stream)
         return -1;
     for (int i = 0; i < needs->count; i++) {
         const struct study *study = &needs->study[i];
-        write_variant(file.stream, study, "full", "full model", &study->full);
+        write_variant(stream, study, "full", "full model", &study->full);
         for (int k = 0; k < study->singles; k++) {
             const struct variant *single = &study->single[k];
-            write_variant(file.stream, study, thing_names[single->thing], single->name, single);
+            write_variant(stream, study, thing_names[single->thing], single->name, single);
         }
         if (study->full.fate != CHANGED)
             continue;
-        write_variant(file.stream, study, "together", study->own.name, &study->own);
-        write_variant(file.stream, study, "together", "smallest model", &study->smallest);
+        write_variant(stream, study, "together", study->own.name, &study->own);
+        write_variant(stream, study, "together", "smallest model", &study->smallest);
     }
-    return atomic_commit(&file, reason);
+    return 0;
 }
 
 /* What there is only of a scene whose full model could be run. */
@@ -145,27 +141,25 @@ static const char *option_of(const struct study *study, enum thing thing) {
     X("tried", "1", "combinations that were tried", "%d", study->tried)                            \
     NOTE_COLUMN(X, study->note)
 
-static int write_answers(const struct plan *plan, const char *folder, char *reason) {
+static int write_answers(struct plan *plan) {
     const struct needs *needs = plan->memo;
-    struct atomic_file file;
     char what[1024];
-    snprintf(what, sizeof what,
-             "the smallest model within %g m of the full one, or within what perturbed starts "
-             "make: found by leaving out all that alone is near enough, and taking back the worst "
-             "until a run of the whole is; its change and cost_ratio, those of the scene as it is; "
-             "rms change, m, by half the step in the full model (step_full) and the smallest, and "
-             "in the full one by starts displaced by 1e-10 m (perturbed) and 1e-4 m (scattered); "
-             "horizon: of the former's nodes, s; tried: combinations; nan: the run failed or there "
-             "was none, see note",
-             NEEDS_TARGET);
-    if (open_table(&file, folder, "smallest", what, needs->study[0].subject->scene,
-                   COLUMNS(SMALLEST_COLUMNS), reason))
-        return -1;
-    for (int i = 0; i < needs->count; i++) {
+    snprintf(
+        what, sizeof what,
+        "the smallest model within %g m of the full one, or within what perturbed starts make: "
+        "found by leaving out all that alone is near enough, and taking back the worst until a run "
+        "of the whole is; its change and cost_ratio, those of the scene as it is; rms change, m, "
+        "by half the step in the full model (step_full) and the smallest, and in the full one by "
+        "starts displaced by 1e-10 m (perturbed) and 1e-4 m (scattered); horizon: of the former's "
+        "nodes, s; tried: combinations; nan: the run failed or there was none, see note",
+        NEEDS_TARGET);
+    FILE *stream = output_table(&plan->output, "smallest", what, plan->subjects[0].scene,
+                                COLUMNS(SMALLEST_COLUMNS));
+    for (int i = 0; i < needs->count && stream; i++) {
         const struct study *study = &needs->study[i];
-        WRITE_ROW(file.stream, SMALLEST_COLUMNS);
+        WRITE_ROW(stream, SMALLEST_COLUMNS);
     }
-    return atomic_commit(&file, reason);
+    return stream ? 0 : -1;
 }
 
 #define CONTENDER_COLUMNS(X)                                                                   \
@@ -180,48 +174,45 @@ static int write_answers(const struct plan *plan, const char *folder, char *reas
       one->cost.counted / study->smallest.cost.counted)                                        \
     X("best", "1", "1 for the cheapest that is near enough", "%d", one == needs_winner(study))
 
-static int write_methods(const struct plan *plan, const char *folder, char *reason) {
+static int write_methods(struct plan *plan) {
     const struct needs *needs = plan->memo;
-    struct atomic_file file;
-    if (open_table(
-            &file, folder, "methods",
-            "methods on each scene's smallest model (smallest.tsv), from long steps to the first "
-            "that is near enough, or to where another that is would be cheaper; setting: step, s, "
-            "or rtol of methods that choose their steps; error: from rk4 at half of the step that "
-            "the model is judged with, rms over curves and frames, m; reached: whether it is "
-            "within 1e-3 m, or what perturbed starts do; counted: what the table of costs makes of "
-            "its steps, s; cost_ratio: over that of rk4 at its longest step; nan: it failed or was "
-            "not run",
-            needs->study[0].subject->scene, COLUMNS(CONTENDER_COLUMNS), reason))
-        return -1;
-    for (int i = 0; i < needs->count; i++) {
+    FILE *stream = output_table(
+        &plan->output, "methods",
+        "methods on each scene's smallest model (smallest.tsv), from long steps to the first that "
+        "is near enough, or to where another that is would be cheaper; setting: step, s, or rtol "
+        "of methods that choose their steps; error: from rk4 at half of the step that the model is "
+        "judged with, rms over curves and frames, m; reached: whether it is within 1e-3 m, or what "
+        "perturbed starts do; counted: what the table of costs makes of its steps, s; cost_ratio: "
+        "over that of rk4 at its longest step; nan: it failed or was not run",
+        plan->subjects[0].scene, COLUMNS(CONTENDER_COLUMNS));
+    for (int i = 0; i < needs->count && stream; i++) {
         const struct study *study = &needs->study[i];
         for (int k = 0; k < study->contenders; k++) {
             const struct contender *one = &study->contender[k];
-            WRITE_ROW(file.stream, CONTENDER_COLUMNS);
+            WRITE_ROW(stream, CONTENDER_COLUMNS);
         }
     }
-    return atomic_commit(&file, reason);
+    return stream ? 0 : -1;
 }
 
 /* --- the answer --- */
 
 /* A row on a study: its key is that of the study with a word. */
-static struct statement row_of(const struct study *study, const char *word, char key[128]) {
-    snprintf(key, 128, "%.70s, %s", study->subject->name, word);
-    return (struct statement){
-        .key = key, .figure = study->subject->name, .tables = "smallest needs", .unit = "mm"};
+static struct statement row_of(const struct study *study, enum claim_verdict verdict, double value,
+                               const char *unit, const char *word) {
+    return our_row(study->subject->name, "smallest needs", verdict, value, unit, "%.70s, %s",
+                   study->subject->name, word);
 }
 
 static void state_smallest(struct statements *statements, const struct study *study) {
     const char *scene = study->subject->name;
     const double change = 1e3 * study->smallest.change.rms;
-    char key[128], needed[REASON_SIZE], enough[REASON_SIZE];
-    struct statement row = row_of(study, "smallest model", key);
+    char needed[REASON_SIZE], enough[REASON_SIZE];
+    struct statement row =
+        row_of(study, HOLDS, study->tried ? change : NAN, "mm", "smallest model");
     row.answers = ANSWERS_NEEDS;
     describe(study, &study->smallest.choice, AS_IN_FULL, needed);
     describe(study, &study->smallest.choice, OTHER, enough);
-    row.value = study->tried ? change : NAN;
     if (study->tried == 0)
         statements_add(
             statements, row,
@@ -232,11 +223,11 @@ static void state_smallest(struct statements *statements, const struct study *st
                        "%s needs %s; with %s for the rest it is %.2g mm (rms) from its full model, "
                        "for %.2g %% of its CPU time.",
                        scene, needed, enough, change, 100 * cost_ratio(study, &study->smallest));
-    row = row_of(study, "as it is", key);
+    row = row_of(study,
+                 study->own.fate == CHANGED ? holds_if(needs_is_near(study, &study->own))
+                                            : NOT_REACHED,
+                 1e3 * study->own.change.rms, "mm", "as it is");
     row.answers = ANSWERS_NEEDS;
-    row.value = 1e3 * study->own.change.rms;
-    row.verdict =
-        study->own.fate == CHANGED ? holds_if(needs_is_near(study, &study->own)) : NOT_REACHED;
     if (row.verdict == NOT_REACHED)
         statements_add(statements, row, "As it is, %s did not reach its end.", scene);
     else
@@ -249,21 +240,19 @@ static void state_smallest(struct statements *statements, const struct study *st
 static void state_method(struct statements *statements, const struct study *study) {
     const struct contender *winner = needs_winner(study);
     const char *scene = study->subject->name;
-    char key[128], setting[64];
-    struct statement row = row_of(study, "method", key);
+    char setting[64];
+    struct statement row =
+        our_row(scene, "smallest methods", winner ? HOLDS : NOT_REACHED,
+                winner ? winner->cost.counted / study->smallest.cost.counted : NAN, "1",
+                "%.70s, method", scene);
     row.answers = ANSWERS_NEEDS;
-    row.tables = "smallest methods";
-    row.unit = "1";
-    row.value = NAN;
     if (!winner) {
-        row.verdict = NOT_REACHED;
-        statements_add(statements, row,
-                       "No method computes the smallest model of %s for less than rk4 at its "
-                       "longest step.",
-                       scene);
+        statements_add(
+            statements, row,
+            "No method computes the smallest model of %s for less than rk4 at its longest step.",
+            scene);
         return;
     }
-    row.value = winner->cost.counted / study->smallest.cost.counted;
     if (configuration_is_adaptive(winner->method))
         snprintf(setting, sizeof setting, "rtol %.2g", winner->setting);
     else
@@ -278,22 +267,20 @@ static void state_method(struct statements *statements, const struct study *stud
 static void state_trust(struct statements *statements, const struct study *study) {
     const double error = fmax(study->check[HALF_STEP], study->check[SMALLEST_HALF_STEP]);
     const char *scene = study->subject->name;
-    char key[128];
-    struct statement row = row_of(study, "steps", key);
-    row.value = 1e3 * error;
+    const double noise = needs_noise(study);
     /* Steps that make less than perturbed starts do perturb like a start. */
-    row.verdict =
-        isnan(error) ? NOT_REACHED : holds_if(error < fmax(0.1 * NEEDS_TARGET, needs_noise(study)));
+    struct statement row = row_of(
+        study, isnan(error) ? NOT_REACHED : holds_if(error < fmax(0.1 * NEEDS_TARGET, noise)),
+        1e3 * error, "mm", "steps");
     if (isnan(error))
         statements_add(statements, row, "What steps make of %s is not known: a run failed.", scene);
     else
         statements_add(statements, row,
                        "On %s steps make %.1g mm of these differences, and the models the rest.",
                        scene, row.value);
-    row = row_of(study, "starts", key);
-    row.value = 1e3 * needs_noise(study);
-    row.verdict = isnan(row.value) ? NOT_REACHED : holds_if(row.value <= 1e3 * NEEDS_TARGET);
-    if (isnan(row.value))
+    row = row_of(study, isnan(noise) ? NOT_REACHED : holds_if(noise <= NEEDS_TARGET), 1e3 * noise,
+                 "mm", "starts");
+    if (isnan(noise))
         statements_add(statements, row, "What starts make of %s is not known: a run failed.",
                        scene);
     else
@@ -306,10 +293,7 @@ static void state_trust(struct statements *statements, const struct study *study
 
 static void state_study(struct statements *statements, const struct study *study) {
     const char *scene = study->subject->name;
-    char key[128];
-    struct statement row = row_of(study, "full model", key);
-    row.unit = NULL;
-    row.verdict = NOT_REACHED;
+    struct statement row = row_of(study, NOT_REACHED, NAN, NULL, "full model");
     if (study->full.fate != CHANGED) {
         row.answers = ANSWERS_NEEDS;
         statements_add(statements, row, "%s has no answer, for its full model's runs fail (%s).",
@@ -322,27 +306,18 @@ static void state_study(struct statements *statements, const struct study *study
     if (study->note[0])
         statements_add(statements, row, "%s has no finer full model, for with %s.", scene,
                        study->note);
-    if (study->duration < study->subject->scene->duration) {
-        row = row_of(study, "cut", key);
-        row.verdict = NOT_REACHED;
-        row.value = study->duration;
-        row.unit = "s";
-        statements_add(statements, row, "The budget allows %s its first %.3g of %.3g s.", scene,
-                       study->duration, study->subject->scene->duration);
-    }
+    if (study->duration < study->subject->scene->duration)
+        statements_add(statements, row_of(study, NOT_REACHED, study->duration, "s", "cut"),
+                       "The budget allows %s its first %.3g of %.3g s.", scene, study->duration,
+                       study->subject->scene->duration);
 }
 
-int needs_tabulate(struct plan *plan, const char *folder) {
+int needs_tabulate(struct plan *plan) {
     const struct needs *needs = plan->memo;
-    struct statements statements;
-    if (plan_open_statements(plan, &statements, folder, NULL, NULL, plan->reason))
+    if (plan_open_statements(plan, NULL, NULL) || write_needs(plan) || write_answers(plan) ||
+        write_methods(plan))
         return -1;
-    const int code = write_needs(plan, folder, plan->reason) ||
-                             write_answers(plan, folder, plan->reason) ||
-                             write_methods(plan, folder, plan->reason)
-                         ? -1
-                         : 0;
-    for (int i = 0; i < needs->count && !code; i++)
-        state_study(&statements, &needs->study[i]);
-    return statements_close(&statements, code, plan->reason);
+    for (int i = 0; i < needs->count; i++)
+        state_study(&plan->output.statements, &needs->study[i]);
+    return 0;
 }

@@ -108,9 +108,8 @@ static int add_method(struct plan *plan, struct speed *speed,
 /* By decades from a tolerance that is far too loose for a millimetre. */
 static int add_adaptive(struct plan *plan, struct speed *speed,
                         const struct configuration *configuration) {
-    const int decades = plan->quick ? 2 : 4;
     double rtol = 1e-2;
-    for (int k = 0; k < decades; k++, rtol /= 10)
+    for (int k = 0; k < (plan->quick ? 2 : 4); k++, rtol /= 10)
         if (add_attempt(plan, speed, configuration, usual, rtol, 0))
             return -1;
     return 0;
@@ -165,8 +164,7 @@ static int count_cost(struct plan *plan, const struct speed *speed, struct attem
 static int judge(struct plan *plan, struct speed *speed) {
     for (int own = 0; own < 2; own++) {
         struct run_files reference;
-        if (run_read_states(&reference, plan->cases[speed->reference[own]].run.folder,
-                            plan->trajectories, plan->reason))
+        if (plan_read(plan, &plan->cases[speed->reference[own]], &reference))
             return -1;
         int code = 0;
         for (int i = 0; i < speed->count && !code; i++) {
@@ -176,9 +174,7 @@ static int judge(struct plan *plan, struct speed *speed) {
             a->verdict = (struct verdict){NAN, reference.outcome, NAN};
             if (reference.outcome == FINISHED)
                 code = judge_runs(plan, a->at, 1, speed->compared, &reference, &a->verdict) ||
-                               count_cost(plan, speed, a)
-                           ? -1
-                           : 0;
+                       count_cost(plan, speed, a);
         }
         run_free(&reference);
         if (code)
@@ -187,16 +183,13 @@ static int judge(struct plan *plan, struct speed *speed) {
     return 0;
 }
 
-static int is_within(const struct attempt *a, double target) {
-    return a->verdict.outcome == FINISHED && a->verdict.error <= target;
-}
-
 /* The cheapest within a target, by the table of costs; or NULL. */
 static const struct attempt *chosen(const struct speed *speed, double target, int recipe) {
     const struct attempt *best = NULL;
     for (int i = 0; i < speed->count; i++) {
         const struct attempt *a = &speed->attempt[i];
-        if (a->is_recipe == recipe && is_within(a, target) && (!best || a->cost < best->cost))
+        if (a->is_recipe == recipe && a->verdict.outcome == FINISHED &&
+            a->verdict.error <= target && (!best || a->cost < best->cost))
             best = a;
     }
     return best;
@@ -228,34 +221,27 @@ static double share(const struct run_files *run, const char *stage) {
       share(&run, "seconds.frames"))                                                        \
     X("status", "-", "how the run ended", "%s", outcome_name(a->verdict.outcome))
 
-static int write_attempts(struct plan *plan, const struct speed *speed, const char *folder) {
-    struct atomic_file file;
+static int write_attempts(struct plan *plan, const struct speed *speed) {
     char what[400];
-    snprintf(
-        what, sizeof what,
-        "errors over the first %g s, rms over free nodes and frames, m, against the reference "
-        "solution of the treatment; setting: step, s, or rtol; counted: the whole scene by the "
-        "steps and the table of costs, s; shares "
-        "of the run's wall time: steps, ticks, frames as text; nan: see status",
-        speed->compared->duration);
-    if (open_table(&file, folder, "attempts", what, speed->whole, COLUMNS(ATTEMPT_COLUMNS),
-                   plan->reason))
+    snprintf(what, sizeof what,
+             "errors over the first %g s, rms over free nodes and frames, m, against the reference "
+             "solution of the treatment; setting: step, s, or rtol; counted: the whole scene by "
+             "the steps and the table of costs, s; shares of the run's wall time: steps, ticks, "
+             "frames as text; nan: see status",
+             speed->compared->duration);
+    FILE *stream =
+        output_table(&plan->output, "attempts", what, speed->whole, COLUMNS(ATTEMPT_COLUMNS));
+    if (!stream)
         return -1;
-    int code = 0;
-    for (int i = 0; i < speed->count && !code; i++) {
+    for (int i = 0; i < speed->count; i++) {
         const struct attempt *a = &speed->attempt[i];
         struct run_files run;
-        code = run_read(&run, plan->cases[a->at].run.folder, plan->reason);
-        if (code)
-            break;
-        WRITE_ROW(file.stream, ATTEMPT_COLUMNS);
+        if (run_read(&run, plan->cases[a->at].run.folder, plan->reason))
+            return -1;
+        WRITE_ROW(stream, ATTEMPT_COLUMNS);
         run_free(&run);
     }
-    if (code) {
-        atomic_discard(&file);
-        return -1;
-    }
-    return atomic_commit(&file, plan->reason);
+    return 0;
 }
 
 #define CHOICE_COLUMNS(X)                                                                         \
@@ -266,29 +252,28 @@ static int write_attempts(struct plan *plan, const struct speed *speed, const ch
       a->setting)                                                                                 \
     X("error", "m", "error of that run", "%.17g", a->verdict.error)
 
-static int write_choices(struct plan *plan, const struct speed *speed, const char *folder) {
-    struct atomic_file file;
-    if (open_table(
-            &file, folder, "choices",
-            "the setting (longest step, s, or loosest rtol) of the thesis's recipe and of the "
-            "cheapest method that is within the target, m; error: what it then is",
-            speed->whole, COLUMNS(CHOICE_COLUMNS), plan->reason))
-        return -1;
-    for (int t = 0; t < TARGETS; t++)
+static int write_choices(struct plan *plan, const struct speed *speed) {
+    FILE *stream =
+        output_table(&plan->output, "choices",
+                     "the setting (longest step, s, or loosest rtol) of the thesis's recipe and of "
+                     "the cheapest method that is within the target, m; error: what it then is",
+                     speed->whole, COLUMNS(CHOICE_COLUMNS));
+    for (int t = 0; t < TARGETS && stream; t++)
         for (int recipe = 1; recipe >= 0; recipe--) {
             const struct attempt *a = chosen(speed, targets[t], recipe);
             if (a)
-                WRITE_ROW(file.stream, CHOICE_COLUMNS);
+                WRITE_ROW(stream, CHOICE_COLUMNS);
         }
-    return atomic_commit(&file, plan->reason);
+    return stream ? 0 : -1;
 }
 
-static int speed_tabulate(struct plan *plan, const char *folder) {
+/* The measurement reads what was chosen. */
+static int speed_tabulate(struct plan *plan) {
     struct speed *speed = plan->memo;
-    if (judge(plan, speed) || write_attempts(plan, speed, folder) ||
-        write_choices(plan, speed, folder))
+    if (judge(plan, speed) || write_attempts(plan, speed) || write_choices(plan, speed) ||
+        output_close(&plan->output, 0))
         return -1;
-    return bench_run(plan, "speed", plan->subjects[0].source, folder);
+    return bench_run(plan, "speed", plan->subjects[0].source);
 }
 
 const struct experiment speed_experiment = {

@@ -4,16 +4,12 @@
  * own, since stable is not accurate. */
 #include "stability.h"
 
-static int stability_tabulate(struct plan *plan, const char *folder) {
-    struct statements statements;
-    if (plan_open_statements(plan, &statements, folder, NULL,
-                             plan->quick ? "--quick: coarser maps, brackets of 12 %" : NULL,
-                             plan->reason))
+static int stability_tabulate(struct plan *plan) {
+    if (plan_open_statements(plan, NULL,
+                             plan->quick ? "--quick: coarser maps, brackets of 12 %" : NULL) ||
+        stability_maps(plan))
         return -1;
-    const int code =
-        stability_maps(plan, folder, &statements) || limits_tabulate(plan, folder, &statements) ? -1
-                                                                                                : 0;
-    return statements_close(&statements, code, plan->reason);
+    return limits_tabulate(plan);
 }
 
 const struct experiment stability_experiment = {

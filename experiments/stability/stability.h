@@ -25,11 +25,6 @@ void small_dahlquist(struct small_system *small, double complex z);
 /* q'' = -q - 2 zeta q': time is counted in 1 / omega. */
 void small_oscillator(struct small_system *small, double zeta);
 
-/* A stepper on the system with the defaults of its options and the direct solver, or NULL with a
- * reason in small->system: it refuses, or there is no memory. */
-struct stepper *small_stepper(const struct stepper_method *method, double tolerance,
-                              struct small_system *small);
-
 /* By what a step of h multiplies (q, v) in the long run: of fixed steps the spectral radius of the
  * step as it is done, or where a method has a history the growth over a train of them; of adaptive
  * ones the growth over times of h. INFINITY where a step fails or
@@ -80,12 +75,12 @@ struct mode_rate *scene_modes(const struct scene *scene, enum wisp_treatment tre
 
 /* Writes the tables regions, oscillator and damping, measured here and now, and states how near
  * they are to theory. 0, or -1 with plan->reason. */
-int stability_maps(struct plan *plan, const char *folder, struct statements *statements);
+int stability_maps(struct plan *plan);
 
 /* --- stability_limits.c, stability_tables.c: the searches, stages of struct experiment --- */
 
 int limits_plan(struct plan *plan);
 int limits_refine(struct plan *plan);
-int limits_tabulate(struct plan *plan, const char *folder, struct statements *statements);
+int limits_tabulate(struct plan *plan);
 
 #endif

@@ -1,5 +1,4 @@
 /* How methods fail at steps that are too long: the runs that show it, and their table. */
-#include "base/files.h"
 #include "stability_limits.h"
 
 #include <math.h>
@@ -76,7 +75,7 @@ static int write_failure(struct plan *plan, FILE *stream, const struct cell *cel
     const double step = one->run.settings.step;
     struct run_files run;
     struct deviation deviation;
-    if (run_read_states(&run, one->run.folder, plan->trajectories, plan->reason))
+    if (plan_read(plan, one, &run))
         return -1;
     const int code =
         measure_deviation(cell->scene, run.states, reference->states, 1, &deviation, plan->reason);
@@ -93,8 +92,7 @@ static int write_cell_failures(struct plan *plan, FILE *stream, const struct cel
     char group[128];
     int code = 0;
     snprintf(group, sizeof group, "failures, %s", cell->name);
-    if (run_read_states(&reference, plan->cases[cell->reference].run.folder, plan->trajectories,
-                        plan->reason))
+    if (plan_read(plan, &plan->cases[cell->reference], &reference))
         return -1;
     for (int i = 0; i < plan->case_count && reference.outcome == FINISHED && !code; i++)
         if (strcmp(plan->cases[i].group, group) == 0)
@@ -103,23 +101,19 @@ static int write_cell_failures(struct plan *plan, FILE *stream, const struct cel
     return code;
 }
 
-int limits_write_failures(struct plan *plan, const char *folder) {
+int limits_write_failures(struct plan *plan) {
     const struct limits *limits = plan->memo;
-    struct atomic_file file;
-    if (open_table(
-            &file, folder, "failures",
-            "how methods fail at steps that are too long: kind, when it first shows, "
-            "whether the state stays finite, and the error of the frames before, m (rms, "
-            "largest); order: lost with more than ten times the error that it predicts from "
-            "shorter "
-            "steps, and more than 0.1 mm; nan: of time, it does not fail; of errors, there is no "
-            "frame to compare",
-            plan->subjects[0].scene, COLUMNS(FAILURE_COLUMNS), plan->reason))
+    FILE *stream = output_table(
+        &plan->output, "failures",
+        "how methods fail at steps that are too long: kind, when it first shows, whether the state "
+        "stays finite, and the error of the frames before, m (rms, largest); order: lost with more "
+        "than ten times the error that it predicts from shorter steps, and more than 0.1 mm; nan: "
+        "of time, it does not fail; of errors, there is no frame to compare",
+        plan->subjects[0].scene, COLUMNS(FAILURE_COLUMNS));
+    if (!stream)
         return -1;
     for (int i = 0; i < limits->cell_count; i++)
-        if (!limits->cells[i].axis && write_cell_failures(plan, file.stream, &limits->cells[i])) {
-            atomic_discard(&file);
+        if (!limits->cells[i].axis && write_cell_failures(plan, stream, &limits->cells[i]))
             return -1;
-        }
-    return atomic_commit(&file, plan->reason);
+    return 0;
 }

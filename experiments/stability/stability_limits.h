@@ -116,6 +116,6 @@ int limits_plan_known(struct plan *plan, const struct cell *cell);
 int limits_plan_failures(struct plan *plan, const struct cell *cell, const struct trial *trial);
 
 /* Writes the table failures. */
-int limits_write_failures(struct plan *plan, const char *folder);
+int limits_write_failures(struct plan *plan);
 
 #endif

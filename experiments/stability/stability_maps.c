@@ -1,5 +1,4 @@
 /* Tables of what is measured on small systems, here and now: it takes seconds and no clock. */
-#include "base/files.h"
 #include "stability.h"
 
 #include <math.h>
@@ -11,11 +10,6 @@ static const double loose = 1e-2;
 
 static int is_fixed(const struct stepper_method *method) {
     return method->step != NULL;
-}
-
-static int open_map(struct plan *plan, struct atomic_file *file, const char *folder,
-                    const char *name, const char *what, const struct column *columns) {
-    return open_table(file, folder, name, what, plan->loaded[0], columns, plan->reason);
 }
 
 /* How far what was measured is from theory, where there is one. */
@@ -34,16 +28,16 @@ static void agree(struct agreement *agreement, double measured, double theory) {
 
 static void state_agreement(struct statements *statements, const char *map, const char *what,
                             const struct agreement *agreement) {
-    struct statement row = {.key = map, .figure = map, .tables = map, .unit = "1"};
-    row.value = agreement->count ? agreement->worst : NAN;
-    row.verdict = !agreement->count ? NOT_ASKED : holds_if(agreement->worst < 1e-6);
     if (agreement->count)
-        statements_add(statements, row,
-                       "In the real code the %s is within %.2g of that of the stability function, "
-                       "at %d points.",
-                       what, agreement->worst, agreement->count);
+        statements_add(
+            statements,
+            our_row(map, map, holds_if(agreement->worst < 1e-6), agreement->worst, "1", "%s", map),
+            "In the real code the %s is within %.2g of that of the stability function, at %d "
+            "points.",
+            what, agreement->worst, agreement->count);
     else
-        statements_add(statements, row, "No method with a stability function was asked for.");
+        statements_add(statements, our_row(map, map, NOT_ASKED, NAN, NULL, "%s", map),
+                       "No method with a stability function was asked for.");
 }
 
 #define STEPPER_COLUMN(X) X("stepper", "-", "name of the stepper", "%s", method->name)
@@ -59,8 +53,10 @@ static void state_agreement(struct statements *statements, const char *map, cons
     X("im", "1", "imaginary part of z h", "%g", cimag(z)) \
     GROWTH_COLUMNS(X)
 
-static void write_region(FILE *stream, const struct stepper_method *method, double spacing,
+static void write_region(FILE *stream, const struct stepper_method *method, int quick,
                          struct agreement *agreement) {
+    const double fine = quick ? 0.2 : 0.05, coarse = quick ? 0.5 : 0.25;
+    const double spacing = is_fixed(method) ? fine : coarse;
     const double left = -4, right = 3, top = 3.5;
     const int columns = (int)round((right - left) / spacing), rows = (int)round(2 * top / spacing);
     struct small_system small;
@@ -76,27 +72,6 @@ static void write_region(FILE *stream, const struct stepper_method *method, doub
         fprintf(stream, "\n");
     }
     fprintf(stream, "\n");
-}
-
-static int write_regions(struct plan *plan, const char *folder, struct statements *statements) {
-    struct agreement agreement = {0};
-    struct atomic_file file;
-    if (open_map(plan, &file, folder, "regions",
-                 "growth per step of u' = z u, h = 1, measured by stepping the real code (growth) "
-                 "and by the stability function where there is one; adaptive methods take no step "
-                 "that is forced on them: growth per unit of time at rtol 0.01; nan: of theory, "
-                 "there is "
-                 "no stability function; of growth, the method failed there",
-                 COLUMNS(REGION_COLUMNS)))
-        return -1;
-    for (int i = 0; stepper_methods[i]; i++) {
-        const double fine = plan->quick ? 0.2 : 0.05, coarse = plan->quick ? 0.5 : 0.25;
-        if (plan_wants(plan, stepper_methods[i]->name))
-            write_region(file.stream, stepper_methods[i],
-                         is_fixed(stepper_methods[i]) ? fine : coarse, &agreement);
-    }
-    state_agreement(statements, "regions", "growth on u' = zu", &agreement);
-    return atomic_commit(&file, plan->reason);
 }
 
 /* --- the damped oscillator --- */
@@ -134,23 +109,6 @@ static void write_oscillator(FILE *stream, const struct stepper_method *method, 
     fprintf(stream, "\n");
 }
 
-static int write_oscillators(struct plan *plan, const char *folder, struct statements *statements) {
-    struct agreement agreement = {0};
-    struct atomic_file file;
-    if (open_map(plan, &file, folder, "oscillator",
-                 "growth per step of q'' = -omega^2 q - 2 zeta omega q' with fixed steps h, "
-                 "measured by stepping the real code, and by linear theory where the method has "
-                 "one; adaptive methods have no omega h; nan: of theory, there is none; of "
-                 "growth, the method failed there",
-                 COLUMNS(OSCILLATOR_COLUMNS)))
-        return -1;
-    for (int i = 0; stepper_methods[i]; i++)
-        if (is_fixed(stepper_methods[i]) && plan_wants(plan, stepper_methods[i]->name))
-            write_oscillator(file.stream, stepper_methods[i], plan->quick, &agreement);
-    state_agreement(statements, "oscillator", "growth on a damped oscillator", &agreement);
-    return atomic_commit(&file, plan->reason);
-}
-
 /* --- numerical damping --- */
 
 #define RING_COLUMNS(X)                                                                      \
@@ -177,37 +135,67 @@ static void write_ring(FILE *stream, const struct stepper_method *method, double
     agree(agreement, m.damping, p.damping);
 }
 
-static int write_damping(struct plan *plan, const char *folder, struct statements *statements) {
-    struct agreement agreement = {0};
-    struct atomic_file file;
-    if (open_map(
-            plan, &file, folder, "damping",
-            "an undamped oscillator let go: the damping that is the method's own (of "
-            "critical; negative: it grows) and its relative shift of frequency, by ring-down "
-            "of the real code and by |R(i omega h)| and arg R, R what linear theory multiplies by; "
-            "setting: omega h, or rtol of adaptive methods, whose steps per period are the mean; "
-            "nan: of theory, there is none; else the ring-down grew or died too fast to be read",
-            COLUMNS(RING_COLUMNS)))
-        return -1;
-    for (int i = 0; stepper_methods[i]; i++) {
-        const struct stepper_method *method = stepper_methods[i];
-        if (!plan_wants(plan, method->name))
-            continue;
-        for (int k = 0; k <= 18; k++) { /* from 3 steps to the period to 200, or 1e-2 to 1e-8 */
-            const double setting = is_fixed(method) ? 2 * M_PI / 3 * exp(-k * log(200. / 3) / 18)
-                                                    : pow(10, -2 - k / 3.);
-            if (!plan->quick || k % 3 == 0)
-                write_ring(file.stream, method, setting, &agreement);
-        }
-        fprintf(file.stream, "\n\n");
+static void write_rings(FILE *stream, const struct stepper_method *method, int quick,
+                        struct agreement *agreement) {
+    for (int k = 0; k <= 18; k++) { /* from 3 steps to the period to 200, or 1e-2 to 1e-8 */
+        const double setting =
+            is_fixed(method) ? 2 * M_PI / 3 * exp(-k * log(200. / 3) / 18) : pow(10, -2 - k / 3.);
+        if (!quick || k % 3 == 0)
+            write_ring(stream, method, setting, agreement);
     }
-    state_agreement(statements, "damping", "damping of an undamped oscillator", &agreement);
-    return atomic_commit(&file, plan->reason);
+    fprintf(stream, "\n\n");
 }
 
-int stability_maps(struct plan *plan, const char *folder, struct statements *statements) {
-    return write_regions(plan, folder, statements) || write_oscillators(plan, folder, statements) ||
-                   write_damping(plan, folder, statements)
-               ? -1
-               : 0;
+/* --- all --- */
+
+static const struct map {
+    struct table_form form;
+    const char *what; /* is measured, in words */
+    int fixed_only;
+    void (*write)(FILE *stream, const struct stepper_method *method, int quick,
+                  struct agreement *agreement);
+} maps[] = {
+    {{"regions",
+      "growth per step of u' = z u, h = 1, measured by stepping the real code (growth) and by "
+      "the stability function where there is one; adaptive methods take no step that is forced "
+      "on them: growth per unit of time at rtol 0.01; nan: of theory, there is no stability "
+      "function; of growth, the method failed there",
+      COLUMNS(REGION_COLUMNS)},
+     "growth on u' = zu",
+     0,
+     write_region},
+    {{"oscillator",
+      "growth per step of q'' = -omega^2 q - 2 zeta omega q' with fixed steps h, measured by "
+      "stepping the real code, and by linear theory where the method has one; adaptive methods "
+      "have no omega h; nan: of theory, there is none; of growth, the method failed there",
+      COLUMNS(OSCILLATOR_COLUMNS)},
+     "growth on a damped oscillator",
+     1,
+     write_oscillator},
+    {{"damping",
+      "an undamped oscillator let go: the damping that is the method's own (of critical; "
+      "negative: it grows) and its relative shift of frequency, by ring-down of the real code "
+      "and by |R(i omega h)| and arg R, R what linear theory multiplies by; setting: omega h, or "
+      "rtol of adaptive methods, whose steps per period are the mean; nan: of theory, there is "
+      "none; else the ring-down grew or died too fast to be read",
+      COLUMNS(RING_COLUMNS)},
+     "damping of an undamped oscillator",
+     0,
+     write_rings},
+};
+
+int stability_maps(struct plan *plan) {
+    for (size_t k = 0; k < sizeof maps / sizeof *maps; k++) {
+        const struct map *map = &maps[k];
+        struct agreement agreement = {0};
+        FILE *stream;
+        if (output_tables(&plan->output, &stream, &map->form, 1, "", plan->loaded[0]))
+            return -1;
+        for (int i = 0; stepper_methods[i]; i++)
+            if (plan_wants(plan, stepper_methods[i]->name) &&
+                (is_fixed(stepper_methods[i]) || !map->fixed_only))
+                map->write(stream, stepper_methods[i], plan->quick, &agreement);
+        state_agreement(&plan->output.statements, map->form.name, map->what, &agreement);
+    }
+    return 0;
 }

@@ -109,8 +109,10 @@ void small_oscillator(struct small_system *s, double zeta) {
     s->d[0] = -2 * zeta;
 }
 
-struct stepper *small_stepper(const struct stepper_method *method, double tolerance,
-                              struct small_system *small) {
+/* A stepper on the system with the defaults of its options and the direct solver, or NULL with a
+ * reason in small->system: it refuses, or there is no memory. */
+static struct stepper *small_stepper(const struct stepper_method *method, double tolerance,
+                                     struct small_system *small) {
     struct stepper_settings settings = {.rtol = tolerance, .atol = 1e-3 * tolerance};
     if (method->capabilities & STEPPER_SOLVES)
         settings.linear = linear_find("direct");

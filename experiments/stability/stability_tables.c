@@ -1,5 +1,4 @@
 /* The tables and the answer of the searches for the longest stable step. */
-#include "base/files.h"
 #include "stability_limits.h"
 
 #include <math.h>
@@ -66,24 +65,21 @@ static void write_along(FILE *stream, const struct limits *limits, const struct 
     fprintf(stream, "\n\n");
 }
 
-static int write_limits(struct plan *plan, const char *folder) {
+static int write_limits(struct plan *plan) {
     const struct limits *limits = plan->memo;
-    struct atomic_file file;
-    if (open_table(
-            &file, folder, "limits",
-            "longest stable step, s, over 0.5 s of swing (penalty_ratio: of swing-envelope "
-            "with penalty), the next that is not, and the prediction of linear theory "
-            "at the eigenvalues of the wisp linearised at its start (inf: any step; no prediction: "
-            "there is no theory of the method); order_step: the longest of these whose error is "
-            "what "
-            "the method's order makes of that at shorter ones, to a factor of ten; nan: of step, "
-            "none that was tried is stable; of unstable_step, all are",
-            plan->loaded[0], COLUMNS(ALONG_COLUMNS), plan->reason))
-        return -1;
-    for (int a = 0; a < AXES; a++)
+    FILE *stream = output_table(
+        &plan->output, "limits",
+        "longest stable step, s, over 0.5 s of swing (penalty_ratio: of swing-envelope with "
+        "penalty), the next that is not, and the prediction of linear theory at the eigenvalues of "
+        "the wisp linearised at its start (inf: any step; no prediction: there is no theory of the "
+        "method); order_step: the longest of these whose error is what the method's order makes of "
+        "that at shorter ones, to a factor of ten; nan: of step, none that was tried is stable; of "
+        "unstable_step, all are",
+        plan->loaded[0], COLUMNS(ALONG_COLUMNS));
+    for (int a = 0; a < AXES && stream; a++)
         for (int c = 0; c < plan->configuration_count; c++)
-            write_along(file.stream, limits, &limits_axes[a], &plan->configurations[c]);
-    return atomic_commit(&file, plan->reason);
+            write_along(stream, limits, &limits_axes[a], &plan->configurations[c]);
+    return stream ? 0 : -1;
 }
 
 #define AIM_COLUMNS(X, name, aim, meaning)                                                         \
@@ -113,34 +109,31 @@ static int write_limits(struct plan *plan, const char *folder) {
       aim_step(cell, t, IN_ORDER))                                                         \
     NOTE_COLUMN(X, adaptive ? "mean step at rtol 1e-3" : t->note)
 
-static void write_largest(FILE *stream, const struct cell *cell, const struct trial *t) {
-    const double step = largest_step(cell, t);
-    const int adaptive = configuration_is_adaptive(t->configuration);
-    WRITE_ROW(stream, LARGEST_COLUMNS);
-}
-
-static int write_scenes(struct plan *plan, const char *folder) {
+static int write_scenes(struct plan *plan) {
     const struct limits *limits = plan->memo;
-    struct atomic_file file;
-    if (open_table(
-            &file, folder, "largest-step",
-            "the longest stable step of each stepper, s, on the first half second of scenes: what "
-            "it is, its rate in Hz, the predicted one, the next that is not stable with how and "
-            "when that fails, the error of the stable one, m, and its CPU time per simulated s; "
-            "the "
-            "same of the longest step within a twentieth of the wisp's length (near) and of that "
-            "within 1 mm (mm), rms over free nodes and frames; order_step: the longest whose error "
-            "is what the method's order makes of that at shorter steps, to a factor of ten; "
-            "steps divide the time between stops of the clock; predicted is inf where there is no "
-            "bound, and no prediction where there is no theory of the method, or too many unknowns "
-            "for eigenvalues; nan: of step, none that was tried is stable; of near, mm and order, "
-            "none is, or the method chooses its steps; of what fails, none does",
-            plan->subjects[0].scene, COLUMNS(LARGEST_COLUMNS), plan->reason))
-        return -1;
-    for (int i = 0; i < limits->cell_count; i++)
-        for (int k = 0; !limits->cells[i].axis && k < limits->cells[i].trial_count; k++)
-            write_largest(file.stream, &limits->cells[i], &limits->cells[i].trials[k]);
-    return atomic_commit(&file, plan->reason);
+    FILE *stream = output_table(
+        &plan->output, "largest-step",
+        "the longest stable step of each stepper, s, on the first half second of scenes: what it "
+        "is, its rate in Hz, the predicted one, the next that is not stable with how and when that "
+        "fails, the error of the stable one, m, and its CPU time per simulated s; the same of the "
+        "longest step within a twentieth of the wisp's length (near) and of that within 1 mm (mm), "
+        "rms over free nodes and frames; order_step: the longest whose error is what the method's "
+        "order makes of that at shorter steps, to a factor of ten; steps divide the time between "
+        "stops of the clock; predicted is inf where there is no bound, and no prediction where "
+        "there is no theory of the method, or too many unknowns for eigenvalues; nan: of step, "
+        "none that was tried is stable; of near, mm and order, none is, or the method chooses its "
+        "steps; of what fails, none does",
+        plan->subjects[0].scene, COLUMNS(LARGEST_COLUMNS));
+    for (int i = 0; i < limits->cell_count && stream; i++) {
+        const struct cell *cell = &limits->cells[i];
+        for (int k = 0; !cell->axis && k < cell->trial_count; k++) {
+            const struct trial *t = &cell->trials[k];
+            const double step = largest_step(cell, t);
+            const int adaptive = configuration_is_adaptive(t->configuration);
+            WRITE_ROW(stream, LARGEST_COLUMNS);
+        }
+    }
+    return stream ? 0 : -1;
 }
 
 /* --- statements --- */
@@ -188,10 +181,10 @@ static void state_adaptive(struct statements *statements, struct statement row,
                            const struct trial *t, const char *where) {
     const char *name = t->configuration->name;
     if (row.verdict == HOLDS)
-        statements_add(statements, row,
-                       "%s chooses its steps on %s, %.3g ms in the mean at rtol %g, and has no "
-                       "longest one.",
-                       name, where, row.value, LIMITS_TOLERANCE);
+        statements_add(
+            statements, row,
+            "%s chooses its steps on %s, %.3g ms in the mean at rtol %g, and has no longest one.",
+            name, where, row.value, LIMITS_TOLERANCE);
     else
         statements_add(statements, row,
                        "%s chooses its steps, and its run on %s did not reach its end: %s.", name,
@@ -200,17 +193,13 @@ static void state_adaptive(struct statements *statements, struct statement row,
 
 void limits_state_trial(struct statements *statements, const struct cell *cell,
                         const struct trial *trial, enum question answers) {
-    char key[160], where[128];
-    snprintf(key, sizeof key, "%.90s, %.60s", cell->name, trial->configuration->name);
+    char where[128];
     snprintf(where, sizeof where, "%s (%s)", cell->subject, limits_treatment(cell));
     const double step = 1e3 * largest_step(cell, trial);
-    const struct statement row = {.key = key,
-                                  .figure = "limits",
-                                  .tables = "largest-step failures",
-                                  .answers = answers,
-                                  .verdict = isnan(step) ? NOT_REACHED : HOLDS,
-                                  .value = step,
-                                  .unit = "ms"};
+    struct statement row =
+        our_row("limits", "largest-step failures", isnan(step) ? NOT_REACHED : HOLDS, step, "ms",
+                "%.90s, %.60s", cell->name, trial->configuration->name);
+    row.answers = answers;
     if (configuration_is_adaptive(trial->configuration))
         state_adaptive(statements, row, trial, where);
     else
@@ -238,13 +227,9 @@ static void state_extremes(struct statements *statements, const struct cell *cel
     }
     if (!least || !farthest)
         return; /* the user asked for others, or nobody got there */
-    char key[128];
-    snprintf(key, sizeof key, "%.90s, longest steps", cell->subject);
-    const struct statement row = {.key = key,
-                                  .tables = "largest-step",
-                                  .answers = ANSWERS_FAILURES,
-                                  .value = 1e3 * largest_step(cell, least),
-                                  .unit = "ms"};
+    struct statement row = our_row(NULL, "largest-step", HOLDS, 1e3 * largest_step(cell, least),
+                                   "ms", "%.90s, longest steps", cell->subject);
+    row.answers = ANSWERS_FAILURES;
     statements_add(statements, row,
                    "On %s explicit methods fail beyond steps of %.3g ms (%s) to %.3g ms (%s), and "
                    "%s stays within a millimetre with steps of %.3g ms.",
@@ -289,26 +274,19 @@ static void state_cuts(struct statements *statements, const struct plan *plan) {
     const char *before = "";
     for (int i = 0; i < limits->cell_count; i++) {
         const struct cell *cell = &limits->cells[i];
-        char key[128];
         if (cell->axis || strcmp(cell->subject, before) == 0 || !limits_is_cut(plan, cell))
             continue;
         before = cell->subject;
-        snprintf(key, sizeof key, "%.90s, cut", cell->subject);
         statements_add(statements,
-                       (struct statement){.key = key,
-                                          .figure = "limits",
-                                          .verdict = NOT_REACHED,
-                                          .value = cell->scene->duration,
-                                          .unit = "s"},
+                       our_row("limits", NULL, NOT_REACHED, cell->scene->duration, "s",
+                               "%.90s, cut", cell->subject),
                        "The budget allows %s its first %.3g s.", cell->subject,
                        cell->scene->duration);
     }
     if (plan->quick && plan->scene_count == 0)
-        statements_add(
-            statements,
-            (struct statement){.key = "left out", .figure = "limits", .verdict = NOT_REACHED},
-            "All but two values of EA and of nodes, the other axes and swing-envelope "
-            "are left out of --quick.");
+        statements_add(statements, our_row("limits", NULL, NOT_REACHED, NAN, NULL, "left out"),
+                       "All but two values of EA and of nodes, the other axes and swing-envelope "
+                       "are left out of --quick.");
 }
 
 /* The first treatment of a scene answers where a method fails on it. */
@@ -328,9 +306,9 @@ static void state_trials(struct statements *statements, const struct limits *lim
     }
 }
 
-int limits_tabulate(struct plan *plan, const char *folder, struct statements *statements) {
-    if (write_limits(plan, folder) || write_scenes(plan, folder) ||
-        limits_write_failures(plan, folder))
+int limits_tabulate(struct plan *plan) {
+    struct statements *statements = &plan->output.statements;
+    if (write_limits(plan) || write_scenes(plan) || limits_write_failures(plan))
         return -1;
     state_trials(statements, plan->memo);
     state_prediction(statements, plan);

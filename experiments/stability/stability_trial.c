@@ -80,26 +80,23 @@ int limits_begin(struct plan *plan, struct cell *cell, const struct configuratio
 
 /* --- from round to round --- */
 
-static int add_timed(struct plan *plan, const struct cell *cell, struct trial *trial, int place,
-                     int *at) {
-    *at = plan->case_count;
-    return add_run(plan, cell, trial, limits_step(cell, place), 3);
-}
-
 /* The timed runs of the longest stable step and of the two that are near the truth. */
 static int begin_timing(struct plan *plan, const struct cell *cell, struct trial *trial) {
-    int stable;
     trial->phase = DONE;
     if (cell->axis)
         return 0;
     if (trial->place.missed >= 0 && limits_plan_failures(plan, cell, trial))
         return -1;
     trial->phase = TIMING;
-    for (int i = NEAR; i <= MILLIMETRE; i++)
-        if (trial->aims[i].place.reached >= 0 &&
-            add_timed(plan, cell, trial, trial->aims[i].place.reached, &trial->aims[i].timed))
+    for (int i = NEAR; i <= MILLIMETRE; i++) {
+        struct aim *aim = &trial->aims[i];
+        if (aim->place.reached < 0)
+            continue;
+        aim->timed = plan->case_count;
+        if (add_run(plan, cell, trial, limits_step(cell, aim->place.reached), 3))
             return -1;
-    return add_timed(plan, cell, trial, trial->place.reached, &stable);
+    }
+    return add_run(plan, cell, trial, limits_step(cell, trial->place.reached), 3);
 }
 
 static int read_timing(struct plan *plan, struct trial *trial) {
@@ -112,11 +109,6 @@ static int read_timing(struct plan *plan, struct trial *trial) {
 }
 
 /* --- the aims --- */
-
-/* Along an axis only the order is asked for. */
-static int has_aim(const struct cell *cell, int aim) {
-    return !cell->axis || aim == IN_ORDER;
-}
 
 /* Takes the error at an aim's place, m, NaN of a run that failed. Returns whether there is another
  * place to try. */
@@ -136,7 +128,8 @@ static int next_aim(struct plan *plan, const struct cell *cell, struct trial *tr
     for (; trial->aiming < AIMS; trial->aiming++) {
         struct aim *aim = &trial->aims[trial->aiming];
         aim->place = bracket_begin(trial->place.reached, trial->place.reached);
-        if (has_aim(cell, (int)trial->aiming) && take_error(plan, cell, trial, trial->error))
+        const int asked = !cell->axis || trial->aiming == IN_ORDER; /* along an axis that alone */
+        if (asked && take_error(plan, cell, trial, trial->error))
             return add_run(plan, cell, trial, limits_step(cell, aim->place.at), 0);
     }
     return begin_timing(plan, cell, trial);

@@ -71,6 +71,7 @@ struct point {
 /* One panel: a scene with one treatment. */
 struct field {
     const struct subject *subject;
+    char group[128];                   /* of its runs in the plan */
     const struct scene *whole, *scene; /* of the reference; cut to the horizon */
     int treatment;
     char left_out[64]; /* other treatments of the scene that are too expensive; empty: none */
@@ -127,10 +128,10 @@ struct race_answers {
     struct race_tally method, treatment; /* the thesis's choice, as either */
 };
 
-/* The stages of struct experiment. */
-int race_plan(struct plan *plan, const struct race *race);
+/* The stages of a struct experiment whose `study` is a struct race. */
+int race_plan(struct plan *plan);
 int race_refine(struct plan *plan);
-int race_tabulate(struct plan *plan, const char *folder);
+int race_tabulate(struct plan *plan);
 
 /* Between the files of a race, each of which stands on those before it. */
 
@@ -180,8 +181,6 @@ double race_afford(struct plan *plan, const struct race *race, const struct scen
                    int *treatments, int *count, char left_out[64]);
 
 /* --- race_plan.c --- */
-
-void race_group(char group[128], const struct field *field);
 
 /* The run of entry at level k with the j-th jittered tolerance; NULL: there is none. */
 const struct labelled_case *race_case(const struct plan *plan, const struct field *field,

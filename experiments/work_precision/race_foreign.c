@@ -44,11 +44,10 @@ static int read_name(struct plan *plan, struct foreign *foreign, const char *giv
     int taken = 0;
     if (length == 0 || given[length] != '=' || !given[length + 1] ||
         length >= sizeof foreign->name || given[0] == ' ')
-        return fail_with(
-            plan->reason,
-            "--states %.150s: must be NAME=FILE, with a NAME of up to %d letters, digits, "
-            "blanks and -+._",
-            given, (int)sizeof foreign->name - 1);
+        return fail_with(plan->reason,
+                         "--states %.150s: must be NAME=FILE, with a NAME of up to %d letters, "
+                         "digits, blanks and -+._",
+                         given, (int)sizeof foreign->name - 1);
     snprintf(foreign->name, sizeof foreign->name, "%.*s", (int)length, given);
     foreign->file = given + length + 1;
     struct configuration *all = configurations_choose(CONFIGURATION_ANY, 0);
@@ -177,11 +176,10 @@ static int find_field(struct plan *plan, const struct race_notes *notes, struct 
                      heading->treatment[0] ? heading->treatment : race_treatment(WISP_GENERALISED),
                      name);
     if (heading->hash[0])
-        return wrong(
-            foreign, heading->hash_line, plan->reason,
-            "is of a scene with hash %s, which %s has not; compute it on the scene that is "
-            "run here",
-            heading->hash, plan->subject_count > 1 ? "none of the scenes" : name);
+        return wrong(foreign, heading->hash_line, plan->reason,
+                     "is of a scene with hash %s, which %s has not; compute it on the scene that "
+                     "is run here",
+                     heading->hash, plan->subject_count > 1 ? "none of the scenes" : name);
     return wrong(foreign, 0, plan->reason,
                  "does not say of which of %d scenes it is; give --scene, or its line '# scene "
                  "NAME, hash ...'",
@@ -279,11 +277,11 @@ static int check_frames(const struct foreign *foreign, const struct trajectory *
         const double t = scene->begin + fmin(k / scene->frame_rate, scene->duration);
         const int frame = frame_at(trajectory, t);
         if (frame < 0)
-            return wrong(foreign, 0, reason,
-                         "has no frame at t = %.17g s; %s is compared at %g frames a second from "
-                         "%g to %g s",
-                         t, foreign->field->subject->name, scene->frame_rate, scene->begin,
-                         scene->begin + scene->duration);
+            return wrong(
+                foreign, 0, reason,
+                "has no frame at t = %.17g s; %s is compared at %g frames a second from %g to %g s",
+                t, foreign->field->subject->name, scene->frame_rate, scene->begin,
+                scene->begin + scene->duration);
         code = check_frame(foreign, trajectory, frame, model, start, reason);
     }
     return code;
@@ -332,8 +330,8 @@ static int check_settings(struct plan *plan, const struct race_notes *notes) {
             if (strcmp(one->name, other->name) == 0 && one->field == other->field &&
                 (one->setting == other->setting || (isnan(one->setting) && isnan(other->setting))))
                 return wrong(other, 0, plan->reason,
-                             "has the setting of %.100s; points of one curve are told apart by "
-                             "'# setting: ' in their first lines",
+                             "has the setting of %.100s; points of one curve are told apart by '# "
+                             "setting: ' in their first lines",
                              one->file);
         }
     return 0;

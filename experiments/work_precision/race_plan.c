@@ -9,26 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* --- names --- */
-
-void race_group(char group[128], const struct field *field) {
-    snprintf(group, 128, "%s %s", field->subject->name, race_treatment(field->treatment));
-}
-
-static int adds(struct plan *plan, const struct field *field, const struct scene *scene,
-                const struct run_request *request, const char *label) {
-    char group[128];
-    race_group(group, field);
-    return plan_add(plan, scene, request, group, "%s", label);
-}
-
-static const struct labelled_case *found(const struct plan *plan, const struct field *field,
-                                         const char *label) {
-    char group[128];
-    race_group(group, field);
-    return find_case(plan, group, label);
-}
-
 /* --- runs --- */
 
 static struct run_request request_for(const struct plan *plan, const struct field *field,
@@ -44,24 +24,21 @@ static struct run_request request_for(const struct plan *plan, const struct fiel
     return request;
 }
 
-static void name_run(char label[64], const struct entry *entry, int k, int j) {
-    snprintf(label, 64, "%s, level %d.%d", entry->configuration->name, k, j);
-}
+#define RUN_LABEL "%s, level %d.%d" /* configuration, level, jitter */
 
 const struct labelled_case *race_case(const struct plan *plan, const struct field *field,
                                       const struct entry *entry, int k, int j) {
-    char label[64];
-    name_run(label, entry, k, j);
-    return found(plan, field, label);
+    return find_case(plan, field->group, RUN_LABEL, entry->configuration->name, k, j);
 }
 
 /* A search and a chart may want the same run. */
 static int plan_run(struct plan *plan, const struct field *field, const struct entry *entry, int k,
                     int j) {
     const struct run_request request = request_for(plan, field, entry, k, j);
-    char label[64];
-    name_run(label, entry, k, j);
-    return found(plan, field, label) ? 0 : adds(plan, field, field->scene, &request, label);
+    return race_case(plan, field, entry, k, j)
+               ? 0
+               : plan_add(plan, field->scene, &request, field->group, RUN_LABEL,
+                          entry->configuration->name, k, j);
 }
 
 /* --- scenes --- */
@@ -76,11 +53,6 @@ static int wants_treatment(const struct race *race, const struct scene *scene, i
 
 /* --- the first stage --- */
 
-static struct run_request reference_request(const struct field *field) {
-    return (struct run_request){.stepper = "reference",
-                                .treatment = race_treatment(field->treatment)};
-}
-
 /* One for each configuration, also where it is refused. */
 static void add_entries(struct plan *plan, struct field *field) {
     for (int c = 0; c < plan->configuration_count; c++) {
@@ -93,16 +65,18 @@ static void add_entries(struct plan *plan, struct field *field) {
 
 /* `exact` is the scene whose penalty stands for the exact motion, or NULL. */
 static int plan_field(struct plan *plan, struct field *field, const struct scene *exact) {
-    struct run_request request = reference_request(field);
-    if (adds(plan, field, field->whole, &request, "reference"))
+    struct run_request request = {.stepper = "reference",
+                                  .treatment = race_treatment(field->treatment)};
+    if (plan_add(plan, field->whole, &request, field->group, "reference"))
         return -1;
     request.perturbation = HORIZON_PERTURBATION;
     request.draw = 1;
-    if (field->touches && adds(plan, field, field->whole, &request, "reference, perturbed"))
+    if (field->touches &&
+        plan_add(plan, field->whole, &request, field->group, "reference, perturbed"))
         return -1;
     const struct run_request stiff = {.stepper = "reference", .treatment = "penalty"};
     add_entries(plan, field);
-    return exact ? adds(plan, field, exact, &stiff, "exact") : 0;
+    return exact ? plan_add(plan, exact, &stiff, field->group, "exact") : 0;
 }
 
 static int plan_scenes(struct plan *plan, struct race_notes *notes) {
@@ -128,6 +102,8 @@ static int plan_scenes(struct plan *plan, struct race_notes *notes) {
             field->subject = subject;
             field->whole = field->scene = scene;
             field->treatment = treatments[t];
+            snprintf(field->group, sizeof field->group, "%s %s", subject->name,
+                     race_treatment(treatments[t]));
             snprintf(field->left_out, sizeof field->left_out, "%s", left_out);
             field->touches = scene_has_contacts(scene);
             notes->field_count++;
@@ -145,7 +121,8 @@ static int list_length(const char *const *list) {
     return count;
 }
 
-int race_plan(struct plan *plan, const struct race *race) {
+int race_plan(struct plan *plan) {
+    const struct race *race = plan->experiment->study;
     const char *const *own = plan->quick ? race->quick_scenes : race->scenes;
     plan->run_seconds = 60;
     const unsigned kinds =
@@ -173,8 +150,8 @@ int race_plan(struct plan *plan, const struct race *race) {
 
 /* Reads how long trajectories may be compared, and cuts the field's scene to that. */
 static int read_horizon(struct plan *plan, struct field *field) {
-    const struct labelled_case *reference = found(plan, field, "reference"),
-                               *perturbed = found(plan, field, "reference, perturbed");
+    const struct labelled_case *reference = find_case(plan, field->group, "reference"),
+                               *perturbed = find_case(plan, field->group, "reference, perturbed");
     field->horizon = field->whole->duration;
     if (!perturbed)
         return 0;

@@ -4,6 +4,7 @@
 #include "model/model.h"
 #include "race.h"
 
+#include <gsl/gsl_sort.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,7 +24,7 @@ double race_error_at_most(const struct field *field, const struct point *p) {
 static struct point *new_point(struct field *field, const struct entry *entry, int k,
                                const char *status, const char *note) {
     struct point *p = &field->points[field->point_count++];
-    const struct deviation none = {NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
+    const struct deviation none = {NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
     *p = (struct point){.entry = entry,
                         .setting = race_setting(field, entry, k),
                         .status = status,
@@ -72,7 +73,7 @@ static int read_run(struct plan *plan, const struct field *field, const struct l
     const struct scene *scene = field->scene;
     struct run_files run;
     int code = 0;
-    if (run_read_states(&run, one->run.folder, plan->trajectories, plan->reason))
+    if (plan_read(plan, one, &run))
         return -1;
     const char *reason = json_string_value(json_object_get(run.json, "reason"));
     result->outcome = run.outcome;
@@ -96,11 +97,6 @@ static int by_error(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-static int ascending(const void *a, const void *b) {
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* The point of a set of runs, all finished: the one with the median error stands for it, the first
  * one for how far it went. The CPU time of jittered runs is spread over those that are timed; that
  * of a single one is its own. */
@@ -119,7 +115,7 @@ static void summarise(struct point *p, struct outcome_of_run *runs, int count) {
     for (int i = 0; i < count; i++)
         if (runs[i].timed)
             cpu[timed++] = runs[i].cost.cpu.median;
-    qsort(cpu, (size_t)timed, sizeof *cpu, ascending);
+    gsl_sort(cpu, 1, (size_t)timed);
     p->cost.cpu = (struct spread){cpu[timed / 2], cpu[0], cpu[timed - 1]};
 }
 
@@ -217,10 +213,7 @@ static void read_evaluation(struct field *field) {
 
 /* Where a reference failed its runs keep their rows, without errors. */
 static int read_reference(struct plan *plan, struct field *field) {
-    char group[128];
-    race_group(group, field);
-    if (run_read_states(&field->reference, find_case(plan, group, "reference")->run.folder,
-                        plan->trajectories, plan->reason))
+    if (plan_read(plan, find_case(plan, field->group, "reference"), &field->reference))
         return -1;
     field->has_reference = field->reference.outcome == FINISHED;
     field->bound = run_number(&field->reference, "cross_check.bound");
@@ -283,16 +276,14 @@ const struct point *race_cheapest_of(const struct field *field, double target,
 
 /* How far the treatment itself is from the exact constrained motion, whoever integrates it. */
 static int read_treatment_error(struct plan *plan, struct field *field) {
-    char group[128];
     struct run_files exact;
     struct deviation deviation;
     int code = 0;
-    race_group(group, field);
-    const struct labelled_case *one = find_case(plan, group, "exact");
+    const struct labelled_case *one = find_case(plan, field->group, "exact");
     field->treatment_error = NAN;
     if (!one || !field->has_reference)
         return 0;
-    if (run_read_states(&exact, one->run.folder, plan->trajectories, plan->reason))
+    if (plan_read(plan, one, &exact))
         return -1;
     if (exact.outcome == FINISHED) {
         code = measure_deviation(field->whole, field->reference.states, exact.states, 1, &deviation,

@@ -29,11 +29,6 @@ static double costliest(const struct plan *plan) {
     return plan->quick ? 0.5 : 1.5;
 }
 
-/* What costs no more is in every chart, s. */
-static double trifle(const struct plan *plan) {
-    return plan->quick ? 0.03 : 0.1;
-}
-
 /* The cost of steps that long, one after the other in all wisps. */
 static double steps_cost(const struct field *field, const struct configuration *configuration,
                          double step) {
@@ -167,7 +162,7 @@ static void fit_adaptive(const struct field *field, struct entry *entry, double 
 }
 
 void race_fit(const struct plan *plan, struct field *fields, int field_count) {
-    double cap = trifle(plan);
+    double cap = plan->quick ? 0.03 : 0.1; /* what costs no more is in every chart, s */
     for (int f = 0; f < field_count; f++)
         for (int i = 0; i < fields[f].entry_count; i++)
             cap = fmax(cap, needed(plan, &fields[f], &fields[f].entries[i]));

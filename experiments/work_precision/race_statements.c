@@ -3,6 +3,7 @@
 #include "race.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -28,15 +29,28 @@ static enum question if_asked(const struct race_answers *answers, enum question 
     return answers->asked & 1u << question ? question : ANSWERS_NONE;
 }
 
-/* A row on a scene: its key is the scene's with a word. */
-struct keys {
-    char key[160], tables[256];
-};
-static struct statement row_of(const struct field *field, const char *word, struct keys *keys) {
+/* A row on a scene: its key is the scene's with a word (printf). */
+__attribute__((format(printf, 5, 6))) static struct statement row_of(const struct field *field,
+                                                                     enum claim_verdict verdict,
+                                                                     double value, const char *unit,
+                                                                     const char *word, ...) {
     const char *scene = field->subject->name;
-    snprintf(keys->key, sizeof keys->key, "%.70s, %.70s", scene, word);
-    snprintf(keys->tables, sizeof keys->tables, "%s %s-reference", scene, scene);
-    return (struct statement){.key = keys->key, .figure = scene, .tables = keys->tables};
+    char tables[192], text[96];
+    va_list arguments;
+    va_start(arguments, word);
+    vsnprintf(text, sizeof text, word, arguments);
+    va_end(arguments);
+    snprintf(tables, sizeof tables, "%s %s-reference", scene, scene);
+    return our_row(scene, tables, verdict, value, unit, "%.70s, %.70s", scene, text);
+}
+
+/* A row of the thesis's choice. */
+static struct statement choice_row(const struct field *field, enum claim_verdict verdict,
+                                   double value, const char *key) {
+    struct statement row = row_of(field, verdict, value, "1", "%s", key);
+    row.answers = ANSWERS_CHOICE;
+    row.by = THESIS;
+    return row;
 }
 
 /* --- what one would choose --- */
@@ -93,27 +107,21 @@ static void state_target(struct statements *statements, const struct field *fiel
     const struct point *next = best ? cheapest_of(fields, count, error, best, &next_in) : NULL;
     const char *scene = fields->subject->name,
                *with = has_envelope(fields) ? " (with its treatment's error)" : "";
-    char word[32], tied[512] = "", runner_up[128] = "";
-    struct keys keys;
-    snprintf(word, sizeof word, "%g mm", mm);
-    struct statement row = row_of(fields, word, &keys);
+    char tied[512] = "", runner_up[128] = "";
+    struct statement row = row_of(fields, best ? HOLDS : NOT_REACHED,
+                                  best ? 1e3 * best->cost.cpu.median : NAN, "ms", "%g mm", mm);
     row.answers = if_asked(answers, ANSWERS_TARGETS);
     if (best)
         list_tied(fields, count, error, best, tied);
     answers->cheapest[answers->subjects * RACE_TARGETS + target] = !best     ? NULL
                                                                    : tied[0] ? nobody_alone
                                                                              : name_of(best);
-    if (!best) {
-        row.verdict = NOT_REACHED;
-        statements_add(statements, row, "No run on %s is within %g mm%s.", scene, mm, with);
-        return;
-    }
-    row.value = 1e3 * best->cost.cpu.median;
-    row.unit = "ms";
     if (next)
         snprintf(runner_up, sizeof runner_up, "; %s is next with %.3g ms", name_of(next),
                  1e3 * next->cost.cpu.median);
-    if (tied[0])
+    if (!best)
+        statements_add(statements, row, "No run on %s is within %g mm%s.", scene, mm, with);
+    else if (tied[0])
         statements_add(statements, row,
                        "Within %g mm on %s%s the cheapest are %s (%.3g ms of CPU time)%s, too "
                        "close to tell apart.",
@@ -164,25 +172,21 @@ static void tally_add(struct race_tally *tally, int holds) {
 static void state_method(struct statements *statements, const struct field *field,
                          const struct point *own, struct race_answers *answers) {
     const char *scene = field->subject->name;
+    static const char key[] = "choice of method";
     char choice[512];
-    struct keys keys;
-    struct statement row = row_of(field, "choice of method", &keys);
-    row.answers = ANSWERS_CHOICE;
-    row.by = THESIS;
     snprintf(choice, sizeof choice, "On %s explicit Euler%s at %.0f Hz is the right method", scene,
              has_envelope(field) ? " with projection" : "", 1 / own->setting);
     if (!race_finished(own)) {
-        row.verdict = HOLDS_NOT;
         tally_add(&answers->method, 0);
-        statements_add(statements, row, "%s: it ends '%s'.", choice, own->status);
+        statements_add(statements, choice_row(field, HOLDS_NOT, NAN, key), "%s: it ends '%s'.",
+                       choice, own->status);
         return;
     }
     const double ms = 1e3 * own->cost.cpu.median, mm = 1e3 * own->deviation.rms;
     const struct point *best = race_cheapest(field, race_error_at_most(field, own), NULL);
     const int right = !cost_is_less(&best->cost, &own->cost);
-    row.verdict = holds_if(right);
-    row.value = ms / (1e3 * best->cost.cpu.median);
-    row.unit = "1";
+    const struct statement row =
+        choice_row(field, holds_if(right), ms / (1e3 * best->cost.cpu.median), key);
     tally_add(&answers->method, right);
     if (right)
         statements_add(statements, row,
@@ -197,27 +201,20 @@ static void state_method(struct statements *statements, const struct field *fiel
 static void state_treatment(struct statements *statements, const struct field *field,
                             const struct point *own, struct race_answers *answers) {
     const char *scene = field->subject->name;
+    static const char key[] = "choice of treatment";
     const double off = field->treatment_error, error = own->deviation.rms;
-    struct keys keys;
-    struct statement row = row_of(field, "choice of treatment", &keys);
-    row.answers = ANSWERS_CHOICE;
-    row.by = THESIS;
     if (isnan(off) || !race_finished(own)) {
-        row.verdict = NOT_REACHED;
         statements_add(
-            statements, row,
+            statements, choice_row(field, NOT_REACHED, NAN, key),
             "On %s projection itself errs no more than the method: what it errs is not known.",
             scene);
         return;
     }
-    row.verdict = holds_if(off <= error);
-    row.value = off / error;
-    row.unit = "1";
     tally_add(&answers->treatment, off <= error);
-    statements_add(statements, row,
+    statements_add(statements, choice_row(field, holds_if(off <= error), off / error, key),
                    "On %s projection itself errs no more than the method: it is %.2g mm from the "
                    "exact constrained motion, %.2g times the method's error.",
-                   scene, 1e3 * off, row.value);
+                   scene, 1e3 * off, off / error);
 }
 
 static void state_choice(struct statements *statements, const struct field *fields, int field_count,
@@ -225,18 +222,14 @@ static void state_choice(struct statements *statements, const struct field *fiel
     const struct field *field = thesis_field(fields, field_count);
     int asked;
     const struct point *own = thesis_run(field, &asked);
-    struct keys keys;
     if (own) {
         state_method(statements, field, own, answers);
         if (has_envelope(field))
             state_treatment(statements, field, own, answers);
         return;
     }
-    struct statement row = row_of(fields, "choice", &keys);
-    row.answers = ANSWERS_CHOICE;
-    row.by = THESIS;
-    row.verdict = asked ? NOT_REACHED : NOT_ASKED;
-    statements_add(statements, row, "On %s explicit Euler%s at 9000 Hz is the right method: it %s.",
+    statements_add(statements, choice_row(fields, asked ? NOT_REACHED : NOT_ASKED, NAN, "choice"),
+                   "On %s explicit Euler%s at 9000 Hz is the right method: it %s.",
                    fields->subject->name, has_envelope(fields) ? " with projection" : "",
                    asked ? "has no run near that rate" : "was not asked for");
 }
@@ -257,7 +250,6 @@ static void add_field(struct record *record, const struct field *field, const vo
     int runs = 0;
     for (int i = 0; i < field->point_count; i++) {
         const struct point *p = &field->points[i];
-        const size_t used = strlen(record->kinds);
         if (p->entry->configuration != configuration)
             continue;
         if (p->runs == 0) {
@@ -268,8 +260,7 @@ static void add_field(struct record *record, const struct field *field, const vo
         record->failures += p->failed > 0;
         safe = p->failed ? NAN : isnan(safe) ? p->setting : safe;
         if (p->failed && !strstr(record->kinds, p->status))
-            snprintf(record->kinds + used, sizeof record->kinds - used, "%s%s", used ? ", " : "",
-                     p->status);
+            list_add(record->kinds, sizeof record->kinds, "%s", p->status);
     }
     if (runs > 0 && (record->runs == 0 || isnan(safe) || safe < record->safe))
         record->safe = safe;
@@ -281,13 +272,12 @@ static void state_record(struct statements *statements, const struct field *fiel
                          const struct race_answers *answers) {
     const char *scene = fields->subject->name, *name = entry->configuration->name;
     const int adaptive = configuration_is_adaptive(entry->configuration);
-    char word[96], from[64] = "the finest among them";
-    struct keys keys;
-    snprintf(word, sizeof word, "failures of %.70s", name);
-    struct statement row = row_of(fields, word, &keys);
+    char from[64] = "the finest among them";
+    struct statement row =
+        row_of(fields, record->runs ? HOLDS : NOT_REACHED,
+               record->runs ? (double)record->failures : NAN, "1", "failures of %.70s", name);
     row.answers = if_asked(answers, ANSWERS_FAILURES);
     if (record->runs == 0) {
-        row.verdict = NOT_REACHED;
         statements_add(statements, row, "On %s %s has no run (%s).", scene, name, record->note);
         return;
     }
@@ -295,8 +285,6 @@ static void state_record(struct statements *statements, const struct field *fiel
         snprintf(from, sizeof from, "and at none from %s %.3g%s on",
                  adaptive ? "rtol" : "h =", adaptive ? record->safe : 1e3 * record->safe,
                  adaptive ? "" : " ms");
-    row.value = record->failures;
-    row.unit = "1";
     statements_add(statements, row, "On %s %s fails at %d of %d settings (%s), %s.", scene, name,
                    record->failures, record->runs, record->kinds, from);
 }
@@ -318,7 +306,6 @@ static void state_failures(struct statements *statements, const struct field *fi
         for (int i = 0; i < fields[f].entry_count; i++) {
             const struct entry *entry = &fields[f].entries[i];
             struct record record = {.safe = NAN};
-            const size_t used = strlen(never);
             if (was_seen(fields, f, entry))
                 continue;
             for (int k = f; k < count; k++)
@@ -326,11 +313,9 @@ static void state_failures(struct statements *statements, const struct field *fi
             if (record.failures > 0 || record.runs == 0)
                 state_record(statements, fields, entry, &record, answers);
             else
-                snprintf(never + used, sizeof never - used, "%s%s", used ? ", " : "",
-                         entry->configuration->name);
+                list_add(never, sizeof never, "%s", entry->configuration->name);
         }
-    struct keys keys;
-    struct statement row = row_of(fields, "no failures", &keys);
+    struct statement row = row_of(fields, HOLDS, NAN, NULL, "no failures");
     row.answers = if_asked(answers, ANSWERS_FAILURES);
     if (never[0])
         statements_add(statements, row, "On %s these methods never fail: %s.",
@@ -342,7 +327,6 @@ static void state_failures(struct statements *statements, const struct field *fi
 static void state_points(struct statements *statements, const struct field *fields, int count) {
     const struct point *best = NULL;
     int finished = 0, failed = 0, none = 0;
-    struct keys keys;
     for (int f = 0; f < count; f++)
         for (int i = 0; i < fields[f].point_count; i++) {
             const struct point *p = &fields[f].points[i];
@@ -352,30 +336,21 @@ static void state_points(struct statements *statements, const struct field *fiel
             if (race_finished(p) && (!best || p->deviation.rms < best->deviation.rms))
                 best = p;
         }
-    struct statement row = row_of(fields, "settings", &keys);
-    row.verdict = finished ? HOLDS : NOT_REACHED;
-    row.value = finished;
-    row.unit = "1";
-    statements_add(statements, row,
+    statements_add(statements,
+                   row_of(fields, finished ? HOLDS : NOT_REACHED, finished, "1", "settings"),
                    "On %s %d settings finish, %d fail, and %d are refused or left out.",
                    fields->subject->name, finished, failed, none);
-    if (!best)
-        return;
-    row = row_of(fields, "smallest error", &keys);
-    row.value = 1e3 * best->deviation.rms;
-    row.unit = "mm";
-    statements_add(statements, row, "The smallest error on %s is that of %s, %.2g mm.",
-                   fields->subject->name, name_of(best), row.value);
+    if (best)
+        statements_add(statements,
+                       row_of(fields, HOLDS, 1e3 * best->deviation.rms, "mm", "smallest error"),
+                       "The smallest error on %s is that of %s, %.2g mm.", fields->subject->name,
+                       name_of(best), 1e3 * best->deviation.rms);
 }
 
 void race_state_reference(struct statements *statements, const struct field *field) {
     const char *scene = field->subject->name, *treatment = race_treatment(field->treatment);
-    char word[64];
-    struct keys keys;
-    snprintf(word, sizeof word, "%.40s, reference", treatment);
-    struct statement row = row_of(field, word, &keys);
-    row.value = field->scene->duration;
-    row.unit = "s";
+    struct statement row =
+        row_of(field, HOLDS, field->scene->duration, "s", "%.40s, reference", treatment);
     if (!field->has_reference) {
         row.verdict = NOT_REACHED;
         row.value = run_number(&field->reference, "simulated_time");
@@ -393,11 +368,9 @@ void race_state_foreign(struct statements *statements, const struct field *field
                         const struct point *p, int number) {
     const struct point *best = race_cheapest(field, p->deviation.rms, NULL);
     const double evaluations = p->cost.evaluations, cpu = p->cost.cpu.median;
-    char word[70], cost[120], ours[160] = "no run of wisplab's own errs as little";
-    struct keys keys;
-    snprintf(word, sizeof word, "%.16s, %.39s %d", race_treatment(field->treatment), name_of(p),
-             number);
-    struct statement row = row_of(field, word, &keys);
+    char cost[120], ours[160] = "no run of wisplab's own errs as little";
+    struct statement row = row_of(field, HOLDS, NAN, NULL, "%.16s, %.39s %d",
+                                  race_treatment(field->treatment), name_of(p), number);
     if (!isnan(evaluations) && !isnan(cpu))
         snprintf(cost, sizeof cost, "with %.0f evaluations in %.3g s", evaluations, cpu);
     else if (!isnan(evaluations))
@@ -425,7 +398,6 @@ static void state_cuts(struct statements *statements, const struct field *fields
     const char *const *cheapest = answers->cheapest + answers->subjects * RACE_TARGETS;
     char open[128] = "";
     int cut = 0;
-    struct keys keys;
     for (int f = 0; f < count; f++)
         for (int i = 0; i < fields[f].entry_count; i++)
             cut += fields[f].entries[i].left_out[0] != '\0';
@@ -433,23 +405,16 @@ static void state_cuts(struct statements *statements, const struct field *fields
         if (!cheapest[i])
             snprintf(open + strlen(open), sizeof open - strlen(open), "%s%g mm",
                      open[0] ? " or " : "; they could have been within ", 1e3 * targets[i]);
-    struct statement row = row_of(fields, "cut", &keys);
-    row.verdict = NOT_REACHED;
     if (fields->whole->duration < whole)
-        statements_add(statements, row, "Of %s the first %.3g of %.3g s are compared.",
-                       fields->subject->name, fields->whole->duration, whole);
-    row = row_of(fields, "treatments left out", &keys);
-    row.verdict = NOT_REACHED;
+        statements_add(statements, row_of(fields, NOT_REACHED, NAN, NULL, "cut"),
+                       "Of %s the first %.3g of %.3g s are compared.", fields->subject->name,
+                       fields->whole->duration, whole);
     if (fields->left_out[0])
-        statements_add(statements, row,
+        statements_add(statements, row_of(fields, NOT_REACHED, NAN, NULL, "treatments left out"),
                        "On %s nothing is run with %s, which is predicted to take too long.",
                        fields->subject->name, fields->left_out);
-    row = row_of(fields, "left out", &keys);
-    row.verdict = NOT_REACHED;
-    row.value = cut;
-    row.unit = "1";
     if (cut)
-        statements_add(statements, row,
+        statements_add(statements, row_of(fields, NOT_REACHED, cut, "1", "left out"),
                        "On %s the settings of %d method%s end where runs are predicted to cost "
                        "more than any that was made, and could not have been the cheapest within "
                        "an error that was reached%s.",
@@ -500,13 +465,11 @@ static int list_winners(const struct race_answers *answers, int target, char tex
 static void state_winners(struct statements *statements, const struct race_answers *answers,
                           int target) {
     const double mm = 1e3 * targets[target];
-    char key[32], winners[512], ties[80] = "";
-    snprintf(key, sizeof key, "%g mm", mm);
+    char winners[512], ties[80] = "";
     const int tied = list_winners(answers, target, winners);
-    const struct statement row = {.key = key,
-                                  .answers = ANSWERS_TARGETS,
-                                  .verdict = winners[0] || tied ? HOLDS : NOT_REACHED,
-                                  .tables = "scenes"};
+    struct statement row =
+        our_row(NULL, "scenes", winners[0] || tied ? HOLDS : NOT_REACHED, NAN, NULL, "%g mm", mm);
+    row.answers = ANSWERS_TARGETS;
     if (tied && winners[0])
         snprintf(ties, sizeof ties, ", and on %d several methods cost about the same", tied);
     else if (tied)
@@ -521,13 +484,9 @@ static void state_winners(struct statements *statements, const struct race_answe
 /* A claim that would hold on every scene, and what is the case where it does not. */
 static void state_tally(struct statements *statements, const char *key, const char *claim,
                         const struct race_tally *tally, const char *instead) {
-    const struct statement row = {.key = key,
-                                  .answers = ANSWERS_CHOICE,
-                                  .by = THESIS,
-                                  .tables = "scenes",
-                                  .value = tally->holds,
-                                  .unit = "1",
-                                  .verdict = holds_if(tally->holds == tally->of)};
+    struct statement row = thesis_row(NULL, "scenes", holds_if(tally->holds == tally->of),
+                                      tally->holds, "1", "%s", key);
+    row.answers = ANSWERS_CHOICE;
     statements_add(statements, row, "%s: of %d scenes tried, %s on %d.", claim, tally->of, instead,
                    tally->of - tally->holds);
 }
@@ -537,10 +496,10 @@ void race_state_all(struct statements *statements, const struct race_answers *an
         for (int i = 0; i < RACE_TARGETS; i++)
             state_winners(statements, answers, i);
     if (answers->method.of > 0)
-        state_tally(statements, "choice of the method",
-                    "No method is as accurate as explicit Euler with projection at 9000 Hz and "
-                    "cheaper",
-                    &answers->method, "one is");
+        state_tally(
+            statements, "choice of the method",
+            "No method is as accurate as explicit Euler with projection at 9000 Hz and cheaper",
+            &answers->method, "one is");
     if (answers->treatment.of > 0)
         state_tally(statements, "choice of the treatment",
                     "Projection errs less than the method that it goes with", &answers->treatment,

@@ -1,5 +1,4 @@
 /* A race's tables, from which its figures are drawn, and what it prints. */
-#include "base/files.h"
 #include "race.h"
 
 #include <math.h>
@@ -126,53 +125,45 @@ enum { POINTS, REFERENCES, SLOPES, FRONT, CHEAPEST, TABLES };
 static const struct table_form table_kinds[TABLES] = {
     [POINTS] =
         {"",
-         "integration error against the reference solution of the same treatment, over free "
-         "nodes and all frames up to the separation horizon, the common start among them: error = "
-         "rms, m, and of runs at jittered tolerances rtol (1 + j 1e-12) the median, the least and "
-         "the greatest; of the median one: largest, m; relative = rms over length; end = rms at "
-         "the end, m; velocity = rms, m/s; radius = rms of the samples' distance from their node, "
-         "m; mescd at the end; CPU time, s: of repeated, or of three jittered runs, alone on the "
+         "integration error against the reference solution of the same treatment, over free nodes "
+         "and all frames up to the separation horizon, the common start among them: error = rms, "
+         "m, and of runs at jittered tolerances rtol (1 + j 1e-12) the median, the least and the "
+         "greatest; of the median one: largest, m; relative = rms over length; end = rms at the "
+         "end, m; velocity = rms, m/s; radius = rms of the samples' distance from their node, m; "
+         "mescd at the end; CPU time, s: of repeated, or of three jittered runs, alone on the "
          "machine; equivalents: CPU time over that of a force evaluation in the longest run of the "
-         "explicit method with fixed steps of highest order; setting: "
-         "step, s, or rtol; reference_limited: within ten times the reference's bound, and so on "
-         "no front "
-         "and "
-         "in nobody's way; "
-         "front: Pareto, by steps counted and the table of costs, and by force evaluations; "
-         "strain, penetration (m): largest at "
-         "any frame; drift: largest energy that no work accounts for, over the largest kinetic "
-         "energy, with the works' own error of second order; lanes: the most wisps that are "
-         "computed "
-         "side by side; threads: that share the scene's wisps; run: the folder of the median "
-         "one in runs, or -; nan: there is no number, see status "
-         "and note; diverged history: wisps split at other ticks than the reference's, from where "
-         "on nothing "
-         "is compared",
+         "explicit method with fixed steps of highest order; setting: step, s, or rtol; "
+         "reference_limited: within ten times the reference's bound, and so on no front and in "
+         "nobody's way; front: Pareto, by steps counted and the table of costs, and by force "
+         "evaluations; strain, penetration (m): largest at any frame; drift: largest energy that "
+         "no work accounts for, over the largest kinetic energy, with the works' own error of "
+         "second order; lanes: the most wisps that are computed side by side; threads: that share "
+         "the scene's wisps; run: the folder of the median one in runs, or -; nan: there is no "
+         "number, see status and note; diverged history: wisps split at other ticks than the "
+         "reference's, from where on nothing is compared",
          COLUMNS(POINT_COLUMNS)},
-    [REFERENCES] = {"-reference",
-                    "the reference solutions: bound = largest difference from the cross-check, m; "
-                    "treatment_error = rms over free nodes and frames from the treatment penalty "
-                    "with ratio " EXACT_RATIO ", which stands for the exact constrained motion, m; "
-                    "horizon: up to when a perturbation of 1e-10 m stays below 1 mm, s; compared: "
-                    "what of the scene's duration is compared, s",
-                    COLUMNS(REFERENCE_COLUMNS)},
+    [REFERENCES] =
+        {"-reference",
+         "the reference solutions: bound = largest difference from the cross-check, m; "
+         "treatment_error = rms over free nodes and frames from the treatment penalty with "
+         "ratio " EXACT_RATIO
+         ", which stands for the exact constrained motion, m; horizon: up to when a perturbation "
+         "of 1e-10 m stays below 1 mm, s; compared: what of the scene's duration is compared, s",
+         COLUMNS(REFERENCE_COLUMNS)},
     [SLOPES] = {"-slopes",
                 "slopes of log error over log steps, between a relative error of a hundredth and a "
-                "hundred "
-                "times the reference's bound, " SLOPE_RULE,
+                "hundred times the reference's bound, " SLOPE_RULE,
                 COLUMNS(SLOPE_COLUMNS)},
-    [FRONT] =
-        {"-front",
-         "Pareto fronts: what no other run beats in cost (steps counted and the table of costs, "
-         "shown with its CPU time; or evaluations) and in error, as far as the reference can tell "
-         "(reference-limited ones left out)",
-         COLUMNS(FRONT_COLUMNS)},
+    [FRONT] = {"-front",
+               "Pareto fronts: what no other run beats in cost (steps counted and the table of "
+               "costs, shown with its CPU time; or evaluations) and in error, as far as the "
+               "reference can tell (reference-limited ones left out)",
+               COLUMNS(FRONT_COLUMNS)},
     [CHEAPEST] =
         {"-cheapest",
          "the cheapest run with an error of at most target, m, by steps counted and the table of "
          "costs, with its CPU time, s, and the next method; to the error of a reference-limited "
-         "run the "
-         "reference's bound is added; tied: the next one is not known to be costlier",
+         "run the reference's bound is added; tied: the next one is not known to be costlier",
          COLUMNS(CHEAPEST_COLUMNS)},
 };
 
@@ -230,36 +221,30 @@ static void write_front(FILE *stream, const struct field *field) {
     }
 }
 
-static void write_cheapest(FILE *stream, const struct field *field, double target) {
-    const struct point *p = race_cheapest(field, target, NULL);
-    const struct point *next = p ? race_cheapest(field, target, p->entry->configuration) : NULL;
-    WRITE_ROW(stream, CHEAPEST_COLUMNS);
-}
-
-static void write_field(const struct atomic_file *files, const struct field *field) {
-    write_points(files[POINTS].stream, field);
+static void write_field(FILE *const *streams, const struct field *field) {
+    write_points(streams[POINTS], field);
     for (int i = 0; i < field->entry_count; i++)
-        write_slope(files[SLOPES].stream, field, field->entries[i].configuration);
-    write_front(files[FRONT].stream, field);
-    WRITE_ROW(files[REFERENCES].stream, REFERENCE_COLUMNS);
-    for (int i = 0; i < TARGETS && field->has_reference; i++)
-        write_cheapest(files[CHEAPEST].stream, field, targets[i]);
+        write_slope(streams[SLOPES], field, field->entries[i].configuration);
+    write_front(streams[FRONT], field);
+    WRITE_ROW(streams[REFERENCES], REFERENCE_COLUMNS);
+    for (int i = 0; i < TARGETS && field->has_reference; i++) {
+        const double target = targets[i];
+        const struct point *p = race_cheapest(field, target, NULL);
+        const struct point *next = p ? race_cheapest(field, target, p->entry->configuration) : NULL;
+        WRITE_ROW(streams[CHEAPEST], CHEAPEST_COLUMNS);
+    }
 }
 
-/* Tables and statements. The fields of a subject follow each other; each keeps its points until all
- * are stated. */
-struct output {
-    const char *folder;
-    FILE *list; /* the figures' */
-    struct statements statements;
+/* What is kept from field to field. The fields of a subject follow each other; each keeps its
+ * points until all are stated. */
+struct told {
     struct race_answers answers;
     struct point *points; /* of FIELDS_MAX fields, `most` each */
     int most;
 };
 
 /* Trajectories of other programs, after our own points. */
-static int write_foreign(struct plan *plan, const struct field *field, FILE *stream,
-                         struct statements *statements) {
+static int write_foreign(struct plan *plan, const struct field *field, FILE *stream) {
     const struct race_notes *notes = plan->memo;
     int number = 0;
     for (int i = 0; i < notes->foreign_count; i++) {
@@ -272,48 +257,44 @@ static int write_foreign(struct plan *plan, const struct field *field, FILE *str
         if (race_foreign_read(plan, foreign, &entry, &point))
             return -1;
         write_point(stream, field, &point);
-        race_state_foreign(statements, field, &point, ++number);
+        race_state_foreign(&plan->output.statements, field, &point, ++number);
         if (i + 1 == notes->foreign_count || strcmp(foreign[1].name, foreign->name) != 0)
             fprintf(stream, "\n\n");
     }
     return 0;
 }
 
-static int write_one(struct plan *plan, struct field *field, const struct atomic_file *files,
-                     struct output *output) {
+static int write_one(struct plan *plan, struct field *field, FILE *const *streams) {
     int code = race_read(plan, field);
     if (!code) {
-        write_field(files, field);
-        race_state_reference(&output->statements, field);
+        write_field(streams, field);
+        race_state_reference(&plan->output.statements, field);
         if (field->has_reference)
-            code = write_foreign(plan, field, files[POINTS].stream, &output->statements);
+            code = write_foreign(plan, field, streams[POINTS]);
     }
     run_free(&field->reference);
     return code;
 }
 
 /* Returns the number of the subject's fields that have a reference, or -1. */
-static int tabulate_subject(struct plan *plan, const struct subject *subject,
-                            struct output *output) {
+static int tabulate_subject(struct plan *plan, const struct subject *subject, struct told *told) {
     struct race_notes *notes = plan->memo;
-    struct atomic_file files[TABLES];
-    int code = tables_open(files, table_kinds, TABLES, output->folder, subject->name,
-                           subject->scene, plan->reason);
+    FILE *streams[TABLES];
     int first = 0, count = 0, there = 0;
-    if (code)
+    if (output_tables(&plan->output, streams, table_kinds, TABLES, subject->name, subject->scene))
         return -1;
     while (first < notes->field_count && notes->fields[first].subject != subject)
         first++;
     struct field *fields = notes->fields + first;
-    for (; first + count < notes->field_count && fields[count].subject == subject && !code;
-         count++) {
-        fields[count].points = output->points + count * output->most;
-        code = write_one(plan, &fields[count], files, output);
+    for (; first + count < notes->field_count && fields[count].subject == subject; count++) {
+        fields[count].points = told->points + count * told->most;
+        if (write_one(plan, &fields[count], streams))
+            return -1;
         there += fields[count].has_reference;
     }
-    if (!code && there > 0)
-        race_state_subject(&output->statements, fields, count, &output->answers);
-    return tables_close(files, TABLES, code, plan->reason) ? -1 : there;
+    if (there > 0)
+        race_state_subject(&plan->output.statements, fields, count, &told->answers);
+    return there;
 }
 
 #define LIST_COLUMNS(X)                                                                   \
@@ -324,63 +305,46 @@ static int tabulate_subject(struct plan *plan, const struct subject *subject,
     X("length", "m", "length of its longest wisp", "%.17g", longest_wisp(subject->scene)) \
     X("wisps", "1", "number of wisps", "%d", subject->scene->wisp_count)
 
-/* The figures' list: scenes with at least one reference. */
-static int tabulate_all(struct plan *plan, struct output *output) {
-    int drawn = 0;
+/* With the figures' list: scenes with at least one reference. */
+static int tabulate_all(struct plan *plan, struct told *told) {
+    static const char drawn[] = "scenes drawn; --quick: every other tolerance, three jittered "
+                                "runs, and of the shipped scenes only some";
+    int count = 0;
+    if (plan_open_statements(plan, NULL, plan->quick ? strstr(drawn, "--quick") : NULL))
+        return -1;
+    FILE *list = output_table(&plan->output, "scenes", plan->quick ? drawn : "scenes drawn", NULL,
+                              COLUMNS(LIST_COLUMNS));
+    if (!list)
+        return -1;
     for (int i = 0; i < plan->subject_count; i++) {
         const struct subject *subject = &plan->subjects[i];
-        const int there = tabulate_subject(plan, subject, output);
+        const int there = tabulate_subject(plan, subject, told);
         if (there < 0)
             return -1;
-        drawn += there > 0;
+        count += there > 0;
         if (there > 0)
-            WRITE_ROW(output->list, LIST_COLUMNS);
+            WRITE_ROW(list, LIST_COLUMNS);
     }
-    race_state_all(&output->statements, &output->answers);
-    if (drawn > 0)
+    race_state_all(&plan->output.statements, &told->answers);
+    if (count > 0)
         return 0;
     snprintf(plan->reason, REASON_SIZE,
              "no reference run reached its end, so there is nothing to measure errors against");
     return 1;
 }
 
-static int write_all(struct plan *plan, struct output *output) {
-    static const char drawn[] =
-        "scenes drawn; --quick: every other tolerance, three jittered runs, and of the shipped "
-        "scenes only some";
-    const char *cut = plan->quick ? strstr(drawn, "--quick") : NULL;
-    struct atomic_file list;
-    if (open_table(&list, output->folder, "scenes", plan->quick ? drawn : "scenes drawn", NULL,
-                   COLUMNS(LIST_COLUMNS), plan->reason))
-        return -1;
-    if (plan_open_statements(plan, &output->statements, output->folder, NULL, cut, plan->reason)) {
-        atomic_discard(&list);
-        return -1;
-    }
-    output->list = list.stream;
-    const int code =
-        statements_close(&output->statements, tabulate_all(plan, output), plan->reason);
-    if (!code)
-        return atomic_commit(&list, plan->reason);
-    atomic_discard(&list);
-    return code;
-}
-
-int race_tabulate(struct plan *plan, const char *folder) {
+int race_tabulate(struct plan *plan) {
     const int most = plan->configuration_count * (LEVELS_MAX + 1) + 1;
-    struct output output = {
-        .folder = folder,
+    struct told told = {
         .answers = {.asked = plan->experiment->answers,
                     .cheapest = calloc((size_t)plan->subject_count * RACE_TARGETS + 1,
-                                       sizeof *output.answers.cheapest)},
-        .points = calloc((size_t)(FIELDS_MAX * most), sizeof *output.points),
+                                       sizeof *told.answers.cheapest)},
+        .points = calloc((size_t)(FIELDS_MAX * most), sizeof *told.points),
         .most = most};
-    int code = -1;
-    if (output.answers.cheapest && output.points)
-        code = write_all(plan, &output);
-    else
-        snprintf(plan->reason, REASON_SIZE, "out of memory");
-    free(output.answers.cheapest);
-    free(output.points);
+    const int code = told.answers.cheapest && told.points
+                         ? tabulate_all(plan, &told)
+                         : fail_with(plan->reason, "out of memory");
+    free(told.answers.cheapest);
+    free(told.points);
     return code;
 }

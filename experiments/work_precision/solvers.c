@@ -17,10 +17,6 @@ static const struct race race = {
     .quick_seconds = 60,
 };
 
-static int plan(struct plan *plan) {
-    return race_plan(plan, &race);
-}
-
 const struct experiment solvers_experiment = {
     .name = "solvers",
     .question = "what do an implicit method's solver, Jacobian, order and iterations cost and buy?",
@@ -29,7 +25,8 @@ const struct experiment solvers_experiment = {
     .headline = "1 mm",
     .full_seconds = 110,
     .takes_states = 1,
-    .plan = plan,
+    .study = &race,
+    .plan = race_plan,
     .refine = race_refine,
     .tabulate = race_tabulate,
 };

@@ -18,10 +18,6 @@ static const struct race race = {
     .quick_seconds = 60,
 };
 
-static int plan(struct plan *plan) {
-    return race_plan(plan, &race);
-}
-
 const struct experiment work_precision_experiment = {
     .name = "work-precision",
     .question = "what does accuracy cost, by stepper, treatment and scene?",
@@ -32,7 +28,8 @@ const struct experiment work_precision_experiment = {
     .full_seconds = 350,
     .answers = 1u << ANSWERS_CHOICE | 1u << ANSWERS_TARGETS | 1u << ANSWERS_FAILURES,
     .takes_states = 1,
-    .plan = plan,
+    .study = &race,
+    .plan = race_plan,
     .refine = race_refine,
     .tabulate = race_tabulate,
 };
