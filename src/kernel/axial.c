@@ -183,13 +183,9 @@ SPECIALISED void axial_up(struct kernel_part *part, const struct part_equation *
 
 /* --- which --- */
 
-/* `coupled` and `pulls` are constants where this is inlined. */
-SPECIALISED void solve(struct kernel_part *part, const struct part_equation *e, int coupled,
-                       int pulls, double *x) {
-    if (e->part != FORCES_AXIAL || part->bending != BENDING_SKIP) {
-        solve_stretch(part, e, coupled, pulls, x);
-        return;
-    }
+/* `coupled` and `pulls` are constants where these are inlined. */
+SPECIALISED void solve_axial(struct kernel_part *part, const struct part_equation *e, int coupled,
+                             int pulls, double *x) {
     axial_down(part, e, coupled, pulls);
     axial_up(part, e, coupled, x);
 }
@@ -201,14 +197,15 @@ int LANED(kernel_solve_part)(void *ctx, const struct part_equation *e, double *x
     const size_t rows = 2 * (size_t)part->nodes * sizeof(struct tension) / sizeof(lane);
     if (!part->rows && !room_of(0, rows, &part->rows))
         return system_fail(part->system, -OUT_OF_MEMORY, "no memory for the springs' tensions");
+    const int axial = e->part == FORCES_AXIAL && part->bending == BENDING_SKIP;
     const int coupled = is_coupled(part), pulls = !mask_none(load(e->gamma, 0) != 0);
-    if (coupled && pulls)
-        solve(part, e, 1, 1, x);
+    if (axial && coupled)
+        pulls ? solve_axial(part, e, 1, 1, x) : solve_axial(part, e, 1, 0, x);
+    else if (axial)
+        pulls ? solve_axial(part, e, 0, 1, x) : solve_axial(part, e, 0, 0, x);
     else if (coupled)
-        solve(part, e, 1, 0, x);
-    else if (pulls)
-        solve(part, e, 0, 1, x);
+        pulls ? solve_stretch(part, e, 1, 1, x) : solve_stretch(part, e, 1, 0, x);
     else
-        solve(part, e, 0, 0, x);
+        pulls ? solve_stretch(part, e, 0, 1, x) : solve_stretch(part, e, 0, 0, x);
     return 0;
 }
