@@ -150,14 +150,15 @@ static void look_at_springs(const struct scene *scene, const struct settings *se
 
 static void look_at_size(const struct scene *scene, const struct settings *settings,
                          json_t *warnings) {
-    const double number = settings->states == STATES_TEXT     ? 16 /* bytes, on the average */
+    const double number = settings->states == STATES_TEXT
+                              ? 16 /* bytes: 6 to 15 in shipped scenes */
                           : settings->states == STATES_BINARY ? 8
                                                               : 0;
     const double bytes =
         settings_frames(scene, settings) * settings->rows * settings->columns * number;
     if (bytes > 1 << 30)
         warn(warnings,
-             "the states will take about %.2g GB, and files of more than a gibibyte are read back "
+             "the states can take %.2g GB, and files of more than a gibibyte are read back "
              "by "
              "nothing here: fewer frames a second (frame_rate) or --states none take less",
              1e-9 * bytes);
