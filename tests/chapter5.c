@@ -523,7 +523,7 @@ Test(chapter5, slow_quick_ones_draw_and_resume_with_bodies_wind_and_head) {
 
 Test(chapter5, two_scenes_are_refused) {
     struct finished f;
-    PROGRAM(&f, NULL, "experiment", "wind", "--scene", "swing", "--scene", "swing");
+    PROGRAM(&f, NULL, "experiment", "wind", "--scene", "swing", "--scene", "wind");
     cr_assert_eq(f.code, 1);
     cr_assert(count_lines(f.err) == 1 && strstr(f.err, "one --scene"), "'%s'", f.err);
 }
