@@ -7,25 +7,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-static char root[PATH_SIZE], older[PATH_SIZE], newer[PATH_SIZE];
+static char *root;
+static const char *older, *newer;
 
 static void set_up(void) {
     char reason[REASON_SIZE];
-    folder_make(root);
-    path_format(older, "%s/old", root);
-    path_format(newer, "%s/new", root);
+    root = folder_make();
+    older = printed("%s/old", root);
+    newer = printed("%s/new", root);
     cr_assert(make_folder(older, reason) == 0 && make_folder(newer, reason) == 0, "%s", reason);
 }
 
-static void clean_up(void) {
-    folder_remove(root);
-}
-
 static void put(const char *side, const char *experiment, const char *name, const char *text) {
-    char folder[PATH_SIZE], reason[REASON_SIZE];
-    path_format(folder, "%s/%s", side, experiment);
+    char reason[REASON_SIZE];
+    const char *const folder = printed("%s/%s", side, experiment);
     cr_assert_eq(make_folder(folder, reason), 0, "%s", reason);
-    file_write(folder, name, text, NULL);
+    file_write(folder, name, text);
 }
 
 #define POINTS                                                                            \
@@ -63,7 +60,7 @@ static void compare(struct comparison *c, double tolerance, int with_times) {
     cr_assert_eq(compare_results(&request, c, reason), 0, "%s", reason);
 }
 
-Test(compare, rows_are_joined_by_what_they_are_about, .init = set_up, .fini = clean_up) {
+Test(compare, rows_are_joined_by_what_they_are_about, .init = set_up) {
     struct comparison c;
     put_points();
     compare(&c, 0.1, 1);
@@ -87,7 +84,7 @@ Test(compare, rows_are_joined_by_what_they_are_about, .init = set_up, .fini = cl
     compare_free(&c);
 }
 
-Test(compare, claims_that_no_longer_hold_are_worse, .init = set_up, .fini = clean_up) {
+Test(compare, claims_that_no_longer_hold_are_worse, .init = set_up) {
     static const char head[] = "# found\nkey\tfigure\tstatement\tverdict\tvalue\n";
     char text[2][512];
     struct comparison c;
@@ -106,39 +103,29 @@ Test(compare, claims_that_no_longer_hold_are_worse, .init = set_up, .fini = clea
 
 /* Exit code 4 where something is worse and only there; the other program's file is well-formed and
  * counts the tables. */
-Test(compare, exit_code_and_junit_say_it, .init = set_up, .fini = clean_up) {
-    struct finished f;
-    char path[PATH_SIZE];
+Test(compare, exit_code_and_junit_say_it, .init = set_up) {
     put_points();
     put(older, "race", "good.tsv", POINTS "a<b\t1\tfinished\t1\t1\t1\t1\t1\n");
     put(newer, "race", "good.tsv", POINTS "a<b\t1\tfinished\t1\t1\t1\t1\t1\n");
-    path_format(path, "%s/compare.xml", root);
-    PROGRAM(&f, NULL, "compare", older, newer, "--junit", path);
-    cr_assert_eq(f.code, 4, "exit code %d: %s", f.code, f.err);
-    cr_assert(strstr(f.out, "worse     race/swing: rk4, setting 0.1: error 0.002 m, was 0.001"),
-              "%s", f.out);
-    cr_assert(strstr(f.out, "2 tables: 2 rows are as they were; worse 4, better 4, appeared 1, "
-                            "vanished 1"),
-              "%s", f.out);
+    const char *const path = printed("%s/compare.xml", root);
+    const struct finished *f = PROGRAM(NULL, "compare", older, newer, "--junit", path);
+    cr_assert_eq(f->code, 4, "exit code %d: %s", f->code, f->err);
+    cr_assert(strstr(f->out, "worse     race/swing: rk4, setting 0.1: error 0.002 m, was 0.001"),
+              "%s", f->out);
+    cr_assert(strstr(f->out, "2 tables: 2 rows are as they were; worse 4, better 4, appeared 1, "
+                             "vanished 1"),
+              "%s", f->out);
     char *xml = file_read(path);
     cr_assert(strstr(xml, "tests=\"2\" failures=\"1\"") && strstr(xml, "name=\"race/good\"/>") &&
                   strstr(xml, "<failure message=\"4 worse\">"),
               "%s", xml);
-    free(xml);
-    PROGRAM(&f, NULL, "compare", older, older);
-    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
-    PROGRAM(&f, NULL, "compare", newer, newer);
-    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
+    WORKS("compare", older, older);
+    WORKS("compare", newer, newer);
 }
 
-Test(compare, folders_without_a_common_table_are_refused, .init = set_up, .fini = clean_up) {
-    struct finished f;
+Test(compare, folders_without_a_common_table_are_refused, .init = set_up) {
     put(older, "race", "swing.tsv", POINTS);
-    PROGRAM(&f, NULL, "compare", older, newer);
-    cr_assert(f.code == 1 && strstr(f.err, "have no table in common") && count_lines(f.err) == 1,
-              "%d: %s", f.code, f.err);
+    FAILS(1, "have no table in common", "compare", older, newer);
     put(newer, "race", "swing.tsv", "# only a comment\n");
-    PROGRAM(&f, NULL, "compare", older, newer);
-    cr_assert(f.code == 1 && strstr(f.err, "swing.tsv") && count_lines(f.err) == 1, "%d: %s",
-              f.code, f.err);
+    FAILS(1, "swing.tsv", "compare", older, newer);
 }
