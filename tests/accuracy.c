@@ -53,7 +53,7 @@ struct rows {
 };
 
 /* The settings at which a method is measured. */
-static const double *settings_of(const struct stepper_method *method, const struct scene *scene) {
+static const double *rates_of(const struct stepper_method *method, const struct scene *scene) {
     const int wisps = scene->problem == &wisp_problem;
     const int rigid = wisps && scene->wisps->stretch == STRETCH_RIGID;
     static const double circle[2][2] = {{0.8, 0.05}, {1e-4, 1e-7}};
@@ -107,7 +107,6 @@ static void measure_wisps(const struct rows *rows, const struct run_request *req
     } else { /* a failure is a row too: it must stay one, of that kind */
         row->error = row->max_error = row->x = row->y = NAN;
     }
-    lab_run_free(&run);
 }
 
 /* Both settings of a variant with a linear solver, or with the default one. */
@@ -115,7 +114,7 @@ static void measure_with(struct rows *rows, const struct variant *variant, const
     const int wisps = rows->scene->problem == &wisp_problem;
     const int adaptive = (variant->method->capabilities & STEPPER_ADAPTIVE) != 0;
     for (int i = 0; i < 2; i++) {
-        const double setting = settings_of(variant->method, rows->scene)[i];
+        const double setting = rates_of(variant->method, rows->scene)[i];
         const struct run_request request = {.stepper = variant->method->name,
                                             .treatment = rows->treatment,
                                             .linear = linear,
@@ -177,8 +176,6 @@ static void measure_scene(struct rows *rows, const struct scene *scene) {
         if (wisps)
             lab_run(scene, &tight, &rows->reference);
         each_variant(measure, rows);
-        if (wisps)
-            lab_run_free(&rows->reference);
     }
 }
 
@@ -196,7 +193,6 @@ static void measure_all(struct rows *rows) {
     rows->count = 0;
     for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
         measure_scene(rows, scenes[i]);
-        scene_free(scenes[i]);
     }
 }
 
@@ -235,7 +231,6 @@ static void read_table(struct rows *rows, const char *path) {
         snprintf(r->key, sizeof r->key, "%.*s", (int)(tab - line), line);
         rows->count++;
     }
-    free(text);
 }
 
 /* Errors near rounding are noise, which a factor 2 does not describe: 1e-12 is a hundred roundings

@@ -21,12 +21,9 @@ static double error_at(const struct scene *scene, const char *treatment, const c
                                         .options = &option,
                                         .option_count = 1};
     struct lab_run run;
-    lab_run(scene, &request, &run);
-    cr_assert_eq(run.result.outcome, FINISHED, "%s, %s, rtol %g: %s", treatment, option, rtol,
-                 run.result.reason);
+    lab_finish(scene, &request, &run);
     const double error = lab_distance(&run, exact, 1, 2).rms;
     *steps = (double)run.result.counters.steps;
-    lab_run_free(&run);
     return error;
 }
 
@@ -57,8 +54,6 @@ static void check_tolerances(const char *name, int treatment) {
         cr_assert(order >= i + 2 - 0.3 && order <= i + 2 + 0.6, "%s, %s, %s: order %.2f", name,
                   called, order_options[i], order);
     }
-    lab_run_free(&exact);
-    scene_free(scene);
 }
 
 Test(adaptive_bdf, errors_fall_with_the_tolerance) {
@@ -83,11 +78,8 @@ Test(adaptive_bdf, steps_do_not_feel_the_stiffness_of_stretching) {
                                                 .atol = 1e-5,
                                                 .options = &order_options[i],
                                                 .option_count = 1};
-            lab_run(scene, &request, &run);
-            cr_assert_eq(run.result.outcome, FINISHED, "%s: %s", stiffness[k], run.result.reason);
+            lab_finish(scene, &request, &run);
             steps[k] = (double)(run.result.counters.steps + run.result.counters.rejected_steps);
-            lab_run_free(&run);
-            scene_free(scene);
         }
         cr_log_info("%s: %g, %g and %g steps", order_options[i], steps[0], steps[1], steps[2]);
         cr_assert(steps[1] <= 1.5 * steps[0] && steps[2] <= 1.5 * steps[0],
@@ -184,16 +176,23 @@ static unsigned beginning(int stop) {
     return stop == 3 ? 0x22 : stop == 4 ? 0x8c : stop == 8 ? 0xff : 0;
 }
 
-/* From stop to stop; `lane`: of a wisp alone, -1: of them all. `fails`: the lane whose model does,
- * or -1. */
-static void go(struct lab_part *part, const char *option, int lane, int fails, double *Q,
-               double *V) {
-    const struct stepper_settings settings = {.rtol = 1e-3, .atol = 1e-5, .options = {&option, 1}};
+struct choice {
+    const char *option;
+    int fails; /* the place of the wisp whose model does, or -1 */
+};
+
+/* From stop to stop. */
+static void go(struct lab_part *part, int place, double *q, double *v, void *ctx) {
+    const struct choice *choice = ctx;
+    const int fails = place < 0 ? choice->fails : place == choice->fails ? 0 : -1;
+    const struct stepper_settings settings = {
+        .rtol = 1e-3, .atol = 1e-5, .options = {&choice->option, 1}};
     const struct stepper_method *method = stepper_find("bdf");
     double t[LAB_LANES] = {0};
     struct system_ops ops = *part->system.ops;
     part->system.force_parts = (1u << FORCE_PARTS) - 1;
     part->system.stiff_part = FORCES_AXIAL;
+    failing.times = 0;
     if (fails >= 0) {
         failing.ops = part->system.ops;
         failing.system = &part->system;
@@ -206,12 +205,12 @@ static void go(struct lab_part *part, const char *option, int lane, int fails, d
     cr_assert(stepper, "no memory");
     for (int k = 0; k < STOPS; k++) {
         const double stop = (k + 1) / 100.;
-        const unsigned lanes = lane < 0 ? beginning(k) : beginning(k) >> lane & 1;
+        const unsigned lanes = place < 0 ? beginning(k) : beginning(k) >> place & 1;
         int there = 0;
         if (lanes)
             method->reset(stepper, lanes);
         while (!there) {
-            cr_assert_eq(method->advance(stepper, t, stop, Q, V), 0, "%s", part->system.reason);
+            cr_assert_eq(method->advance(stepper, t, stop, q, v), 0, "%s", part->system.reason);
             there = 1;
             for (int i = 0; i < part->lanes; i++)
                 there &= t[i] == stop;
@@ -220,55 +219,24 @@ static void go(struct lab_part *part, const char *option, int lane, int fails, d
     method->free(stepper);
     if (fails >= 0)
         part->system.ops = failing.ops;
+    cr_assert(place >= 0 || (failing.times > 0) == (fails >= 0));
 }
 
 static void check_lanes(int lanes, const char *option, enum bending law,
                         enum wisp_treatment treatment, int fails) {
-    static double q[LAB_LANES][LAB_SIZE], v[LAB_LANES][LAB_SIZE], alone[2][LAB_SIZE];
-    static double Q[LAB_LANES * LAB_SIZE], V[LAB_LANES * LAB_SIZE], got[LAB_SIZE];
     unsigned seed = 37;
-    struct lab_part part;
-    struct wisp wisps[LAB_LANES];
-    struct counters sum = {0};
     const struct surroundings around = changing_surroundings(&seed);
-    for (int k = 0; k < lanes; k++) {
-        wisps[k] = lab_wisp(6, 4, law, &seed);
-        lab_state(&wisps[k], treatment, STATE_REST, 0, &seed, q[k], v[k]);
-    }
-    lab_part_make(&part, lanes, wisps, lanes, &around, treatment);
-    for (int k = 0; k < lanes; k++) {
-        lab_place(&part, k, q[k], Q);
-        lab_scatter(&part, k, v[k], V);
-    }
-    failing.times = 0;
-    go(&part, option, -1, fails, Q, V);
-    cr_assert((failing.times > 0) == (fails >= 0));
-    for (int k = 0; k < lanes; k++) {
-        struct lab_part one;
-        lab_part_make(&one, 1, &wisps[k], 1, &around, treatment);
-        lab_place(&one, 0, q[k], alone[0]);
-        lab_scatter(&one, 0, v[k], alone[1]);
-        go(&one, option, k, k == fails ? 0 : -1, alone[0], alone[1]);
-        lab_gather(&part, k, Q, got);
-        cr_assert_eq(memcmp(got, alone[0], (size_t)one.size * sizeof *got), 0,
-                     "%s, law %d: lane %d has other bits in company", option, law, k);
-        lab_gather(&part, k, V, got);
-        cr_assert_eq(memcmp(got, alone[1], (size_t)one.size * sizeof *got), 0,
-                     "%s, law %d: lane %d has other bits in company", option, law, k);
-#define X(field, definition) sum.field += one.system.counters.field;
-        COUNTERS(X)
-#undef X
-        lab_part_free(&one);
-    }
+    const struct lab_company company =
+        lab_company(lanes, law, treatment, &around, &seed, go, &(struct choice){option, fails});
     /* who waits is not counted; of failures of others each is tried once more */
-#define X(field, definition)                                         \
-    cr_assert(fails >= 0 || sum.field == part.system.counters.field, \
-              "%s: %lld " #field ", alone %lld", option, part.system.counters.field, sum.field);
+#define X(field, definition)                                                     \
+    cr_assert(fails >= 0 || company.alone.field == company.together.field,       \
+              "%s: %lld " #field ", alone %lld", option, company.together.field, \
+              company.alone.field);
     COUNTERS(X)
 #undef X
-    cr_assert(sum.restarts == (lanes == 4 ? 7 : 13) && sum.rejected_steps > 0,
-              "%lld restarts, %lld rejected", sum.restarts, sum.rejected_steps);
-    lab_part_free(&part);
+    cr_assert(company.alone.restarts == (lanes == 4 ? 7 : 13) && company.alone.rejected_steps > 0,
+              "%lld restarts, %lld rejected", company.alone.restarts, company.alone.rejected_steps);
 }
 
 Test(adaptive_bdf, a_wisp_has_the_bits_that_it_has_alone) {
@@ -311,7 +279,6 @@ Test(adaptive_bdf, whole_runs_do_not_depend_on_lanes_or_threads) {
             lab_sum_run(scene, &request, lanes, &packed);
             lab_same_sum(&packed, &single, scenes[s][0]);
         }
-        scene_free(scene);
     }
 }
 
@@ -350,8 +317,7 @@ static void run_lanes(const struct scene *scene, const char *option, struct lab_
                                         .atol = 1e-8,
                                         .options = &option,
                                         .option_count = option != NULL};
-    lab_run(scene, &request, run);
-    cr_assert_eq(run->result.outcome, FINISHED, "%s", run->result.reason);
+    lab_finish(scene, &request, run);
 }
 
 /* Four wisps that share an integrator share its steps, and are as near to the truth as one by one;
@@ -378,12 +344,6 @@ Test(adaptive_bdf, cvode_steps_four_wisps_at_once_where_asked) {
                          first.row + first.rows * first.columns * (first.frames - 1) + 1,
                          (size_t)(first.columns * first.rows - 1) * sizeof(double)),
                   0, "company has no bits");
-    lab_run_free(&exact);
-    lab_run_free(&one);
-    lab_run_free(&four);
-    lab_run_free(&first);
-    scene_free(scene);
-    scene_free(alone);
 }
 
 Test(adaptive_bdf, cvode_refuses_lanes_to_solvers_of_one) {
@@ -391,16 +351,15 @@ Test(adaptive_bdf, cvode_refuses_lanes_to_solvers_of_one) {
     const char *option = "lanes=4";
     struct run_request request = {
         .stepper = "cvode", .linear = "klu", .options = &option, .option_count = 1};
-    struct settings settings;
     char reason[REASON_SIZE];
+    struct settings settings;
     cr_assert(settings_resolve(scene, &request, &settings, reason) == REFUSED &&
                   strstr(reason, "klu takes one wisp only"),
               "%s", reason);
     request.linear = "direct";
-    cr_assert_eq(settings_resolve(scene, &request, &settings, reason), 0, "%s", reason);
+    settings = settings_of(scene, &request);
     json_t *json = settings_to_json(scene, &settings);
     cr_assert_str_eq(json_string_value(json_object_get(json_object_get(json, "options"), "lanes")),
                      "4");
     json_decref(json);
-    scene_free(scene);
 }

@@ -28,9 +28,8 @@ static double error_at(const struct stepper_method *method, const char *option, 
 
 /* Steps follow the tolerance everywhere alike, so the error falls with a power of their number. */
 static void check_pair(const char *name, int order) {
-    char option[32];
     double error[2], steps[2];
-    snprintf(option, sizeof option, "order=%d", order);
+    const char *const option = printed("order=%d", order);
     for (int k = 0; k < 2; k++)
         error[k] = error_at(stepper_find(name), option, pow(10, -order - 2 - 3 * k), &steps[k]);
     const double seen = log(error[0] / error[1]) / log(steps[1] / steps[0]);

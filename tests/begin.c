@@ -31,9 +31,7 @@ static const char restless[] =
     ");\n";
 
 static struct scene *restless_scene(const char *begin, const char *duration) {
-    char text[2048];
-    snprintf(text, sizeof text, restless, begin, duration);
-    return lab_read(text);
+    return lab_read(printed(restless, begin, duration));
 }
 
 /* The frame of a run as the start of a scene. */
@@ -58,12 +56,10 @@ Test(begin, a_run_in_two_pieces_is_the_run) {
             struct scene *rest = restless_scene("begin = 0.2;", "0.2");
             struct lab_run whole, second;
             double most = 0;
-            lab_run(scene, &request, &whole);
-            cr_assert_eq(whole.result.outcome, FINISHED, "%s", whole.result.reason);
+            lab_finish(scene, &request, &whole);
             cr_assert_eq(whole.frames, 9);
             start_from(rest, &whole, 4, treatment);
-            lab_run(rest, &request, &second);
-            cr_assert_eq(second.result.outcome, FINISHED, "%s", second.result.reason);
+            lab_finish(rest, &request, &second);
             cr_assert_eq(second.frames, 5);
             for (int f = 0; f < 5; f++) {
                 cr_assert_eq(second.t[f], whole.t[4 + f], "a frame at %.17g", second.t[f]);
@@ -80,11 +76,7 @@ Test(begin, a_run_in_two_pieces_is_the_run) {
             cr_assert_gt(whole.result.counters.body_contacts, 100);
             cr_assert_leq(most, adaptive ? 1e-3 : 1e-11, "%s, %s: %g m apart", request.stepper,
                           request.treatment, most);
-            lab_run_free(&second);
-            lab_run_free(&whole);
-            scene_free(rest);
         }
-    scene_free(scene);
 }
 
 /* Ticks and frames stay at multiples of their rates; what falls on the begin has been. */
@@ -121,8 +113,7 @@ Test(begin, hair_starts_at_rest_on_the_head_of_that_time) {
     struct placement head;
     struct lab_run run;
     head_placement(&scene->around.head, 0.11, &head);
-    lab_run(scene, &request, &run);
-    cr_assert_eq(run.result.outcome, FINISHED, "%s", run.result.reason);
+    lab_finish(scene, &request, &run);
     cr_assert_eq(run.frames, 2);
     cr_assert(run.t[0] == 0.11 && run.t[1] == 0.11 + 0.03, "from %g to %g s", run.t[0], run.t[1]);
     for (int i = 0; i < run.rows; i++) {
@@ -137,36 +128,27 @@ Test(begin, hair_starts_at_rest_on_the_head_of_that_time) {
             cr_assert(fabs(row[2 + k] - p[k]) <= 1e-15 && fabs(row[5 + k] - v[k]) <= 1e-14,
                       "node %g is not where the head has it", row[1]);
     }
-    lab_run_free(&run);
-    scene_free(scene);
 }
 
 /* --- as a user meets it --- */
 
-static char folder[PATH_SIZE], path[PATH_SIZE];
-static struct finished finished;
+static char *folder;
 
 static void open_folder(void) {
-    folder_make(folder);
-}
-
-static void close_folder(void) {
-    folder_remove(folder);
+    folder = folder_make();
 }
 
 /* The second half of a run from what the first has saved, with further settings. */
 static const char *go_on(const char *settings) {
-    static char scene[PATH_SIZE], text[2048];
+    static char text[2048];
     const char *const wind =
         "frame_rate = 2.0; gravity = [0.0, 0.0, 0.0]; material = { };\n"
         "wisps = ( { root = [0.0, 0.0, 0.0]; direction = [0.0, -1.0, 0.0]; length = 0.3;\n"
         "            nodes = 3; } );\n";
     snprintf(text, sizeof text, "duration = 0.5;\n%s%s", wind, settings);
-    file_write(folder, "hair.cfg", text, scene);
-    path_format(path, "%s/run", folder);
-    PROGRAM(&finished, NULL, "run", scene, "--out", path, "--no-progress");
-    cr_assert_eq(finished.code, 0, "%s", finished.err);
-    return finished.err;
+    return WORKS("run", file_write(folder, "hair.cfg", text), "--out", printed("%s/run", folder),
+                 "--no-progress")
+        ->err;
 }
 
 #define IRREGULAR                                                                      \
@@ -179,8 +161,7 @@ static const char *go_on(const char *settings) {
     "[0, 0, 0], [0, 0, 0]); };\n"
 #define START "start = \"state.tsv\"; "
 
-Test(begin, a_start_without_begin_warns_where_time_matters, .init = open_folder,
-     .fini = close_folder) {
+Test(begin, a_start_without_begin_warns_where_time_matters, .init = open_folder) {
     static const struct {
         const char *settings;
         int warned;
@@ -192,40 +173,26 @@ Test(begin, a_start_without_begin_warns_where_time_matters, .init = open_folder,
                  {START STYLE, 1},
                  {START HEAD, 1},
                  {START, 0}};
-    char state[PATH_SIZE], saved[PATH_SIZE];
     go_on(STEADY);
-    path_format(saved, "%s/run/states.tsv", folder);
-    path_format(state, "%s/state.tsv", folder);
-    char *text = file_read(saved);
-    file_write(folder, "state.tsv", text, NULL);
-    free(text);
+    file_write(folder, "state.tsv", file_of(folder, "run/states.tsv"));
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const char *said = go_on(cases[i].settings);
         cr_assert_eq(strstr(said, "warning: start without begin") != NULL, cases[i].warned,
                      "case %zu: %s", i, said);
-        path_format(path, "%s/run/run.json", folder);
-        char *json = file_read(path);
-        cr_assert_eq(strstr(json, "\"start without begin") != NULL, cases[i].warned, "case %zu", i);
-        free(json);
+        cr_assert_eq(strstr(file_of(folder, "run/run.json"), "\"start without begin") != NULL,
+                     cases[i].warned, "case %zu", i);
     }
 }
 
 /* `eval` looks at the start as it is at the begin, and --time counts from 0. */
-Test(begin, eval_is_at_the_begin, .init = open_folder, .fini = close_folder) {
+Test(begin, eval_is_at_the_begin, .init = open_folder) {
     static const char *const times[] = {"0.11", "0.3"};
-    char text[2048], scene[PATH_SIZE];
-    snprintf(text, sizeof text, restless, "begin = 0.11;", "0.1");
-    file_write(folder, "hair.cfg", text, scene);
-    PROGRAM(&finished, NULL, "eval", scene);
-    cr_assert_eq(finished.code, 0, "%s", finished.err);
-    char *begun = strdup(finished.out);
-    for (int i = 0; i < 2; i++) {
-        PROGRAM(&finished, NULL, "eval", scene, "--time", times[i]);
-        cr_assert_eq(finished.code, 0, "%s", finished.err);
-        cr_assert_eq(strcmp(begun, finished.out) == 0, i == 0, "at %s s", times[i]);
-    }
+    const char *const scene =
+        file_write(folder, "hair.cfg", printed(restless, "begin = 0.11;", "0.1"));
+    const char *begun = WORKS("eval", scene)->out;
+    for (int i = 0; i < 2; i++)
+        cr_assert_eq(strcmp(begun, WORKS("eval", scene, "--time", times[i])->out) == 0, i == 0,
+                     "at %s s", times[i]);
     cr_assert(strstr(begun, "accelerations at t = 0.11"), "%s", begun);
-    free(begun);
-    PROGRAM(&finished, NULL, "run", "circle", "--set", "begin=1.0", "--no-progress");
-    cr_assert_eq(finished.code, 1, "the circle has no clock");
+    FAILS(1, "begin", "run", "circle", "--set", "begin=1.0", "--no-progress");
 }

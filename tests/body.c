@@ -154,8 +154,7 @@ static struct wisp far_wisp(int samples) {
 }
 
 static struct strand *far_strand(const struct wisp *wisp, enum wisp_treatment treatment) {
-    struct strand *s = strand_create(wisp, treatment);
-    cr_assert(s, "no memory");
+    struct strand *s = lab_strand(wisp, treatment);
     for (int i = 0; i < wisp->nodes; i++)
         for (int k = 0; k < 3; k++)
             s->p[i][k] = wisp->root[k] + 0.1 * i * wisp->direction[k];
@@ -204,7 +203,6 @@ static struct body_report hit_under(const double gravity[3], const struct body *
     cr_assert_eq(s->changed, report.nodes > 0);
     memcpy(p, s->p[3], sizeof s->p[3]);
     memcpy(v, s->v[3], sizeof s->v[3]);
-    strand_free(s);
     return report;
 }
 
@@ -409,7 +407,6 @@ Test(body, samples_end_on_the_surface) {
                           "%s: sample %d moves otherwise than along its line",
                           treatment_names[treatment], j);
             }
-        strand_free(s);
     }
 }
 
@@ -429,7 +426,6 @@ Test(body, samples_keep_their_least_distance) {
         cr_assert_eq(report.samples, 1);
         cr_assert(s->r[14] == 1e-3 * 0.02 && s->rate[14] == (slow ? -7 : 0), "r = %g, rate %g",
                   s->r[14], s->rate[14]);
-        strand_free(s);
     }
 }
 
@@ -457,7 +453,6 @@ Test(body, samples_that_are_left_alone) {
     contact(s, b, 2, 0, &report);
     cr_assert(report.inside >= 1, "%lld inside", report.inside);
     cr_assert(s->r[12] == 0.02 && s->r[13] == 0.02 && s->r[14] == 1e-5, "a sample was moved");
-    strand_free(s);
 }
 
 /* --- the page's words, a second time --- */
@@ -545,8 +540,6 @@ Test(body, agrees_with_the_page_written_down_twice) {
         all.nodes += report.nodes;
         all.samples += report.samples;
         all.inside += report.inside;
-        strand_free(s);
-        strand_free(twin);
     }
     cr_log_info("%lld nodes, %lld samples, %lld left inside, at most %g apart", all.nodes,
                 all.samples, all.inside, worst);
@@ -617,8 +610,6 @@ Test(body, scaled_and_moved_it_is_the_same) {
             cr_assert(s[2]->r[at] == 4 * s[0]->r[at] && s[2]->rate[at] == 4 * s[0]->rate[at] &&
                           fabs(s[1]->r[at] - s[0]->r[at]) <= 1e-11,
                       "case %d: sample %d differs", i, at);
-        for (int k = 0; k < 3; k++)
-            strand_free(s[k]);
     }
 }
 
@@ -781,7 +772,7 @@ static void check_near(int lanes, enum wisp_treatment treatment, int samples, un
     static struct pulled pulled;
     pull(&pulled, &part, Q, V, bodies, motion, boxes, count);
     for (int k = 0; k < lanes; k++) {
-        struct strand *s = strand_create(&wisps[k], treatment);
+        struct strand *s = lab_strand(&wisps[k], treatment);
         struct body_report report = {0, 0, 0};
         const int stride = 6 + samples * (treatment == WISP_PENALTY ? 6 : 2);
         kernel_of(lanes)->sample(ctx, k, Q, V, rows, stride);
@@ -793,14 +784,12 @@ static void check_near(int lanes, enum wisp_treatment treatment, int samples, un
         cr_assert(!found || (near >> k & 1), "lane %d of %d: a contact is missed", k, lanes);
         *touched += found;
         *far += !(near >> k & 1);
-        strand_free(s);
     }
     cr_assert_eq(pulled.samples, 0, "%d samples too many are pulled", pulled.samples);
     const int changed = kernel_of(lanes)->clamp(ctx, Q, V);
     cr_assert(clamp || !changed, "%s: the clamp's flag", treatment_names[treatment]);
     *flags += clamp != 0;
     *clamped += changed != 0;
-    lab_part_free(&part);
 }
 
 Test(body, the_box_test_misses_nobody) {

@@ -40,8 +40,7 @@ static struct body random_body(unsigned *seed) {
 
 /* A wisp around the origin, as the head rests. */
 static struct strand *strand_near(const struct wisp *wisp, unsigned *seed) {
-    struct strand *s = strand_create(wisp, WISP_GENERALISED);
-    cr_assert(s, "no memory");
+    struct strand *s = lab_strand(wisp, WISP_GENERALISED);
     for (int i = 0; i < wisp->nodes; i++) {
         random_vector(seed, 0.15, s->p[i]);
         random_vector(seed, 1, s->v[i]);
@@ -56,8 +55,7 @@ static struct strand *strand_near(const struct wisp *wisp, unsigned *seed) {
 
 /* What moves with the head by v there moves by P' + Q' x + Q v in the world. */
 static struct strand *carried(const struct strand *rest, const struct placement *head) {
-    struct strand *s = strand_create(rest->wisp, rest->treatment);
-    cr_assert(s, "no memory");
+    struct strand *s = lab_strand(rest->wisp, rest->treatment);
     const size_t samples = (size_t)(rest->wisp->nodes * rest->wisp->samples);
     for (int i = 0; i < rest->wisp->nodes; i++) {
         double own[3];
@@ -132,10 +130,6 @@ Test(body_motion, contact_is_what_the_head_sees) {
                     "case %d: sample %d differs", i, at_sample);
             }
         }
-        strand_free(here);
-        strand_free(there);
-        strand_free(before[0]);
-        strand_free(before[1]);
     }
     cr_assert(pushed > 1000 && pulled > 1000, "%d pushed, %d pulled", pushed, pulled);
 }
@@ -156,8 +150,7 @@ Test(body_motion, a_ball_on_a_turning_head) {
     const double v[3] = {-0.09 * w * (1 - kept), 0, -w * d * 1.25};
     unsigned seed = 3;
     struct wisp wisp = lab_wisp(5, 0, BENDING_SKIP, &seed);
-    struct strand *s = strand_create(&wisp, WISP_GENERALISED);
-    cr_assert(s, "no memory");
+    struct strand *s = lab_strand(&wisp, WISP_GENERALISED);
     struct placement head;
     struct body_report report = {0, 0, 0};
     for (int i = 0; i < 5; i++)
@@ -170,7 +163,6 @@ Test(body_motion, a_ball_on_a_turning_head) {
     for (int k = 0; k < 3; k++)
         cr_assert(fabs(s->p[3][k] - p[k]) <= 1e-15 && fabs(s->v[3][k] - v[k]) <= 1e-15,
                   "component %d: %.17g, %.17g", k, s->p[3][k], s->v[3][k]);
-    strand_free(s);
 }
 
 /* Velocity and spin are derivatives of where the centre is and of where a point of the body is. */
@@ -243,10 +235,8 @@ Test(body_motion, boxes_fit) {
 
 static void run_scene(struct scene *scene, int treatment, struct lab_run *run) {
     const struct run_request request = {.stepper = "rk4", .treatment = treatment_names[treatment]};
-    lab_run(scene, &request, run);
-    cr_assert_eq(run->result.outcome, FINISHED, "%s", run->result.reason);
+    lab_finish(scene, &request, run);
     cr_assert_gt(run->result.counters.body_contacts, 5, "no contact");
-    scene_free(scene);
 }
 
 /* That the second run is the first one, its head being where `motion` says. */
@@ -268,8 +258,6 @@ static void compare(struct lab_run *still, struct lab_run *moving, const struct 
     cr_log_info("%s: %g m apart", what, worst);
     cr_assert(worst <= limit, "%s: %g m apart", what, worst);
     cr_assert_eq(still->result.counters.body_contacts, moving->result.counters.body_contacts);
-    lab_run_free(still);
-    lab_run_free(moving);
 }
 
 /* Knots at -0.1, 0, ..., 0.5, where frames and ticks are too, by a polynomial of degree 2: the
@@ -277,17 +265,18 @@ static void compare(struct lab_run *still, struct lab_run *moving, const struct 
 static struct head_motion smooth_motion(const double velocity[3], const double acceleration[3],
                                         char *set, size_t size) {
     struct head_motion motion = {.knots = 7};
-    char positions[1000] = "", rotations[400] = "", times[200] = "", one[200];
+    char positions[1000] = "", rotations[400] = "", times[200] = "";
+    const char *one;
     for (int k = 0; k < motion.knots; k++) {
         const double t = (k - 1) / 10.;
         motion.time[k] = t;
         for (int c = 0; c < 3; c++)
             motion.position[k][c] = t * velocity[c] + t * t / 2 * acceleration[c];
-        snprintf(one, sizeof one, "%s[%.17e, %.17e, %.17e]", k ? ", " : "", motion.position[k][0],
-                 motion.position[k][1], motion.position[k][2]);
+        one = printed("%s[%.17e, %.17e, %.17e]", k ? ", " : "", motion.position[k][0],
+                      motion.position[k][1], motion.position[k][2]);
         strcat(positions, one);
         strcat(rotations, k ? ", [0.0, 0.0, 0.0]" : "[0.0, 0.0, 0.0]");
-        snprintf(one, sizeof one, "%s%.17e", k ? ", " : "", t);
+        one = printed("%s%.17e", k ? ", " : "", t);
         strcat(times, one);
     }
     snprintf(set, size, "head={ times=[%s]; positions=(%s); rotations=(%s); }", times, positions,
@@ -336,10 +325,9 @@ Test(body_motion, turned_with_the_head_it_is_the_same) {
         .knots = 1, .position = {{0.1, -0.2, 0.3}}, .rotation = {{0.4, -0.9, 0.7}}};
     struct placement head;
     double down[3];
-    char gravity[200];
     head_placement(&motion, 0, &head);
     placed_direction(&head, (const double[3]){0, -9.81, 0}, down);
-    snprintf(gravity, sizeof gravity, "gravity=[%.17e, %.17e, %.17e]", down[0], down[1], down[2]);
+    const char *const gravity = printed("gravity=[%.17e, %.17e, %.17e]", down[0], down[1], down[2]);
     const char *turn = "head={ times=[0.0]; positions=([0.1, -0.2, 0.3]);"
                        "rotations=([0.4, -0.9, 0.7]); }";
     const char *eggs[] = {EGG(STILL), EGG("0.1, 0.2, -0.05")};

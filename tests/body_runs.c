@@ -12,11 +12,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void run_to(struct scene *scene, const struct run_request *request, struct lab_run *run) {
-    lab_run(scene, request, run);
-    cr_assert_eq(run->result.outcome, FINISHED, "%s", run->result.reason);
-}
-
 /* Nothing inside, no segment far from its length, in any frame. */
 static void check_frames(const struct scene *scene, const struct lab_run *run,
                          const char *stepper) {
@@ -50,12 +45,10 @@ Test(body_runs, the_sphere_passes) {
     for (int i = 0; i < 2; i++) {
         const struct run_request request = {.stepper = i ? "euler" : "rk4"};
         struct lab_run run;
-        run_to(scene, &request, &run);
+        lab_finish(scene, &request, &run);
         cr_assert_eq(run.frames, 219);
         check_frames(scene, &run, request.stepper);
-        lab_run_free(&run);
     }
-    scene_free(scene);
 }
 
 #define NEAR "body.[0].center=[-0.17, -0.24, 0.0]"
@@ -71,11 +64,9 @@ Test(body_runs, the_sphere_passes_for_every_stepper_and_treatment) {
             struct lab_run run;
             if (stepper_methods[m]->checked_by || !is_taken(scene, &request))
                 continue;
-            run_to(scene, &request, &run);
+            lab_finish(scene, &request, &run);
             check_frames(scene, &run, request.stepper);
-            lab_run_free(&run);
         }
-    scene_free(scene);
 }
 
 static void check_same(const struct lab_run *a, const struct lab_run *b, int wisps, int reversed) {
@@ -103,20 +94,17 @@ Test(body_runs, threads_and_order_change_nothing) {
             struct lab_run run[4];
             for (int threads = 1; threads <= 3; threads++) {
                 request.threads = threads;
-                run_to(scene, &request, &run[threads - 1]);
+                lab_finish(scene, &request, &run[threads - 1]);
             }
             for (int i = 0; i < 4; i++) {
                 const struct wisp wisp = scene->wisps[i];
                 scene->wisps[i] = scene->wisps[8 - i];
                 scene->wisps[8 - i] = wisp;
             }
-            run_to(scene, &request, &run[3]);
+            lab_finish(scene, &request, &run[3]);
             cr_assert_gt(run[0].result.counters.body_contacts, 50);
             for (int i = 1; i < 4; i++)
                 check_same(&run[0], &run[i], 9, i == 3);
-            for (int i = 0; i < 4; i++)
-                lab_run_free(&run[i]);
-            scene_free(scene);
         }
 }
 
@@ -137,8 +125,8 @@ Test(body_runs, steppers_agree_on_a_bounce) {
                                               .rtol = 1e-11,
                                               .atol = 1e-13};
             struct lab_run a, b;
-            run_to(scene, &fixed, &a);
-            run_to(scene, &tight, &b);
+            lab_finish(scene, &fixed, &a);
+            lab_finish(scene, &tight, &b);
             const struct lab_distance d = lab_distance(&a, &b, 1, 2);
             cr_log_info("%s, %s: %lld and %lld contacts, %g m apart", scenes[i], fixed.treatment,
                         a.result.counters.body_contacts, b.result.counters.body_contacts,
@@ -148,20 +136,16 @@ Test(body_runs, steppers_agree_on_a_bounce) {
             cr_assert_eq(a.result.counters.body_contacts, b.result.counters.body_contacts);
             cr_assert_lt(d.largest, 1e-7, "%s, %s: %g m apart", scenes[i], fixed.treatment,
                          d.largest);
-            lab_run_free(&a);
-            lab_run_free(&b);
-            scene_free(scene);
         }
 }
 
 /* How high above the floor a free node gets in each of some seconds, that falls 0.1 m onto it. Its
  * springs have next to no stiffness, and the floor is a ball of 1 km. */
 static void bounce(const char *elasticity, int seconds, double *height) {
-    char body[400];
-    snprintf(body, sizeof body,
-             "body=({ name=\"floor\"; center=[10.0, -1000.1, 0.0]; radii=[1e3, 1e3, 1e3];"
-             "        friction=0.0; elasticity=%s; offset=0.0; })",
-             elasticity);
+    const char *const body =
+        printed("body=({ name=\"floor\"; center=[10.0, -1000.1, 0.0]; radii=[1e3, 1e3, 1e3];"
+                "        friction=0.0; elasticity=%s; offset=0.0; })",
+                elasticity);
     struct scene *scene =
         LAB_LOAD("swing", "frame_rate=300.0", "material.stretch_stiffness=1e-9",
                  "material.stretch_time=0.0", "material.bending=\"none\"", "material.drag_rate=0.0",
@@ -170,7 +154,7 @@ static void bounce(const char *elasticity, int seconds, double *height) {
     const struct run_request request = {.stepper = "rk4"};
     struct lab_run run;
     scene->duration = seconds;
-    run_to(scene, &request, &run);
+    lab_finish(scene, &request, &run);
     for (int i = 0; i < seconds; i++)
         height[i] = 0;
     for (int f = 0; f < run.frames; f++) {
@@ -180,8 +164,6 @@ static void bounce(const char *elasticity, int seconds, double *height) {
         cr_assert_geq(y, -1e-12, "in the floor at %g s", run.t[f]);
     }
     cr_assert_gt(run.result.counters.body_contacts, seconds, "hardly a bounce");
-    lab_run_free(&run);
-    scene_free(scene);
 }
 
 /* Gravity's work inside the floor is none of the bounce's: energy never grows, and what loses some
@@ -204,28 +186,23 @@ Test(body_runs, a_body_moves_where_its_entry_has_a_velocity) {
     struct lab_run run[3];
     const struct run_request request = {.stepper = "reference", .rtol = 1e-9, .atol = 1e-11};
     for (int i = 0; i < 3; i++) {
-        char body[400];
-        snprintf(body, sizeof body,
-                 "body=({ name=\"b\"; center=[0.05, -0.12, 0.02]; radii=[0.08, 0.09, 0.08];"
-                 "        friction=50.0; elasticity=0.1; offset=1e-4; %s })",
-                 bodies[i]);
+        const char *const body =
+            printed("body=({ name=\"b\"; center=[0.05, -0.12, 0.02]; radii=[0.08, 0.09, 0.08];"
+                    "        friction=50.0; elasticity=0.1; offset=1e-4; %s })",
+                    bodies[i]);
         struct scene *scene =
             LAB_LOAD("swing", "duration=0.5", body, "wisps.[0].direction=[1.0, 0.0, 0.2]");
         cr_assert_eq(scene->bodies[0].moves, i > 0);
-        run_to(scene, &request, &run[i]);
-        scene_free(scene);
+        lab_finish(scene, &request, &run[i]);
     }
     const double same = lab_distance(&run[1], &run[2], 1, 2).largest,
                  other = lab_distance(&run[0], &run[1], 1, 2).largest;
     cr_assert_lt(same, 1e-9, "at 0 and at 1e-12 m/s: %g m apart", same);
     cr_assert_gt(other, 1e-3, "the two rules are one: %g m apart", other);
-    for (int i = 0; i < 3; i++)
-        lab_run_free(&run[i]);
     struct scene *scene = LAB_LOAD("swing", BALL,
                                    "head={ times=[0.0]; positions=([0, 0, 0]);"
                                    "       rotations=([0, 0, 0]); }");
     cr_assert(scene->bodies[0].moves, "a head that may move takes its bodies along");
-    scene_free(scene);
 }
 
 /* A body that nobody touches changes no bit; without envelope and body there are no ticks. */
@@ -237,24 +214,16 @@ Test(body_runs, a_distant_body_changes_nothing) {
                  *with = LAB_LOAD("swing-envelope", "duration=0.2", distant);
     const struct run_request request = {.stepper = "cvode"};
     struct lab_run a, b;
-    run_to(without, &request, &a);
-    run_to(with, &request, &b);
+    lab_finish(without, &request, &a);
+    lab_finish(with, &request, &b);
     check_same(&a, &b, 1, 0);
     cr_assert(b.result.counters.body_contacts == 0 &&
               a.result.counters.restarts == b.result.counters.restarts);
-    lab_run_free(&a);
-    lab_run_free(&b);
-    scene_free(without);
-    scene_free(with);
     without = lab_load("swing", NULL, 0);
     with = LAB_LOAD("swing", distant);
-    struct model *plain = wisp_problem.create(without, WISP_GENERALISED, 1),
-                 *ticking = wisp_problem.create(with, WISP_GENERALISED, 1);
+    struct model *plain = lab_model(without, WISP_GENERALISED, 1),
+                 *ticking = lab_model(with, WISP_GENERALISED, 1);
     cr_assert(plain && ticking && plain->collision_rate == 0 && ticking->collision_rate == 300);
-    wisp_problem.free(plain);
-    wisp_problem.free(ticking);
-    scene_free(without);
-    scene_free(with);
 }
 
 /* --- warnings --- */
@@ -286,26 +255,20 @@ Test(body_runs, bodies_that_can_pass_unseen_are_warned_of) {
         {turning, "0.02", "0.0", "tick to tick"}, /* by 1.5 * 8.2 rad/s at 1 m */
         {"", "0.0149", "-30.0", "tick to tick"},
     };
-    char folder[PATH_SIZE], path[PATH_SIZE], scene[PATH_SIZE], text[2048];
-    folder_make(folder);
+    const char *const folder = folder_make();
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        static struct finished f;
-        snprintf(text, sizeof text, HAIR_AND_BODY, cases[i].head, cases[i].radius,
-                 cases[i].velocity);
-        file_write(folder, "hair.cfg", text, scene);
-        path_format(path, "%s/run", folder);
-        PROGRAM(&f, NULL, "run", scene, "--out", path, "--duration", "0.11", "--no-progress");
-        cr_assert_eq(f.code, 0, "%s", f.err);
-        path_format(path, "%s/run/run.json", folder);
-        char *json = file_read(path);
+        const char *const text =
+            printed(HAIR_AND_BODY, cases[i].head, cases[i].radius, cases[i].velocity);
+        struct finished *f =
+            WORKS("run", file_write(folder, "hair.cfg", text), "--out", printed("%s/run", folder),
+                  "--duration", "0.11", "--no-progress");
+        char *json = file_read(printed("%s/run/run.json", folder));
         const int count = i == 6 ? 2 : cases[i].said != NULL;
-        cr_assert_eq(count_of(f.err, "warning: body 'ball' can pass"), count, "case %zu: %s", i,
-                     f.err);
+        cr_assert_eq(count_of(f->err, "warning: body 'ball' can pass"), count, "case %zu: %s", i,
+                     f->err);
         cr_assert_eq(count_of(json, "\"body 'ball' can pass"), count, "case %zu", i);
-        cr_assert(!cases[i].said || (strstr(f.err, cases[i].said) && strstr(json, cases[i].said)),
-                  "case %zu: %s", i, f.err);
+        cr_assert(!cases[i].said || (strstr(f->err, cases[i].said) && strstr(json, cases[i].said)),
+                  "case %zu: %s", i, f->err);
         cr_assert(strstr(json, "\"warnings\": ["), "case %zu: no list in run.json", i);
-        free(json);
     }
-    folder_remove(folder);
 }

@@ -97,12 +97,11 @@ static cairo_surface_t *image_of(const char *path) {
 
 /* By another program's reading of the SVG, where it is installed. */
 Test(canvas, both_formats_show_the_same) {
-    char folder[PATH_SIZE], svg[PATH_SIZE], png[PATH_SIZE], other[PATH_SIZE], reason[REASON_SIZE],
-        command[3 * PATH_SIZE];
-    folder_make(folder);
-    path_format(svg, "%s/page.svg", folder);
-    path_format(png, "%s/page.png", folder);
-    path_format(other, "%s/other.png", folder);
+    char reason[REASON_SIZE];
+    const char *const folder = folder_make();
+    const char *const svg = printed("%s/page.svg", folder);
+    const char *const png = printed("%s/page.png", folder);
+    const char *const other = printed("%s/other.png", folder);
     for (int as_svg = 0; as_svg < 2; as_svg++) {
         struct canvas *canvas = canvas_create(SIDE + 16, SIDE, as_svg);
         draw_page(canvas);
@@ -111,12 +110,10 @@ Test(canvas, both_formats_show_the_same) {
     }
     char *text = file_read(svg);
     cr_expect(strstr(text, ">hair</text>"), "words are no words");
-    free(text);
-    snprintf(command, sizeof command, "rsvg-convert '%s' -o '%s' 2>/dev/null", svg, other);
-    const int status = system(command);
-    if (status == 127 << 8)
+    const struct finished *f = shell("rsvg-convert '%s' -o '%s'", svg, other);
+    if (f->code == 127)
         skip_test("an SVG seen by rsvg-convert, which is not installed");
-    cr_assert_eq(status, 0);
+    cr_assert_eq(f->code, 0, "%s", f->out);
     cairo_surface_t *a = image_of(png), *b = image_of(other);
     const int stride = cairo_image_surface_get_stride(a);
     cr_assert_eq(stride, cairo_image_surface_get_stride(b));
@@ -130,5 +127,4 @@ Test(canvas, both_formats_show_the_same) {
     cr_expect_lt(sum / (3. * (SIDE - 16) * (SIDE + 16)), 1, "%g in all", sum);
     cairo_surface_destroy(a);
     cairo_surface_destroy(b);
-    folder_remove(folder);
 }

@@ -31,16 +31,11 @@ struct lab {
 
 static void open_lab(struct lab *lab, struct scene *scene) {
     lab->scene = scene;
-    cr_assert(lab->model = scene->problem->create(scene, 0, 4));
+    lab->model = lab_model(scene, 0, 4);
     lab->system = &lab->model->parts[0].system;
     lab->q = lab->model->parts[0].q;
     lab->v = lab->model->parts[0].v;
     lab->n = scene->wisps[0].nodes;
-}
-
-static void close_lab(struct lab *lab) {
-    lab->scene->problem->free(lab->model);
-    scene_free(lab->scene);
 }
 
 /* Each unknown and each rate moved at random. */
@@ -118,7 +113,6 @@ Test(chains, rosenblum_has_the_forces_of_the_law) {
                                    "node %d: %g, %g", i, a[3 * (i - 2) + c], expected);
             }
     }
-    close_lab(&lab);
 }
 
 /* With the first four nodes in a row at rest, nothing pulls at the head: what springs and hinges do
@@ -172,7 +166,6 @@ Test(chains, rosenblum_keeps_momentum_and_turns_unequal_segments) {
         cr_assert_float_eq(torque[c], 0, 1e-14 * size + 1e-9 * turn, "torque %g of %g", torque[c],
                            turn);
     }
-    close_lab(&lab);
 }
 
 /* One free node below two that rest is a mass on a spring in air: x = exp(-g t / 2) (cos w t + g /
@@ -185,8 +178,7 @@ Test(chains, rosenblum_of_one_node_is_an_oscillator) {
     const double k = w->stretch_stiffness / wisp_spacing(w), m = wisp_node_mass(w, 2);
     const double sag = m * 9.81 / k, rate = sqrt(k / m - 9. * 9 / 4);
     struct lab_run run;
-    lab_run(scene, &(struct run_request){.stepper = "reference"}, &run);
-    cr_assert_eq(run.result.outcome, FINISHED, "%s", run.result.reason);
+    lab_finish(scene, &(struct run_request){.stepper = "reference"}, &run);
     for (int f = 0; f < run.frames; f++) {
         const double t = run.t[f];
         const double down =
@@ -195,22 +187,17 @@ Test(chains, rosenblum_of_one_node_is_an_oscillator) {
         cr_assert_float_eq(row[3], 0.2 - 0.3 - down, 1e-9 * sag, "t = %g: %.17g, not %.17g", t,
                            row[3], -0.1 - down);
     }
-    lab_run_free(&run);
-    scene_free(scene);
 }
 
 /* What is softer than explicit Euler can bear at 60 Hz is no hair: it stretches. So it fails at
  * every stiffness, and says so. */
 Test(chains, rosenblum_at_60_Hz_fails_at_every_stiffness) {
     for (int decade = -3; decade <= 5; decade++) {
-        char set[64];
-        snprintf(set, sizeof set, "material.stretch_stiffness=1e%d", decade);
+        const char *const set = printed("material.stretch_stiffness=1e%d", decade);
         struct scene *scene = LAB_LOAD("rosenblum", set, "run.strain_limit=0.1");
         struct lab_run run;
         lab_run(scene, &(struct run_request){.stepper = "euler", .step = 1. / 60}, &run);
         cr_assert_eq(run.result.outcome, DIVERGED, "%s: %s", set, outcome_name(run.result.outcome));
-        lab_run_free(&run);
-        scene_free(scene);
     }
 }
 
@@ -223,7 +210,7 @@ static void check_jacobian(struct lab *lab) {
     const int n = lab->system->size;
     const double h = 1e-6, beta = 0.7e-4, alpha = 0.3e-2;
     double base[3 * MOST], low[3 * MOST], x[3 * MOST], y[3 * MOST], b[3 * MOST];
-    double *values = malloc((size_t)lab->system->pattern->column_start[n] * sizeof *values);
+    double *values = test_room((size_t)lab->system->pattern->column_start[n] * sizeof *values);
     unsigned seed = 5;
     cr_assert_eq(system_linearise(lab->system, JACOBIAN_EXACT, 0, lab->q, lab->v), 0);
     system_assemble(lab->system, alpha, beta, values);
@@ -262,7 +249,6 @@ static void check_jacobian(struct lab *lab) {
     system_solve(lab->system, b, y);
     for (int i = 0; i < n; i++)
         cr_assert_float_eq(y[i], x[i], 1e-9, "solved: %g for %g", y[i], x[i]);
-    free(values);
 }
 
 Test(chains, jacobians_are_derivatives) {
@@ -275,7 +261,6 @@ Test(chains, jacobians_are_derivatives) {
             OPEN(&lab, "rosenblum", ASKEW);
         shake(&lab, trial % 2 ? 0.5 : 0.01, 1, &seed);
         check_jacobian(&lab);
-        close_lab(&lab);
     }
 }
 
@@ -293,7 +278,6 @@ Test(chains, straight_hair_has_its_hinges_in_the_jacobian) {
     for (int i = 0; i < 5; i++)
         cr_assert_float_eq(y[3 * (2 + i) + 1], each * expected[i], 1e-12 * each, "node %d: %g",
                            4 + i, y[3 * (2 + i) + 1] / each);
-    close_lab(&lab);
 }
 
 /* Positions, velocities and accelerations of the nodes belong together, and a state that was
@@ -339,7 +323,6 @@ Test(chains, frames_are_of_the_state) {
         cr_assert_eq(rows[0][8 * 1 + 1], 1);
         cr_assert_float_eq(rows[0][8 + 2], 0.1 + 0.3 / 8 * lab.scene->wisps[0].direction[0], 1e-15,
                            "node 1 is not where the head has it");
-        close_lab(&lab);
     }
 }
 
@@ -352,8 +335,7 @@ Test(chains, anjyos_segments_are_pendulums) {
     const struct wisp *w = &scene->wisps[0];
     const double l = wisp_spacing(w), m = w->hair_count * w->hair_density * l;
     struct lab_run run;
-    lab_run(scene, &(struct run_request){.stepper = "reference"}, &run);
-    cr_assert_eq(run.result.outcome, FINISHED, "%s", run.result.reason);
+    lab_finish(scene, &(struct run_request){.stepper = "reference"}, &run);
     for (int f = 0; f < run.frames; f++)
         for (int i = 2; i < w->nodes; i++) {
             const double rate = sqrt(2.5e6 * i * m * 9.81 * l / 2);
@@ -367,8 +349,6 @@ Test(chains, anjyos_segments_are_pendulums) {
             cr_assert_float_eq(row[3] - before[3], -l * cos(angle), 1e-9 * l, "t = %g, segment %d",
                                run.t[f], i);
         }
-    lab_run_free(&run);
-    scene_free(scene);
 }
 
 /* Out of the plane, with wind: 1/2 (theta'^2 + phi'^2) - c_i (l/2) f.s/l is kept. */
@@ -380,8 +360,7 @@ Test(chains, anjyos_segments_keep_their_energy) {
     const double force[3] = {0, -9.81 * m, w->drag_rate * 3 * m};
     double first[MOST] = {0};
     struct lab_run run;
-    lab_run(scene, &(struct run_request){.stepper = "reference"}, &run);
-    cr_assert_eq(run.result.outcome, FINISHED, "%s", run.result.reason);
+    lab_finish(scene, &(struct run_request){.stepper = "reference"}, &run);
     double moved = 0;
     for (int f = 0; f < run.frames; f++)
         for (int i = 2; i < w->nodes; i++) {
@@ -404,8 +383,6 @@ Test(chains, anjyos_segments_keep_their_energy) {
                                first[i]);
         }
     cr_assert_gt(moved, 0.5, "nothing leaves its plane");
-    lab_run_free(&run);
-    scene_free(scene);
 }
 
 /* The source's theta <- 2 theta - theta_before + dt^2 theta'' with theta_before = theta - dt theta'
@@ -443,7 +420,6 @@ Test(chains, anjyos_recurrence_is_symplectic_euler) {
         }
         cr_assert_gt(fabs(now[0] - before[0]), 0, "it rests");
         stepper->method->free(stepper);
-        close_lab(&lab);
     }
 }
 
@@ -458,8 +434,6 @@ Test(chains, steps_end_where_a_gust_does) {
         struct lab_run run;
         lab_run(scene, &(struct run_request){.stepper = "rk4", .step = 0.01}, &run);
         cr_assert_eq(run.result.counters.steps, 10 + gust, "%lld steps", run.result.counters.steps);
-        lab_run_free(&run);
-        scene_free(scene);
     }
 }
 
@@ -487,18 +461,9 @@ static const struct {
 };
 
 Test(chains, what_the_problems_have_not_is_refused) {
-    for (size_t i = 0; i < sizeof wrongs / sizeof *wrongs; i++) {
-        char reason[REASON_SIZE];
-        struct scene *scene = scene_load(wrongs[i].scene, &wrongs[i].set, 1, reason);
-        cr_assert_null(scene, "%s, %s is taken", wrongs[i].scene, wrongs[i].set);
-        for (int k = 0; k < 2 && wrongs[i].says[k]; k++)
-            cr_assert(strstr(reason, wrongs[i].says[k]), "%s: %s", wrongs[i].set, reason);
-    }
-    char reason[REASON_SIZE];
-    const char *right = HAIR("[0.0,-1.0,3e-6]", "5");
-    struct scene *scene = scene_load("anjyo", &right, 1, reason);
-    cr_assert(scene, "%s", reason);
-    scene_free(scene);
+    for (size_t i = 0; i < sizeof wrongs / sizeof *wrongs; i++)
+        lab_refuse(wrongs[i].scene, &wrongs[i].set, 1, wrongs[i].says, 2);
+    LAB_LOAD("anjyo", HAIR("[0.0,-1.0,3e-6]", "5"));
 }
 
 /* Every wisp is alone: two of them are each what it is without the other, to the bit. */
@@ -519,33 +484,20 @@ Test(chains, wisps_do_not_feel_each_other) {
                 cr_assert_eq(memcmp(two.row + (15 * f + 6 + i) * two.columns + 2,
                                     one.row + (9 * f + i) * one.columns + 2, 6 * sizeof(double)),
                              0, "%s: frame %d, node %d", names[p], f, i);
-        lab_run_free(&two);
-        lab_run_free(&one);
-        scene_free(both);
-        scene_free(alone);
     }
 }
 
 /* A run, its picture and the accelerations of its last state, as a user has them. */
 Test(chains, a_user_runs_and_draws_them) {
     static const char *const names[] = {"rosenblum", "anjyo"};
-    char folder[PATH_SIZE], out[PATH_SIZE], states[PATH_SIZE];
-    struct finished f;
-    folder_make(folder);
+    const char *const folder = folder_make();
     gnuplot_stub_quiet();
     for (int p = 0; p < 2; p++) {
-        path_format(out, "%s/%s", folder, names[p]);
-        path_format(states, "%s/states.tsv", out);
-        PROGRAM(&f, NULL, "run", names[p], "--duration", "0.2", "--out", out, "--no-progress");
-        cr_assert_eq(f.code, 0, "%s", f.err);
-        PROGRAM(&f, NULL, "eval", names[p], "--state", states);
-        cr_assert(f.code == 0 && strstr(f.out, "wisp\tnode\tax\tay\taz"), "%s", f.err);
-        PROGRAM(&f, NULL, "render", out, "--skeleton", "--frames", "1,4", "--strip", "--out",
-                folder);
-        cr_assert_eq(f.code, 0, "%s", f.err);
-        PROGRAM(&f, NULL, "run", names[p], "--diagnostics", "--out", out, "--no-progress");
-        cr_assert_eq(f.code, 1, "diagnoses of what has no energy: %s", f.err);
+        const char *const out = printed("%s/%s", folder, names[p]);
+        WORKS("run", names[p], "--duration", "0.2", "--out", out, "--no-progress");
+        struct finished *f = WORKS("eval", names[p], "--state", printed("%s/states.tsv", out));
+        cr_assert(strstr(f->out, "wisp\tnode\tax\tay\taz"), "%s%s", f->out, f->err);
+        WORKS("render", out, "--skeleton", "--frames", "1,4", "--strip", "--out", folder);
+        FAILS(1, "", "run", names[p], "--diagnostics", "--out", out, "--no-progress");
     }
-    gnuplot_stub_remove();
-    folder_remove(folder);
 }

@@ -90,7 +90,7 @@ static const char crossed[] =
 /* --- an experiment and its tables --- */
 
 struct answer {
-    char folder[PATH_SIZE];
+    const char *folder;
     struct text_table statement, table, steppers;
 };
 
@@ -98,40 +98,27 @@ struct answer {
  * or the experiment's own. */
 static void ask(struct answer *answer, const char *experiment, const char *stepper,
                 const char *scene) {
-    char path[PATH_SIZE] = "";
-    struct finished f;
+    answer->folder = folder_make();
     const char *words[10] = {"experiment", experiment, "--out", answer->folder};
     int count = 4;
-    folder_make(answer->folder);
     words[count++] = stepper ? "--stepper" : "--quick";
     if (stepper)
         words[count++] = stepper;
     if (scene) {
-        file_write(answer->folder, "small.cfg", scene, path);
         words[count++] = "--scene";
-        words[count++] = path;
+        words[count++] = file_write(answer->folder, "small.cfg", scene);
     }
-    const struct process process = program_start(NULL, words);
-    program_wait(&process, &f);
-    cr_assert_eq(f.code, 0, "%s: exit code %d: %s", experiment, f.code, f.err);
-    path_format(path, "%s/%s", answer->folder, experiment);
+    program_must(NULL, 0, NULL, words);
+    const char *const path = printed("%s/%s", answer->folder, experiment);
     table_must_be_read(&answer->statement, path, "statements");
     table_must_be_read(&answer->table, path, "table");
     table_must_be_read(&answer->steppers, path, "steppers");
     statements_must_be_whole(path);
 }
 
-static void forget(struct answer *answer) {
-    text_table_free(&answer->statement);
-    text_table_free(&answer->table);
-    text_table_free(&answer->steppers);
-    folder_remove(answer->folder);
-}
-
 /* A column of the row that begins with a name. */
 static const char *cell(const struct text_table *table, const char *name, const char *column) {
-    const int row = text_table_find(table, name, NULL);
-    cr_assert(row >= 0, "no row %s", name);
+    const int row = the_row(table, name);
     cr_assert(text_table_column(table, column) >= 0, "no column %s", column);
     return text_table_cell(table, row, column);
 }
@@ -141,8 +128,7 @@ static double number(const struct text_table *table, const char *name, const cha
 }
 
 static void says(const struct answer *answer, const char *name, const char *verdict) {
-    cr_assert_str_eq(cell(&answer->statement, name, "verdict"), verdict, "%s: not %s: %s", name,
-                     verdict, cell(&answer->statement, name, "statement"));
+    must_state(&answer->statement, name, verdict, NULL);
 }
 
 #define HOLD(answer, ...) all_hold(answer, (const char *const[]){__VA_ARGS__, NULL})
@@ -156,14 +142,13 @@ static void must_say(const char *experiment, const char *scene, const char *name
     struct answer answer;
     ask(&answer, experiment, "euler", scene);
     says(&answer, name, verdict);
-    forget(&answer);
 }
 
 static void must_not_hold(const char *experiment, const char *scene, const char *name) {
     must_say(experiment, scene, name, "does not hold");
 }
 
-#define QUIET .init = gnuplot_stub_quiet, .fini = gnuplot_stub_remove
+#define QUIET .init = gnuplot_stub_quiet
 
 /* --- what they say --- */
 
@@ -179,7 +164,6 @@ Test(chapter5, slow_interactions_tell_who_passes_through, QUIET) {
         cr_assert_gt(number(&answer.statement, moved[i], "value"), 20);
     HOLD(&answer, "missed crossings", "missed here");
     cr_assert_float_eq(number(&answer.statement, "missed crossings", "value"), 55, 3);
-    forget(&answer);
     must_not_hold("interactions", radii, "crossings, none");
     must_not_hold("interactions", fast, "crossings, collision");
 }
@@ -191,7 +175,6 @@ Test(chapter5, slow_viscosity_tells_when_wisps_part, QUIET) {
     says(&answer, "parted", "tells nothing"); /* 0.5 /s changes half a millimetre */
     cr_assert_float_eq(number(&answer.statement, "parted", "value"), 13, 1.1);
     cr_assert_float_eq(number(&answer.statement, "stay", "value"), 26, 2.1);
-    forget(&answer);
     must_not_hold("viscosity", hugging, "parted");
     must_say("viscosity", radii, "parted", "not reached"); /* it ends before that frame */
     must_not_hold("viscosity", crossed, "stay");
@@ -219,7 +202,6 @@ Test(chapter5, slow_a_claim_that_the_control_passes_tells_nothing, QUIET) {
     const char *text = cell(&answer.statement, "parted", "statement");
     cr_assert(strstr(text, "So it is without contact, too."), "%s", text);
     cr_assert_eq(count_series(&answer, "thesis", "holds"), 0);
-    forget(&answer);
 }
 
 /* Statements are of all frames also with --quick. */
@@ -232,7 +214,6 @@ Test(chapter5, slow_quick_ones_watch_the_whole_scene, QUIET) {
                          count_series(&answer, "ours", "not reached"),
                      0, "%s", names[i]);
         cr_assert_gt(count_series(&answer, "thesis", "holds"), 0, "%s", names[i]);
-        forget(&answer);
     }
 }
 
@@ -242,7 +223,6 @@ Test(chapter5, slow_the_sphere_keeps_hair_out, QUIET) {
     HOLD(&answer, "touched", "nodes left inside", "deepest point", "strain");
     cr_assert_gt(number(&answer.statement, "deepest segment", "value"), 0.1);
     cr_assert_float_eq(number(&answer.table, "sphere", "thesis_per_frame"), 21.6, 0);
-    forget(&answer);
     must_say("sphere", far, "touched", "not reached");
     must_say("sphere", far, "strain", "not reached"); /* of a push that never came */
 }
@@ -262,7 +242,6 @@ Test(chapter5, slow_subdivision_adds_what_is_seen, QUIET) {
     ask(&answer, "subdivision", "euler", NULL);
     HOLD(&answer, "wisps, without", "wisps", "the same until", "complexity", "evaluations");
     cr_assert_gt(number(&answer.statement, "complexity", "value"), 20);
-    forget(&answer);
     must_not_hold("subdivision", close_twins, "complexity");
 }
 
@@ -270,7 +249,6 @@ Test(chapter5, slow_wind_lays_over_and_lets_fall, QUIET) {
     struct answer answer;
     ask(&answer, "wind", "euler", gust);
     HOLD(&answer, "laid over", "in the gust", "fallen back");
-    forget(&answer);
     must_not_hold("wind", breath, "laid over");
     must_not_hold("wind", steady, "fallen back");
     must_say("wind", long_gust, "fallen back", "not reached");   /* it ends before the gust does */
@@ -285,7 +263,6 @@ Test(chapter5, slow_hair_lags_a_head_that_shakes, QUIET) {
     HOLD(&answer, "lag", "returned");
     const double lag = number(&answer.statement, "lag", "value");
     cr_assert(lag > 0.02 && lag < 0.5, "a lag of %g s", lag);
-    forget(&answer);
     must_say("shake", still, "lag", "not reached"); /* its head does not turn */
 }
 
@@ -294,8 +271,7 @@ Test(chapter5, slow_radii_are_compared_from_one_to_the_next, QUIET) {
     ask(&answer, "radii", "euler", radii);
     double angles[3];
     for (int i = 0; i < 3; i++) {
-        char name[32];
-        snprintf(name, sizeof name, "largest, radius %d cm", i + 1);
+        const char *const name = printed("largest, radius %d cm", i + 1);
         angles[i] = number(&answer.statement, name, "value");
         cr_assert(angles[i] > 1 && angles[i] < 90, "%s: %g degrees", name, angles[i]);
     }
@@ -307,7 +283,6 @@ Test(chapter5, slow_radii_are_compared_from_one_to_the_next, QUIET) {
     says(&answer, "contacts", "holds");
     cr_assert_gt(number(&answer.table, "radius 3 cm", "wisp_contacts"),
                  number(&answer.table, "radius 1 cm", "wisp_contacts"));
-    forget(&answer);
 }
 
 /* --- the tables --- */
@@ -326,7 +301,6 @@ Test(chapter5, slow_costs_are_normalised_to_the_first_row, QUIET) {
                      low = number(table, names[i], "normalised_least"),
                      high = number(table, names[i], "normalised_greatest"),
                      theirs = number(table, names[i], "thesis_normalised");
-        char text[400];
         const char *words = cell(table, names[i], "comparison");
         cr_assert(0 < least && least <= cpu && cpu <= greatest, "%s: %g %g %g", names[i], least,
                   cpu, greatest);
@@ -345,10 +319,9 @@ Test(chapter5, slow_costs_are_normalised_to_the_first_row, QUIET) {
         cr_assert_eq(strstr(words, "within the spread") != NULL, alike, "%s: %s", names[i], words);
         cr_assert_eq(strstr(words, ": more") != NULL, i > 0 && low > theirs_high, "%s: %s",
                      names[i], words);
-        snprintf(text, sizeof text, "cost, %s", names[i]);
-        says(&answer, text, "holds"); /* it is measured: nothing is judged by a time */
+        says(&answer, printed("cost, %s", names[i]),
+             "holds"); /* it is measured: nothing is judged by a time */
     }
-    forget(&answer);
 }
 
 /* The thesis's times of a wisp over those of figure 5.2 without interaction, worked out by hand
@@ -362,14 +335,11 @@ Test(chapter5, slow_figures_are_compared_by_the_wisp, QUIET) {
                 {"5.1 radius 3 cm", 1.503, "viscosity"}, {"5.3 viscosity 0.5", 1.118, "bending"},
                 {"5.4 sphere", 1.579, "nothing"},        {"5.5 without", 1.158, "drag"},
                 {"5.5 with", 2.184, "one-sided"},        {"5.6 wind", 6.184, "nothing"}};
-    struct answer answer;
-    struct finished f;
-    folder_make(answer.folder);
-    PROGRAM(&f, NULL, "experiment", "chapter5", "--quick", "--out", answer.folder);
-    cr_assert_eq(f.code, 0, "%s", f.err);
+    const char *const folder = folder_make();
+    WORKS("experiment", "chapter5", "--quick", "--out", folder);
     struct text_table figures, models;
-    table_must_be_read(&figures, answer.folder, "chapter5/figures");
-    table_must_be_read(&models, answer.folder, "chapter5/models");
+    table_must_be_read(&figures, folder, "chapter5/figures");
+    table_must_be_read(&models, folder, "chapter5/models");
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
         const double cpu = number(&figures, rows[i].name, "cpu"),
                      none = number(&figures, "5.2 none", "cpu");
@@ -380,11 +350,7 @@ Test(chapter5, slow_figures_are_compared_by_the_wisp, QUIET) {
         cr_assert(strstr(text, rows[i].deviates), "%s deviates: %s", rows[i].name, text);
     }
     cr_assert_eq(number(&figures, "5.2 none", "contacts"), 0);
-    text_table_free(&figures);
-    text_table_free(&models);
-    PROGRAM(&f, NULL, "experiment", "chapter5", "--scene", "swing", "--out", answer.folder);
-    cr_assert(f.code == 1 && strstr(f.err, "leave out --scene"), "%d: %s", f.code, f.err);
-    folder_remove(answer.folder);
+    FAILS(1, "leave out --scene", "experiment", "chapter5", "--scene", "swing", "--out", folder);
 }
 
 /* Every stepper has a row; two are compared by their distance. */
@@ -406,7 +372,6 @@ Test(chapter5, slow_every_stepper_has_a_row, QUIET) {
     }
     cr_assert(number(&answer.steppers, "rk4", "distance") <
               number(&answer.steppers, "euler", "distance"));
-    forget(&answer);
 }
 
 /* Also one that fails: the scene is stiff beyond what 9000 Hz can do. */
@@ -423,48 +388,29 @@ Test(chapter5, slow_a_stepper_that_fails_has_a_row, QUIET) {
         said |= strstr(text_table_cell(&answer.statement, i, "statement"),
                        "did not reach its end") != NULL;
     cr_assert(said);
-    forget(&answer);
 }
 
 /* --- quick, with figures; and again without runs --- */
 
-static int new_runs(const struct finished *f, const char *experiment) {
-    int runs, new;
-    const char *line = strstr(f->out, ": ");
-    cr_assert(line && sscanf(line, ": %d runs, %d of them new", &runs, &new) == 2, "%s: '%s'",
-              experiment, f->out);
-    return new;
-}
-
 enum { TABLES = 4 }; /* table, steppers, series, statements */
 
-/* A sentence of statements.tsv by its key; to be freed. */
-static char *sentence_of(const char *folder, const char *key) {
+/* A sentence of statements.tsv by its key. */
+static const char *sentence_of(const char *folder, const char *key) {
     struct text_table rows;
-    char reason[REASON_SIZE], *sentence = NULL;
-    cr_assert_eq(statements_read(&rows, folder, reason), 0, "%s", reason);
-    for (int row = 0; row < rows.row_count; row++)
-        if (strcmp(text_table_cell(&rows, row, "key"), key) == 0)
-            sentence = strdup(text_table_cell(&rows, row, "statement"));
-    text_table_free(&rows);
-    cr_assert(sentence, "nothing is stated of %s", key);
-    return sentence;
+    statements_must_be_read(&rows, folder);
+    return cell(&rows, key, "statement");
 }
 
 /* A second of 30 frames by two steppers, which begin as one; and all by their distance. */
 static void film_and_errors_are_there(const char *folder) {
     struct text_table film;
-    char path[PATH_SIZE], reason[REASON_SIZE];
-    path_format(path, "%s/film.tsv", folder);
-    cr_assert_eq(text_table_read(&film, path, reason), 0, "%s", reason);
+    table_must_be_read(&film, folder, "film");
     cr_assert_eq(film.row_count, 31);
     cr_assert_eq(text_table_number(&film, 0, "distance"), 0);
     cr_assert_gt(text_table_number(&film, 30, "distance"), 0, "there is one run");
     cr_assert(fabs(text_table_number(&film, 30, "t") - 1) < 1e-12);
-    text_table_free(&film);
-    char *sentence = sentence_of(folder, "film");
+    const char *sentence = sentence_of(folder, "film");
     cr_assert(strstr(sentence, "euler, 9000 Hz (left) and "), "%s", sentence);
-    free(sentence);
     sentence = sentence_of(folder, "errors");
     const char *first = strstr(sentence, "nearest to reference, "),
                *last = strstr(sentence, "furthest, ");
@@ -473,28 +419,19 @@ static void film_and_errors_are_there(const char *folder) {
                   sscanf(last, "furthest, %lf", &furthest) == 1,
               "%s", sentence);
     cr_assert_lt(nearest, furthest, "%s", sentence);
-    free(sentence);
 }
 
 static void try_quickly(const char *experiment, const char *scene) {
-    char folder[PATH_SIZE], path[PATH_SIZE] = "";
-    folder_make(folder);
-    if (scene)
-        file_write(folder, "small.cfg", scene, path);
-    for (int again = 0; again < 2; again++) {
-        struct finished f;
-        const char *const arguments[] = {"experiment", experiment, "--quick",
-                                         "--out",      folder,     scene ? "--scene" : NULL,
-                                         path,         NULL};
-        const struct process process = program_start(NULL, arguments);
-        program_wait(&process, &f);
-        cr_assert_eq(f.code, 0, "%s: exit code %d: %s", experiment, f.code, f.err);
-        cr_assert_eq(new_runs(&f, experiment) > 0, !again, "%s: '%s'", experiment, f.out);
-    }
+    const char *const folder = folder_make();
+    const char *const path = scene ? file_write(folder, "small.cfg", scene) : NULL;
+    for (int again = 0; again < 2; again++)
+        cr_assert_eq(new_runs(WORKS("experiment", experiment, "--quick", "--out", folder,
+                                    path ? "--scene" : NULL, path),
+                              NULL) > 0,
+                     !again, "%s", experiment);
     /* cost, series, and the diagnoses of each variant; misses are a table alone, and pictures of
      * hair no .svg */
-    char runs[PATH_SIZE];
-    path_format(runs, "%s/%s", folder, experiment);
+    const char *const runs = printed("%s/%s", folder, experiment);
     const int figures = 2 + count_files(runs, ".tsv") - TABLES - count_files(runs, "misses.tsv") -
                         count_files(runs, "film.tsv");
     const int pictures = strcmp(experiment, "wind") == 0 ? 3 : 1;
@@ -506,7 +443,6 @@ static void try_quickly(const char *experiment, const char *scene) {
     cr_assert_eq(count_files(runs, ".png"), figures + pictures, "%s: not %d figures", experiment,
                  figures);
     cr_assert_eq(count_files(runs, ".svg"), figures, "%s: not %d figures", experiment, figures);
-    folder_remove(folder);
 }
 
 Test(chapter5, slow_quick_ones_draw_and_resume) {
@@ -522,10 +458,7 @@ Test(chapter5, slow_quick_ones_draw_and_resume_with_bodies_wind_and_head) {
 }
 
 Test(chapter5, two_scenes_are_refused) {
-    struct finished f;
-    PROGRAM(&f, NULL, "experiment", "wind", "--scene", "swing", "--scene", "wind");
-    cr_assert_eq(f.code, 1);
-    cr_assert(count_lines(f.err) == 1 && strstr(f.err, "one --scene"), "'%s'", f.err);
+    FAILS(1, "one --scene", "experiment", "wind", "--scene", "swing", "--scene", "wind");
 }
 
 /* Variants of what a scene has not would be its own, all alike. */
@@ -533,18 +466,13 @@ Test(chapter5, a_scene_without_what_is_varied_is_refused) {
     static const char *const needs[][2] = {
         {"radii", "envelope"},          {"interactions", "contacts"}, {"viscosity", "contacts"},
         {"subdivision", "subdivision"}, {"sphere", "body"},           {"wind", "wind"}};
-    char folder[PATH_SIZE];
-    folder_make(folder);
+    const char *const folder = folder_make();
     for (size_t i = 0; i < sizeof needs / sizeof *needs; i++) {
-        struct finished f;
-        PROGRAM(&f, NULL, "experiment", needs[i][0], "--scene", "swing", "--out", folder);
-        cr_assert_eq(f.code, 1, "%s: exit code %d", needs[i][0], f.code);
-        cr_assert(count_lines(f.err) == 1 && strstr(f.err, "needs a scene with") &&
-                      strstr(f.err, needs[i][1]),
-                  "%s: '%s'", needs[i][0], f.err);
+        struct finished *f = FAILS(1, "needs a scene with", "experiment", needs[i][0], "--scene",
+                                   "swing", "--out", folder);
+        cr_assert(strstr(f->err, needs[i][1]), "%s", f->err);
     }
     cr_assert_eq(count_files(folder, ""), 0, "something was written");
-    folder_remove(folder);
 }
 
 /* Hair without an envelope, in a picture in which it has no height. */
@@ -553,32 +481,20 @@ Test(chapter5, hair_along_a_line_is_drawn) {
         "duration = 0.02;\nframe_rate = 30.0;\ngravity = [0, 0, 0];\nmaterial = { };\n"
         "wind = { kind = \"steady\"; velocity = [0, 0, 0]; };\n"
         "wisps = ({ root = [0, 0, 0]; direction = [1, 0, 0]; length = 0.2; nodes = 5; });\n";
-    struct finished f;
-    char folder[PATH_SIZE], path[PATH_SIZE];
-    folder_make(folder);
-    file_write(folder, "line.cfg", scene, path);
-    PROGRAM(&f, NULL, "experiment", "wind", "--quick", "--stepper", "euler", "--scene", path,
-            "--out", folder);
-    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
-    cr_assert_null(strstr(f.out, "nan %"), "%s", f.out);
-    cr_assert_null(strstr(f.out, "diverged"), "hair without weight is at rest: %s", f.out);
-    path_format(path, "%s/wind", folder);
-    cr_assert_eq(count_files(path, "hair.png"), 1, "no picture of it");
-    folder_remove(folder);
+    const char *const folder = folder_make();
+    struct finished *f = WORKS("experiment", "wind", "--quick", "--stepper", "euler", "--scene",
+                               file_write(folder, "line.cfg", scene), "--out", folder);
+    cr_assert_null(strstr(f->out, "nan %"), "%s", f->out);
+    cr_assert_null(strstr(f->out, "diverged"), "hair without weight is at rest: %s", f->out);
+    cr_assert_eq(count_files(printed("%s/wind", folder), "hair.png"), 1, "no picture of it");
 }
 
 /* What the thesis took is of its own scenes: beside one of a user's there is nothing of it. */
 Test(chapter5, a_users_scene_is_not_compared_with_the_thesiss_times) {
     struct answer answer;
-    char path[PATH_SIZE];
     ask(&answer, "radii", "euler", radii);
     for (int row = 0; row < answer.table.row_count; row++)
         cr_expect(text_cell_is_empty(text_table_cell(&answer.table, row, "thesis_per_frame")));
-    path_format(path, "%s/radii/cost.svg", answer.folder);
-    char *svg = file_read(path);
-    cr_assert(svg, "no %s", path);
-    cr_expect(strstr(svg, "What it costs") && !strstr(svg, "thesis"), "%s speaks of the thesis",
-              path);
-    free(svg);
-    forget(&answer);
+    const char *svg = file_of(answer.folder, "radii/cost.svg");
+    cr_expect(strstr(svg, "What it costs") && !strstr(svg, "thesis"), "it speaks of the thesis");
 }

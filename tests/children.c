@@ -19,12 +19,6 @@
 #include <time.h>
 #include <unistd.h>
 
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#define __SANITIZE_ADDRESS__
-#endif
-#endif
-
 /* --- a machine without room for another process, and what is signalled there --- */
 
 static int forks_left = -1; /* -1: any number */
@@ -68,6 +62,12 @@ static void bad_free(struct stepper *stepper) {
     free(stepper);
 }
 
+/* A step of a method, of whose arguments these two are used. */
+#define UNUSED __attribute__((unused))
+#define STEP(name)                                                                        \
+    static int name(struct stepper *stepper, UNUSED double t, UNUSED double h, double *q, \
+                    UNUSED double *v)
+
 /* Whether it is time; until then the state just moves. */
 static int good(struct stepper *stepper, double *q) {
     struct bad *bad = (struct bad *)stepper;
@@ -75,8 +75,7 @@ static int good(struct stepper *stepper, double *q) {
     return ++bad->steps <= GOOD_STEPS;
 }
 
-static int hang(struct stepper *stepper, double t, double h, double *q, double *v) {
-    (void)t, (void)h, (void)v;
+STEP(hang) {
     volatile int for_ever = 1;
     if (!good(stepper, q))
         while (for_ever)
@@ -84,13 +83,8 @@ static int hang(struct stepper *stepper, double t, double h, double *q, double *
     return 0;
 }
 
-static void sleep_for(double seconds) {
-    nanosleep(&(struct timespec){.tv_nsec = (long)(1e9 * seconds)}, NULL);
-}
-
 /* Takes 10 ms of CPU time for each step. */
-static int toil(struct stepper *stepper, double t, double h, double *q, double *v) {
-    (void)t, (void)h, (void)v;
+STEP(toil) {
     const clock_t start = clock();
     if (!good(stepper, q))
         while (clock() - start < CLOCKS_PER_SEC / 100)
@@ -99,23 +93,20 @@ static int toil(struct stepper *stepper, double t, double h, double *q, double *
 }
 
 /* Does nothing for longer than the limit of CPU time, and goes on. */
-static int nap(struct stepper *stepper, double t, double h, double *q, double *v) {
-    (void)t, (void)h, (void)v;
+STEP(nap) {
     const struct bad *bad = (struct bad *)stepper;
     if (!good(stepper, q) && bad->steps <= 2 * GOOD_STEPS)
-        sleep_for(0.05);
+        wait_for(0.05);
     return 0;
 }
 
-static int dawdle(struct stepper *stepper, double t, double h, double *q, double *v) {
-    (void)t, (void)h, (void)v;
+STEP(dawdle) {
     if (!good(stepper, q))
-        sleep_for(0.02);
+        wait_for(0.02);
     return 0;
 }
 
-static int crash(struct stepper *stepper, double t, double h, double *q, double *v) {
-    (void)t, (void)h, (void)v;
+STEP(crash) {
     if (!good(stepper, q)) {
         signal(SIGSEGV, SIG_DFL); /* sanitizers catch it */
         raise(SIGSEGV);
@@ -123,16 +114,14 @@ static int crash(struct stepper *stepper, double t, double h, double *q, double 
     return 0;
 }
 
-static int abort_itself(struct stepper *stepper, double t, double h, double *q, double *v) {
-    (void)t, (void)h, (void)v;
+STEP(abort_itself) {
     if (!good(stepper, q))
         abort();
     return 0;
 }
 
-#ifndef __SANITIZE_ADDRESS__ /* which reports these its own way */
-static int read_nowhere(struct stepper *stepper, double t, double h, double *q, double *v) {
-    (void)t, (void)h, (void)v;
+#ifndef SANITIZED /* which reports these its own way */
+STEP(read_nowhere) {
     double *volatile nowhere = NULL;
     if (!good(stepper, q))
         q[0] = *nowhere;
@@ -145,15 +134,13 @@ static int deeper(volatile int *from) {
     return here > 0 ? deeper(&here) + here : 0;
 }
 
-static int sink(struct stepper *stepper, double t, double h, double *q, double *v) {
-    (void)t, (void)h, (void)v;
+STEP(sink) {
     volatile int start = 0;
     return good(stepper, q) ? 0 : deeper(&start);
 }
 #endif
 
-static int leave(struct stepper *stepper, double t, double h, double *q, double *v) {
-    (void)t, (void)h, (void)v;
+STEP(leave) {
     if (!good(stepper, q))
         _exit(0); /* "fine", but there is no result */
     return 0;
@@ -166,16 +153,14 @@ static void eat(struct bad *bad) {
             *block = bad->eaten;
 }
 
-static int eat_and_say_so(struct stepper *stepper, double t, double h, double *q, double *v) {
-    (void)t, (void)h, (void)v;
+STEP(eat_and_say_so) {
     if (good(stepper, q))
         return 0;
     eat((struct bad *)stepper);
     return system_fail(stepper->system, -OUT_OF_MEMORY, "ate it all");
 }
 
-static int eat_and_die(struct stepper *stepper, double t, double h, double *q, double *v) {
-    (void)t, (void)h, (void)v;
+STEP(eat_and_die) {
     if (good(stepper, q))
         return 0;
     eat((struct bad *)stepper);
@@ -185,22 +170,20 @@ static int eat_and_die(struct stepper *stepper, double t, double h, double *q, d
 }
 
 /* As if the user had ended the whole; and goes on until that comes back. */
-static int call_off(struct stepper *stepper, double t, double h, double *q, double *v) {
-    (void)t, (void)h, (void)v;
+STEP(call_off) {
     if (!good(stepper, q)) {
         kill(getppid(), SIGINT);
-        sleep_for(0.02);
+        wait_for(0.02);
     }
     return 0;
 }
 
-static char lost_folder[PATH_SIZE];
+static const char *lost_folder;
 
 /* Is shot from outside, by another process, as often as is left; then it goes on. */
 static struct { atomic_int left, signal; } * shots; /* shared by all processes */
 
-static int get_shot(struct stepper *stepper, double t, double h, double *q, double *v) {
-    (void)t, (void)h, (void)v;
+STEP(get_shot) {
     if (good(stepper, q) || shots->left == 0)
         return 0;
     shots->left--;
@@ -210,12 +193,12 @@ static int get_shot(struct stepper *stepper, double t, double h, double *q, doub
         _exit(0);
     }
     waitpid(other, NULL, 0);
-    sleep_for(0.2);
+    wait_for(0.2);
     return 0;
 }
 
-static int finish(struct stepper *stepper, double t, double h, double *q, double *v) {
-    (void)stepper, (void)t, (void)h, (void)v;
+STEP(finish) {
+    (void)stepper;
     q[0] += 1e-3;
     return 0;
 }
@@ -235,7 +218,7 @@ static const struct bad_method {
     {BAD("naps", nap), "finished", "", 0},
     {BAD("crashes", crash), "crashed", "signal 11", 0},
     {BAD("aborts", abort_itself), "crashed", "signal 6", 0},
-#ifndef __SANITIZE_ADDRESS__
+#ifndef SANITIZED
     {BAD("reads-nowhere", read_nowhere), "crashed", "signal 11", 0},
     {BAD("sinks", sink), "crashed", "signal 11", 0},
 #endif
@@ -249,7 +232,7 @@ enum { METHODS = sizeof methods / sizeof *methods };
 static const struct run_limits limits = {.seconds = 0.3, .bytes = 64 << 20};
 
 static int skipped(const struct bad_method *bad) {
-#ifdef __SANITIZE_ADDRESS__
+#ifdef SANITIZED
     return bad->memory;
 #else
     (void)bad;
@@ -257,20 +240,29 @@ static int skipped(const struct bad_method *bad) {
 #endif
 }
 
-static void make_case(struct run_case *run, const struct scene *scene, const char *root,
-                      const struct bad_method *bad) {
-    char reason[REASON_SIZE];
+static const char *folder;
+static const struct scene *scene;
+static char reason[REASON_SIZE];
+
+static void set_up(void) {
+    folder = folder_make();
+    scene = circle_scene(100, 0);
+    runs_catch_signals();
+    shots = mmap(NULL, sizeof *shots, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    cr_assert(shots != MAP_FAILED);
+}
+
+static void make_case(struct run_case *run, const struct bad_method *bad) {
     const struct run_request request = {.stepper = "euler", .step = step_length};
     *run = (struct run_case){.scene = scene};
-    cr_assert_eq(settings_resolve(scene, &request, &run->settings, reason), 0, "%s", reason);
+    run->settings = settings_of(scene, &request);
     run->settings.method = &bad->method;
-    run_folder(root, scene, &run->settings, run->folder);
+    run_folder(folder, scene, &run->settings, run->folder);
 }
 
 /* run.json says what happened and when; the frames before are there, in complete lines. */
 static void check_result(const struct run_case *run, const struct bad_method *bad) {
     struct run_files files;
-    char reason[REASON_SIZE];
     const char *name = bad->method.name;
     cr_assert_eq(run_read_states(&files, run->folder, NULL, reason), 0, "%s: %s", name, reason);
     const char *status = json_string_value(json_object_get(files.json, "status"));
@@ -291,16 +283,12 @@ static void check_result(const struct run_case *run, const struct bad_method *ba
     run_free(&files);
 }
 
-Test(children, each_kind_of_death_is_a_result) {
-    char folder[PATH_SIZE], reason[REASON_SIZE];
-    folder_make(folder);
-    runs_catch_signals();
-    struct scene *scene = circle_scene(100, 0);
+Test(children, each_kind_of_death_is_a_result, .init = set_up) {
     for (int i = 0; i < METHODS; i++) {
         struct run_case run;
         if (skipped(&methods[i]))
             continue;
-        make_case(&run, scene, folder, &methods[i]);
+        make_case(&run, &methods[i]);
         const enum outcome outcome = runs_do_one(&run, &limits, 0, reason);
         cr_assert_str_eq(outcome_name(outcome), methods[i].status, "%s: '%s' (%s)",
                          methods[i].method.name, outcome_name(outcome), reason);
@@ -308,23 +296,17 @@ Test(children, each_kind_of_death_is_a_result) {
         cr_assert_eq(count_files(run.folder, ".part"), 0, "%s: half a file is left",
                      methods[i].method.name);
     }
-    scene_free(scene);
-    folder_remove(folder);
 }
 
 /* The same in a pool: what dies holds up nobody. */
-Test(children, a_pool_completes_around_its_dead) {
-    char folder[PATH_SIZE], reason[REASON_SIZE] = "";
+Test(children, a_pool_completes_around_its_dead, .init = set_up) {
     struct run_case runs[METHODS + 2];
     const struct bad_method *kinds[METHODS + 2];
     int count = 0;
-    folder_make(folder);
-    runs_catch_signals();
-    struct scene *scene = circle_scene(100, 0), *other = circle_scene(100, 0.5);
     for (int i = 0; i < METHODS; i++) {
         if (skipped(&methods[i]))
             continue;
-        make_case(&runs[count], scene, folder, &methods[i]);
+        make_case(&runs[count], &methods[i]);
         kinds[count++] = &methods[i];
     }
     const int different = count;
@@ -336,20 +318,12 @@ Test(children, a_pool_completes_around_its_dead) {
     for (int i = 0; i < count; i++)
         check_result(&runs[i], kinds[i]);
     cr_assert_eq(runs_do_all(runs, count, &limits, 2, 0, reason), 0, "failures are run again");
-    scene_free(scene);
-    scene_free(other);
-    folder_remove(folder);
 }
 
 /* --- what is no result --- */
 
 static const struct bad_method dawdles = {BAD("dawdles", dawdle), "", "", 0},
                                is_shot = {BAD("is-shot", get_shot), "finished", "", 0};
-
-static void make_shots(void) {
-    shots = mmap(NULL, sizeof *shots, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    cr_assert(shots != MAP_FAILED);
-}
 
 /* Nothing is left in the folder of a run that was killed, so that the next call does it. */
 static void check_nothing(const struct run_case *run) {
@@ -358,16 +332,12 @@ static void check_nothing(const struct run_case *run) {
 }
 
 /* The clock on the wall tells how busy the machine is, nothing about a method. */
-Test(children, the_watchdog_leaves_no_result) {
+Test(children, the_watchdog_leaves_no_result, .init = set_up) {
     static const struct run_limits watched = {.seconds = 0.3, .wall_seconds = 0.4};
-    char folder[PATH_SIZE], reason[REASON_SIZE] = "";
     struct run_case runs[2];
-    folder_make(folder);
-    runs_catch_signals();
-    struct scene *scene = circle_scene(1000, 0);
-    make_case(&runs[0], scene, folder, &dawdles);
-    make_case(&runs[1], scene, folder, &is_shot);
-    make_shots();
+    scene = circle_scene(1000, 0);
+    make_case(&runs[0], &dawdles);
+    make_case(&runs[1], &is_shot);
     cr_assert_eq(runs_do_one(&runs[0], &watched, 0, reason), OUTPUT_FAILED);
     cr_assert(strstr(reason, "watchdog"), "%s", reason);
     check_nothing(&runs[0]);
@@ -375,25 +345,18 @@ Test(children, the_watchdog_leaves_no_result) {
     cr_assert_eq(ran, 1, "%d runs (%s)", ran, reason);
     check_nothing(&runs[0]);
     cr_assert(run_is_complete(runs[1].folder));
-    scene_free(scene);
-    folder_remove(folder);
 }
 
 /* Whatever signal it is, a method that did not raise it itself is not to blame. */
-Test(children, who_is_killed_from_outside_is_run_again) {
-#ifdef __SANITIZE_ADDRESS__ /* which takes the other ones for its own */
+Test(children, who_is_killed_from_outside_is_run_again, .init = set_up) {
+#ifdef SANITIZED /* which takes the other ones for its own */
     static const int signals[] = {SIGKILL, SIGTERM, SIGINT, SIGHUP};
 #else
     static const int signals[] = {SIGKILL, SIGTERM, SIGINT, SIGHUP, SIGSEGV, SIGFPE, SIGABRT};
 #endif
     enum { SIGNALS = sizeof signals / sizeof *signals };
-    char folder[PATH_SIZE], reason[REASON_SIZE] = "";
     struct run_case run;
-    folder_make(folder);
-    runs_catch_signals();
-    make_shots();
-    struct scene *scene = circle_scene(100, 0);
-    make_case(&run, scene, folder, &is_shot);
+    make_case(&run, &is_shot);
     for (int i = 0; i < SIGNALS; i++) {
         shots->signal = signals[i];
         shots->left = 1;
@@ -409,21 +372,14 @@ Test(children, who_is_killed_from_outside_is_run_again) {
         cr_assert_eq(shots->left, 0);
         run_remove(run.folder);
     }
-    scene_free(scene);
-    folder_remove(folder);
 }
 
 /* One that is killed again and again is left out; the others are there, and so is it when it is
  * left alone. */
-Test(children, who_is_killed_twice_is_left_out) {
-    char folder[PATH_SIZE], reason[REASON_SIZE] = "";
+Test(children, who_is_killed_twice_is_left_out, .init = set_up) {
     struct run_case runs[3];
-    folder_make(folder);
-    runs_catch_signals();
-    make_shots();
-    struct scene *scene = circle_scene(100, 0);
-    make_case(&runs[0], scene, folder, &is_shot);
-    make_case(&runs[1], scene, folder, &methods[2]);
+    make_case(&runs[0], &is_shot);
+    make_case(&runs[1], &methods[2]);
     runs[2] = runs[0]; /* asked for twice */
     shots->signal = SIGKILL;
     shots->left = 5;
@@ -439,44 +395,32 @@ Test(children, who_is_killed_twice_is_left_out) {
     shots->left = 0;
     cr_assert_eq(runs_do_all(runs, 3, &limits, 2, 0, reason), 1, "%s", reason);
     check_result(&runs[0], &is_shot);
-    scene_free(scene);
-    folder_remove(folder);
 }
 
 /* --- locks --- */
 
 /* As if another host had taken the folder, for this one stood still, and done the run. */
-static int lose(struct stepper *stepper, double t, double h, double *q, double *v) {
-    (void)t, (void)h, (void)v;
+STEP(lose) {
     if (good(stepper, q))
         return 0;
-    file_write(lost_folder, ".lock", "elsewhere 1 1 1\n", NULL);
+    file_write(lost_folder, ".lock", "elsewhere 1 1 1\n");
     json_t *done = json_pack("{s:s}", "status", "finished");
-    char path[PATH_SIZE];
-    path_format(path, "%s/run.json", lost_folder);
     seal_add(done, json_object());
-    json_dump_file(done, path, 0);
+    json_dump_file(done, printed("%s/run.json", lost_folder), 0);
     for (;;)
         pause();
 }
 
-Test(children, slow_a_run_whose_lock_is_lost_is_left_to_others) {
+Test(children, slow_a_run_whose_lock_is_lost_is_left_to_others, .init = set_up) {
     static const struct bad_method loses = {BAD("loses", lose), "", "", 0};
-    char folder[PATH_SIZE], path[PATH_SIZE], reason[REASON_SIZE] = "";
     struct run_case run;
-    folder_make(folder);
-    struct scene *scene = circle_scene(100, 0);
-    make_case(&run, scene, folder, &loses);
-    path_format(lost_folder, "%s", run.folder);
+    make_case(&run, &loses);
+    lost_folder = printed("%s", run.folder);
     cr_assert_eq(runs_do_all(&run, 1, &limits, 1, 0, reason), 1, "%s", reason);
-    path_format(path, "%s/run.json", run.folder);
-    char *text = file_read(path);
+    char *text = file_read(printed("%s/run.json", run.folder));
     cr_assert(text && !strstr(text, "counters"), "it has been written: %s", text ? text : "gone");
-    free(text);
     cr_assert_eq(count_files(run.folder, ".lock"), 1, "the other's lock is gone");
     cr_assert_eq(count_files(run.folder, ".part"), 0);
-    scene_free(scene);
-    folder_remove(folder);
 }
 
 /* --- limits that are counted --- */
@@ -484,17 +428,14 @@ Test(children, slow_a_run_whose_lock_is_lost_is_left_to_others) {
 /* A run that took more than its limit of CPU time is out of time, whether or not anybody has seen
  * it before the end. */
 Test(children, a_limit_of_cpu_time_holds_to_the_end) {
-    char reason[REASON_SIZE];
-    struct settings settings;
     struct run_result result;
-    struct scene *scene = circle_scene(10, 0.5);
-    cr_assert_eq(settings_resolve(scene, &(struct run_request){.step = 0.5}, &settings, reason), 0);
+    scene = circle_scene(10, 0.5);
+    const struct settings settings = settings_of(scene, &(struct run_request){.step = 0.5});
     simulate(scene, &settings, NULL, &(struct watch){.cpu_seconds = 1e-9}, &result);
     cr_assert_eq(result.outcome, OUT_OF_TIME);
     cr_assert_eq(result.time, 10);
     simulate(scene, &settings, NULL, &(struct watch){.cpu_seconds = 1e9}, &result);
     cr_assert_eq(result.outcome, FINISHED);
-    scene_free(scene);
 }
 
 /* A run ends where it has taken more evaluations than it may, whatever stops it has. */
@@ -507,13 +448,12 @@ Test(children, a_limit_of_evaluations_is_counted) {
         {0.1, 400, 50}, {0.1, 399, 50}, {0, 399, 50},   {0, 0, 50},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        char folder[PATH_SIZE], reason[REASON_SIZE];
         struct run_case run;
         struct run_files files;
-        folder_make(folder);
-        struct scene *scene = circle_scene(50, cases[i].frame_rate);
+        folder = folder_make();
+        scene = circle_scene(50, cases[i].frame_rate);
         run = (struct run_case){.scene = scene};
-        cr_assert_eq(settings_resolve(scene, &request, &run.settings, reason), 0, "%s", reason);
+        run.settings = settings_of(scene, &request);
         path_format(run.folder, "%s", folder);
         const enum outcome outcome =
             runs_do_one(&run, &(struct run_limits){.evaluations = cases[i].limit}, 0, reason);
@@ -525,56 +465,44 @@ Test(children, a_limit_of_evaluations_is_counted) {
         cr_assert_eq(reached, cases[i].time, "case %d: reached %g s", (int)i, reached);
         cr_assert_eq(run_number(&files, "counters.force_evaluations"), 8 * cases[i].time);
         run_free(&files);
-        scene_free(scene);
-        folder_remove(folder);
     }
 }
 
 /* The same frames, end and counters for any number of threads. */
 Test(children, a_limit_of_evaluations_knows_no_threads) {
-    char folder[PATH_SIZE], path[PATH_SIZE], reason[REASON_SIZE], *states[2];
+    char *states[2];
     double evaluations[2], reached[2];
     const char *const sets[] = {"duration=0.2"};
-    struct scene *scene = scene_load("wind", sets, 1, reason);
-    cr_assert(scene, "%s", reason);
+    scene = lab_load("wind", sets, 1);
     for (int i = 0; i < 2; i++) {
         const struct run_request request = {.stepper = "cvode", .threads = 1 + 2 * i};
         struct run_case run = {.scene = scene};
         struct run_files files;
-        folder_make(folder);
+        folder = folder_make();
         path_format(run.folder, "%s", folder);
-        cr_assert_eq(settings_resolve(scene, &request, &run.settings, reason), 0, "%s", reason);
+        run.settings = settings_of(scene, &request);
         cr_assert_eq(runs_do_one(&run, &(struct run_limits){.evaluations = 50000}, 0, reason),
                      OUT_OF_TIME);
         cr_assert_eq(run_read(&files, folder, reason), 0, "%s", reason);
         evaluations[i] = run_number(&files, "counters.force_evaluations");
         reached[i] = run_number(&files, "simulated_time");
         run_free(&files);
-        path_format(path, "%s/states.tsv", folder);
-        states[i] = file_read(path);
-        folder_remove(folder);
+        states[i] = file_read(printed("%s/states.tsv", folder));
     }
     cr_assert(evaluations[0] > 50000 && evaluations[0] < 100000, "%g evaluations", evaluations[0]);
     cr_assert_eq(evaluations[0], evaluations[1]);
     cr_assert_eq(reached[0], reached[1]);
     cr_assert(states[0] && states[1] && strcmp(states[0], states[1]) == 0);
-    free(states[0]);
-    free(states[1]);
-    scene_free(scene);
 }
 
 /* --- a machine without room --- */
 
 /* A process that cannot be had is no process -1: nobody else is signalled when the user ends it. */
-Test(children, a_fork_that_fails_harms_nobody) {
+Test(children, a_fork_that_fails_harms_nobody, .init = set_up) {
     static const struct bad_method calls_off = {BAD("calls-off", call_off), "interrupted", "", 0};
-    char folder[PATH_SIZE], reason[REASON_SIZE] = "";
     struct run_case runs[2];
-    folder_make(folder);
-    runs_catch_signals();
-    struct scene *scene = circle_scene(100, 0);
-    make_case(&runs[0], scene, folder, &calls_off);
-    make_case(&runs[1], scene, folder, &methods[0]);
+    make_case(&runs[0], &calls_off);
+    make_case(&runs[1], &methods[0]);
     forks_left = 0;
     cr_assert_eq(runs_do_one(&runs[1], &limits, 0, reason), OUTPUT_FAILED);
     cr_assert(strstr(reason, "cannot start a process"), "%s", reason);
@@ -587,8 +515,6 @@ Test(children, a_fork_that_fails_harms_nobody) {
         cr_assert(!run_is_complete(runs[0].folder), "what was called off is no result");
         cr_assert_eq(spread_signals, 0, "%d signals to more than one process", spread_signals);
     }
-    scene_free(scene);
-    folder_remove(folder);
 }
 
 /* What is another run has another folder: every setting counts. */
@@ -612,12 +538,10 @@ Test(children, every_setting_is_in_the_name_of_the_folder) {
         {{.stepper = "cvode", .rtol = 1e-5, .atol = 1e-5}, 10},
     };
     enum { CASES = sizeof cases / sizeof *cases };
-    char folders[CASES][PATH_SIZE], reason[REASON_SIZE];
+    char folders[CASES][PATH_SIZE];
     for (int i = 0; i < CASES; i++) {
-        struct settings settings;
-        struct scene *scene = circle_scene(cases[i].duration, 0.5);
-        cr_assert_eq(settings_resolve(scene, &cases[i].request, &settings, reason), 0, "%s",
-                     reason);
+        scene = circle_scene(cases[i].duration, 0.5);
+        const struct settings settings = settings_of(scene, &cases[i].request);
         run_folder("r", scene, &settings, folders[i]);
         const char *hash = strrchr(folders[i], '-');
         cr_assert(hash && strlen(hash) == 17, "%s ends in no hash", folders[i]);
@@ -627,6 +551,5 @@ Test(children, every_setting_is_in_the_name_of_the_folder) {
         char again[PATH_SIZE];
         run_folder("r", scene, &settings, again);
         cr_assert_str_eq(again, folders[i], "the name changes");
-        scene_free(scene);
     }
 }

@@ -8,14 +8,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-static char folder[PATH_SIZE];
+static char *folder;
 
 static void set_up(void) {
-    folder_make(folder);
-}
-
-static void clean_up(void) {
-    folder_remove(folder);
+    folder = folder_make();
 }
 
 #define COLUMNS_OF_TWO(X)                                  \
@@ -48,7 +44,7 @@ Test(columns, one_list_makes_comments_names_and_rows) {
 }
 
 /* Every problem in every treatment, so that no column of a state is unknown. */
-Test(columns, tables_of_a_run_say_what_they_hold, .init = set_up, .fini = clean_up) {
+Test(columns, tables_of_a_run_say_what_they_hold, .init = set_up) {
     static const char *const runs[][2] = {
         {"circle", "free"},
         {"swing-envelope", "projection"},
@@ -57,24 +53,20 @@ Test(columns, tables_of_a_run_say_what_they_hold, .init = set_up, .fini = clean_
         {"anjyo", "free"},
         {"rosenblum", "free"},
     };
-    static struct finished f;
     for (size_t i = 0; i < sizeof runs / sizeof *runs; i++) {
-        char path[PATH_SIZE], saved[PATH_SIZE];
         const int has_energies = i != 0 && i < 4;
-        path_format(saved, "%s/saved-%zu.tsv", folder, i);
-        PROGRAM(&f, NULL, "run", runs[i][0], "--stepper", "rk4", "--treatment", runs[i][1],
-                "--duration", i ? "0.04" : "40", "--out", folder, "--save", saved, "--no-progress",
-                has_energies ? "--diagnostics" : "--threads=1");
-        cr_assert_eq(f.code, 0, "%s: %s", runs[i][0], f.err);
+        const char *const saved = printed("%s/saved-%zu.tsv", folder, i);
+        WORKS("run", runs[i][0], "--stepper", "rk4", "--treatment", runs[i][1], "--duration",
+              i ? "0.04" : "40", "--out", folder, "--save", saved, "--no-progress",
+              has_energies ? "--diagnostics" : "--threads=1");
         columns_must_be_described(saved);
-        path_format(path, "%s/states.tsv", folder);
+        const char *path = printed("%s/states.tsv", folder);
         columns_must_be_described(path);
-        path_format(path, "%s/diagnostics.tsv", folder);
+        path = printed("%s/diagnostics.tsv", folder);
         if (has_energies)
             columns_must_be_described(path);
-        PROGRAM(&f, NULL, "eval", runs[i][0], "--treatment", runs[i][1]);
-        cr_assert_eq(f.code, 0, "%s: %s", runs[i][0], f.err);
-        file_write(folder, "accelerations.tsv", f.out, path);
+        struct finished *f = WORKS("eval", runs[i][0], "--treatment", runs[i][1]);
+        path = file_write(folder, "accelerations.tsv", f->out);
         columns_must_be_described(path);
     }
 }

@@ -74,13 +74,6 @@ static void make_company(struct company *c) {
     first_rows(c->mixed, c->first_mixed);
 }
 
-static void part_company(struct company *c) {
-    scene_free(c->plain);
-    scene_free(c->mixed);
-    for (int i = 0; i < 2; i++)
-        scene_free(c->alone[i]);
-}
-
 /* The wisps in one order in parts of four, in the other in parts of eight, and alone.
  *
  * Whether there was something to compare: a run that is refused, or that fails before its first
@@ -109,12 +102,8 @@ static int keeps_bits(const struct company *c, const struct run_request *request
         const int e = mixed[i];
         lab_run(c->alone[i], request, &single);
         compare_wisp(&a, c->first_plain[e], &single, 0, c->plain->wisps[e].nodes, what);
-        lab_run_free(&single);
     }
-    const int compared = a.frames > 1;
-    lab_run_free(&a);
-    lab_run_free(&b);
-    return compared;
+    return a.frames > 1;
 }
 
 /* --- options --- */
@@ -180,10 +169,9 @@ static void try_choices(const struct company *c, const struct run_request *reque
                         struct choice *one, struct choice *other) {
     const char *options[] = {one->text, other ? other->text : NULL};
     struct run_request with = *request;
-    char what[320];
     with.options = options;
     with.option_count = other ? 2 : 1;
-    snprintf(what, sizeof what, "%s %s %s", who, one->text, other ? other->text : "");
+    const char *const what = printed("%s %s %s", who, one->text, other ? other->text : "");
     const int compared = keeps_bits(c, &with, what);
     one->compared |= compared;
     if (other)
@@ -203,12 +191,12 @@ static int has_company(const struct company *c, const struct run_request *reques
 static void check_options(const struct company *c, const struct stepper_method *method,
                           const struct linear_method *linear, int treatment) {
     static struct choices all;
-    char who[100];
     const struct run_request request = {.stepper = method->name,
                                         .treatment = treatment_names[treatment],
                                         .linear = linear ? linear->name : NULL};
-    snprintf(who, sizeof who, "%s, %s, %s:", method->name, linear ? linear->name : "no solver",
-             treatment_names[treatment]);
+    const char *const who =
+        printed("%s, %s, %s:", method->name, linear ? linear->name : "no solver",
+                treatment_names[treatment]);
     if (!keeps_bits(c, &request, who))
         return; /* a solver that does not take this treatment's matrix */
     all.count = 0;
@@ -246,7 +234,6 @@ static void check_steppers(unsigned capability, unsigned wanted) {
                 check_options(&company, method, linear_methods[l], treatment);
         }
     }
-    part_company(&company);
 }
 
 Test(company, bits_of_fixed_steps_do_not_depend_on_it_for_any_option) {

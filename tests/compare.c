@@ -7,25 +7,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-static char root[PATH_SIZE], older[PATH_SIZE], newer[PATH_SIZE];
+static char *root;
+static const char *older, *newer;
 
 static void set_up(void) {
     char reason[REASON_SIZE];
-    folder_make(root);
-    path_format(older, "%s/old", root);
-    path_format(newer, "%s/new", root);
+    root = folder_make();
+    older = printed("%s/old", root);
+    newer = printed("%s/new", root);
     cr_assert(make_folder(older, reason) == 0 && make_folder(newer, reason) == 0, "%s", reason);
 }
 
-static void clean_up(void) {
-    folder_remove(root);
-}
-
 static void put(const char *side, const char *experiment, const char *name, const char *text) {
-    char folder[PATH_SIZE], reason[REASON_SIZE];
-    path_format(folder, "%s/%s", side, experiment);
+    char reason[REASON_SIZE];
+    const char *const folder = printed("%s/%s", side, experiment);
     cr_assert_eq(make_folder(folder, reason), 0, "%s", reason);
-    file_write(folder, name, text, NULL);
+    file_write(folder, name, text);
 }
 
 #define POINTS                                                                            \
@@ -64,7 +61,7 @@ static void compare(struct comparison *c, double tolerance, int with_times) {
     cr_assert_eq(compare_results(&request, c, reason), 0, "%s", reason);
 }
 
-Test(compare, rows_are_joined_by_what_they_are_about, .init = set_up, .fini = clean_up) {
+Test(compare, rows_are_joined_by_what_they_are_about, .init = set_up) {
     struct comparison c;
     put_points();
     compare(&c, 0.1, 1);
@@ -88,7 +85,7 @@ Test(compare, rows_are_joined_by_what_they_are_about, .init = set_up, .fini = cl
     compare_free(&c);
 }
 
-Test(compare, claims_that_no_longer_hold_are_worse, .init = set_up, .fini = clean_up) {
+Test(compare, claims_that_no_longer_hold_are_worse, .init = set_up) {
     static const char head[] = "# found\nkey\tfigure\tstatement\tverdict\tvalue\n";
     char text[2][512];
     struct comparison c;
@@ -106,7 +103,7 @@ Test(compare, claims_that_no_longer_hold_are_worse, .init = set_up, .fini = clea
 }
 
 /* Of rows about the same the first is joined with the first; which one it is stands in its name. */
-Test(compare, rows_about_the_same_are_joined_in_their_order, .init = set_up, .fini = clean_up) {
+Test(compare, rows_about_the_same_are_joined_in_their_order, .init = set_up) {
     static const char head[] = "# front\nmethod\tt\terror\n";
     struct comparison c;
     char text[2][512];
@@ -130,14 +127,13 @@ Test(compare, rows_about_the_same_are_joined_in_their_order, .init = set_up, .fi
 }
 
 /* A hundred thousand rows, in another order, of which each is there four times. */
-Test(compare, many_rows_take_no_longer_than_reading_them, .init = set_up, .fini = clean_up,
-     .timeout = 20) {
+Test(compare, many_rows_take_no_longer_than_reading_them, .init = set_up, .timeout = 20) {
     enum { ROWS = 100000 };
     char *text[2];
     size_t used[2] = {0, 0};
     struct comparison c;
     for (int side = 0; side < 2; side++) {
-        text[side] = malloc(40 * (ROWS + 1));
+        text[side] = test_room(40 * (ROWS + 1));
         used[side] = (size_t)sprintf(text[side], "method\tsetting\terror\n");
         for (int i = 0; i < ROWS; i++)
             used[side] += (size_t)sprintf(text[side] + used[side], "rk4\t%d\t%d\n",
@@ -150,12 +146,10 @@ Test(compare, many_rows_take_no_longer_than_reading_them, .init = set_up, .fini 
                   has(&c, CHANGE_WORSE, "rk4, setting 24992, no. 1", "error 1 m, was 0"),
               "%d: %s", c.count, c.count ? c.differences[0].row : "");
     compare_free(&c);
-    free(text[0]);
-    free(text[1]);
 }
 
 /* Rows are known by all that was varied, whatever their numbers are. */
-Test(compare, sweeps_are_compared, .init = set_up, .fini = clean_up) {
+Test(compare, sweeps_are_compared, .init = set_up) {
     static const char head[] = "# sweep of swing\nrun\tstepper\tmaterial.drag_rate\trate\tstatus\t"
                                "error_rms\tforce_evaluations\tcpu_seconds\treason\n";
     struct comparison c;
@@ -182,9 +176,7 @@ Test(compare, sweeps_are_compared, .init = set_up, .fini = clean_up) {
 }
 
 /* What cannot be compared is told by name, with why, and is neither well nor ill for a program. */
-Test(compare, tables_in_which_nothing_is_looked_at_are_told, .init = set_up, .fini = clean_up) {
-    struct finished f;
-    char path[PATH_SIZE];
+Test(compare, tables_in_which_nothing_is_looked_at_are_told, .init = set_up) {
     for (int side = 0; side < 2; side++) {
         const char *of = side ? newer : older;
         put(of, "race", "slopes.tsv", side ? "method\tslope\nrk4\t4\n" : "method\tslope\nrk4\t3\n");
@@ -192,63 +184,55 @@ Test(compare, tables_in_which_nothing_is_looked_at_are_told, .init = set_up, .fi
         put(of, "race", "none.tsv", "method\terror\n");
         put(of, "race", "good.tsv", "method\terror\nrk4\t1\n");
     }
-    path_format(path, "%s/compare.xml", root);
-    PROGRAM(&f, NULL, "compare", older, newer, "--no-times", "--junit", path);
-    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
-    cr_assert(
-        strstr(f.out, "left out: race/slopes: has no column that is looked at\n") &&
-            strstr(f.out, "left out: race/times: of what is looked at it has only CPU times") &&
-            strstr(f.out, "left out: race/none: has no rows\n") &&
-            strstr(f.out, "1 tables: 1 rows are as they were") &&
-            strstr(f.out, "tables left out: 3\n"),
-        "%s", f.out);
-    char *xml = file_read(path);
-    cr_assert(strstr(xml, "tests=\"4\" failures=\"0\" skipped=\"3\"") &&
-                  strstr(xml, "name=\"race/slopes\"><skipped message=\"has no column"),
-              "%s", xml);
-    free(xml);
+    const char *const path = printed("%s/compare.xml", root);
+    const struct finished *f = WORKS("compare", older, newer, "--no-times", "--junit", path);
+    must_contain(f->out,
+                 WORDS("left out: race/slopes: has no column that is looked at\n",
+                       "left out: race/times: of what is looked at it has only CPU times",
+                       "left out: race/none: has no rows\n", "1 tables: 1 rows are as they were",
+                       "tables left out: 3\n"),
+                 9);
+    must_contain(file_read(path),
+                 WORDS("tests=\"4\" failures=\"0\" skipped=\"3\"",
+                       "name=\"race/slopes\"><skipped message=\"has no column"),
+                 9);
 }
 
 /* A row, a column that is looked at, one that rows are known by, a table: told, and worse for who
  * asks for it. */
-Test(compare, what_vanished_is_told, .init = set_up, .fini = clean_up) {
-    struct finished f;
-    char path[PATH_SIZE];
+Test(compare, what_vanished_is_told, .init = set_up) {
     put(older, "race", "swing.tsv",
         "method\tsetting\terror\tforce_evaluations\trk\nrk4\t1\t1\t1\t1\neuler\t1\t1\t1\t1\n");
     put(newer, "race", "swing.tsv", "method\terror\nrk4\t1\n");
     put(older, "race", "wind.tsv", POINTS);
     put(newer, "race", "shake.tsv", POINTS);
-    path_format(path, "%s/compare.xml", root);
+    const char *const path = printed("%s/compare.xml", root);
     for (int complete = 0; complete < 2; complete++) {
-        PROGRAM(&f, NULL, "compare", older, newer, "--junit", path, complete ? "--complete" : NULL);
-        cr_assert_eq(f.code, complete ? 4 : 0, "exit code %d: %s", f.code, f.err);
-        cr_assert(strstr(f.out, "vanished  race/swing: column setting\n") &&
-                      strstr(f.out, "vanished  race/swing: column force_evaluations\n") &&
-                      strstr(f.out, "vanished  race/swing: euler\n") &&
-                      strstr(f.out, "vanished  race/wind: the whole table\n") &&
-                      strstr(f.out, "appeared  race/shake: the whole table\n") &&
-                      strstr(f.out, "appeared 1, vanished 4; tables left out: 0\n"),
-                  "%s", f.out);
-        char *xml = file_read(path);
-        cr_assert(
-            strstr(xml, complete ? "failures=\"2\" skipped=\"1\"" : "failures=\"0\" skipped=\"2\""),
-            "%s", xml);
-        free(xml);
+        const struct finished *f =
+            PROGRAM(NULL, "compare", older, newer, "--junit", path, complete ? "--complete" : NULL);
+        cr_assert_eq(f->code, complete ? 4 : 0, "exit code %d: %s", f->code, f->err);
+        must_contain(f->out,
+                     WORDS("vanished  race/swing: column setting\n",
+                           "vanished  race/swing: column force_evaluations\n",
+                           "vanished  race/swing: euler\n",
+                           "vanished  race/wind: the whole table\n",
+                           "appeared  race/shake: the whole table\n",
+                           "appeared 1, vanished 4; tables left out: 0\n"),
+                     9);
+        must_contain(
+            file_read(path),
+            WORDS(complete ? "failures=\"2\" skipped=\"1\"" : "failures=\"0\" skipped=\"2\""), 1);
     }
 }
 
-/* Exit code 4 where something is worse and only there; the other program's file is well-formed and
- * counts the tables. */
 /* A longest stable step is found, not asked for, and the longer the better. */
-Test(compare, a_shorter_stable_step_is_worse, .init = set_up, .fini = clean_up) {
+Test(compare, a_shorter_stable_step_is_worse, .init = set_up) {
     static const char columns[] = "scene\tstepper\tstep\trate\tunstable_step\tmm_step\n";
-    char old[200], new[200];
     struct comparison c;
-    snprintf(old, sizeof old, "%sswing\trk4\t4e-4\t2500\t5e-4\t2e-4\n", columns);
-    snprintf(new, sizeof new, "%sswing\trk4\t2e-4\t5000\t3e-4\t3e-4\n", columns);
-    put(older, "stability", "largest-step.tsv", old);
-    put(newer, "stability", "largest-step.tsv", new);
+    put(older, "stability", "largest-step.tsv",
+        printed("%sswing\trk4\t4e-4\t2500\t5e-4\t2e-4\n", columns));
+    put(newer, "stability", "largest-step.tsv",
+        printed("%sswing\trk4\t2e-4\t5000\t3e-4\t3e-4\n", columns));
     compare(&c, 0.05, 1);
     cr_expect(has(&c, CHANGE_WORSE, "swing, rk4", "step 0.0002 s, was 0.0004"));
     cr_expect(has(&c, CHANGE_BETTER, "swing, rk4", "mm_step 0.0003 s, was 0.0002"));
@@ -256,47 +240,35 @@ Test(compare, a_shorter_stable_step_is_worse, .init = set_up, .fini = clean_up) 
     compare_free(&c);
 }
 
-Test(compare, exit_code_and_junit_say_it, .init = set_up, .fini = clean_up) {
-    struct finished f;
-    char path[PATH_SIZE];
+/* Exit code 4 where something is worse and only there; the other program's file is well-formed and
+ * counts the tables. */
+Test(compare, exit_code_and_junit_say_it, .init = set_up) {
     put_points();
     put(older, "race", "good.tsv", POINTS "a<b\t1\tfinished\t1\t1\t1\t1\t1\n");
     put(newer, "race", "good.tsv", POINTS "a<b\t1\tfinished\t1\t1\t1\t1\t1\n");
-    path_format(path, "%s/compare.xml", root);
-    PROGRAM(&f, NULL, "compare", older, newer, "--junit", path);
-    cr_assert_eq(f.code, 4, "exit code %d: %s", f.code, f.err);
-    cr_assert(strstr(f.out, "worse     race/swing: rk4, setting 0.1: error 0.002 m, was 0.001"),
-              "%s", f.out);
-    cr_assert(strstr(f.out, "2 tables: 2 rows are as they were; worse 4, better 4, appeared 1, "
-                            "vanished 1; tables left out: 0\n"),
-              "%s", f.out);
+    const char *const path = printed("%s/compare.xml", root);
+    const struct finished *f = PROGRAM(NULL, "compare", older, newer, "--junit", path);
+    cr_assert_eq(f->code, 4, "exit code %d: %s", f->code, f->err);
+    cr_assert(strstr(f->out, "worse     race/swing: rk4, setting 0.1: error 0.002 m, was 0.001"),
+              "%s", f->out);
+    cr_assert(strstr(f->out, "2 tables: 2 rows are as they were; worse 4, better 4, appeared 1, "
+                             "vanished 1; tables left out: 0\n"),
+              "%s", f->out);
     char *xml = file_read(path);
     cr_assert(strstr(xml, "tests=\"2\" failures=\"1\"") && strstr(xml, "name=\"race/good\"/>") &&
                   strstr(xml, "<failure message=\"4 worse\">"),
               "%s", xml);
-    free(xml);
-    PROGRAM(&f, NULL, "compare", older, older);
-    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
-    PROGRAM(&f, NULL, "compare", newer, newer);
-    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
+    WORKS("compare", older, older);
+    WORKS("compare", newer, newer);
 }
 
-Test(compare, folders_without_a_common_table_are_refused, .init = set_up, .fini = clean_up) {
-    struct finished f;
-    PROGRAM(&f, NULL, "compare", older, "/nowhere/at/all");
-    cr_assert(f.code == 1 && strstr(f.err, "/nowhere/at/all: No such file"), "%d: %s", f.code,
-              f.err);
+Test(compare, folders_without_a_common_table_are_refused, .init = set_up) {
+    FAILS(1, "/nowhere/at/all: No such file", "compare", older, "/nowhere/at/all");
     put(older, "race", "swing.tsv", POINTS);
-    PROGRAM(&f, NULL, "compare", older, newer);
-    cr_assert(f.code == 1 && strstr(f.err, "have no table in common") && count_lines(f.err) == 1,
-              "%d: %s", f.code, f.err);
+    FAILS(1, "have no table in common", "compare", older, newer);
     put(older, "race", "slopes.tsv", "method\tslope\nrk4\t4\n");
     put(newer, "race", "slopes.tsv", "method\tslope\nrk4\t4\n");
-    PROGRAM(&f, NULL, "compare", older, newer);
-    cr_assert(f.code == 1 && strstr(f.err, "no table in common in which anything is looked at"),
-              "%d: %s", f.code, f.err);
+    FAILS(1, "no table in common in which anything is looked at", "compare", older, newer);
     put(newer, "race", "swing.tsv", "# only a comment\n");
-    PROGRAM(&f, NULL, "compare", older, newer);
-    cr_assert(f.code == 1 && strstr(f.err, "swing.tsv") && count_lines(f.err) == 1, "%d: %s",
-              f.code, f.err);
+    FAILS(1, "swing.tsv", "compare", older, newer);
 }

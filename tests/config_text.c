@@ -53,51 +53,32 @@ static const char *const right[] = {
     "problem = \"circle\";\r\nduration = 1.0;\r\n",
 };
 
-static char folder[PATH_SIZE];
+static char *folder;
 
 static void open_folder(void) {
-    folder_make(folder);
-    file_write(folder, "part.inc", "run = { step = 0.5; };\n", NULL);
-    file_write(folder, "ring.inc", "@include \"ring.inc\"\n", NULL);
-    file_write(folder, "long.inc", "\n\nseed = 4294967297;\n", NULL);
+    folder = folder_make();
+    file_write(folder, "part.inc", "run = { step = 0.5; };\n");
+    file_write(folder, "ring.inc", "@include \"ring.inc\"\n");
+    file_write(folder, "long.inc", "\n\nseed = 4294967297;\n");
 }
 
-static void close_folder(void) {
-    folder_remove(folder);
-}
-
-Test(config_text, what_libconfig_would_not_say_is_refused, .init = open_folder,
-     .fini = close_folder) {
+Test(config_text, what_libconfig_would_not_say_is_refused, .init = open_folder) {
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
-        char path[PATH_SIZE], reason[REASON_SIZE] = "";
-        file_write(folder, "scene.cfg", wrong[i].text, path);
-        struct scene *scene = scene_load(path, NULL, 0, reason);
-        cr_expect_null(scene, "taken:\n%s", wrong[i].text);
-        scene_free(scene);
-        cr_expect(strstr(reason, folder) && !strchr(reason, '\n'), "'%s'", reason);
-        for (int k = 0; k < 3 && wrong[i].says[k]; k++)
-            cr_expect(strstr(reason, wrong[i].says[k]), "does not say '%s' but '%s' of\n%s",
-                      wrong[i].says[k], reason, wrong[i].text);
+        const char *const path = file_write(folder, "scene.cfg", wrong[i].text);
+        lab_refuse(path, NULL, 0, (const char *[]){folder}, 1);
+        lab_refuse(path, NULL, 0, wrong[i].says, 3);
     }
 }
 
-Test(config_text, what_only_looks_like_it_is_taken, .init = open_folder, .fini = close_folder) {
+Test(config_text, what_only_looks_like_it_is_taken, .init = open_folder) {
     for (size_t i = 0; i < sizeof right / sizeof *right; i++) {
-        char path[PATH_SIZE], reason[REASON_SIZE] = "";
-        file_write(folder, "scene.cfg", right[i], path);
-        struct scene *scene = scene_load(path, NULL, 0, reason);
-        cr_expect(scene, "'%s' of\n%s", reason, right[i]);
-        scene_free(scene);
+        lab_load(file_write(folder, "scene.cfg", right[i]), NULL, 0);
     }
 }
 
 /* A folder is no file, wherever it stands. */
-Test(config_text, a_folder_is_no_scene, .init = open_folder, .fini = close_folder) {
-    char reason[REASON_SIZE] = "", path[PATH_SIZE];
-    path_format(path, "%s/", folder);
-    struct scene *scene = scene_load(path, NULL, 0, reason);
-    cr_assert_null(scene);
-    cr_assert(strstr(reason, "is a folder"), "'%s'", reason);
+Test(config_text, a_folder_is_no_scene, .init = open_folder) {
+    lab_refuse(printed("%s/", folder), NULL, 0, (const char *[]){"is a folder"}, 1);
 }
 
 /* What --set gives goes through the same. */
@@ -111,12 +92,6 @@ Test(config_text, so_is_a_value_that_is_set) {
         {"name=\"cafe", "closing quote"},
         {"seed=1;\n@include \"/\"\n", "folder"},
     };
-    for (size_t i = 0; i < sizeof sets / sizeof *sets; i++) {
-        char reason[REASON_SIZE] = "";
-        struct scene *scene = scene_load("circle", &sets[i].set, 1, reason);
-        cr_expect_null(scene, "--set %s is taken", sets[i].set);
-        scene_free(scene);
-        cr_expect(strstr(reason, sets[i].says) && strstr(reason, "--set"), "--set %s: '%s'",
-                  sets[i].set, reason);
-    }
+    for (size_t i = 0; i < sizeof sets / sizeof *sets; i++)
+        lab_refuse("circle", &sets[i].set, 1, (const char *[]){sets[i].says, "--set"}, 2);
 }

@@ -54,47 +54,35 @@ static const char rubbing[] =
     "contacts = { viscosity = 300.0; %s };\n"
     "run = { step = 1.0e-4; rtol = 1.0e-6; atol = 1.0e-9; };\n";
 
-static char folder[PATH_SIZE];
+static char *folder;
+
 static struct text_table rates, series, statements;
 
 static void read_table(struct text_table *table, const char *name) {
-    char path[PATH_SIZE], reason[REASON_SIZE];
-    path_format(path, "contact-rate/%s", name);
+    char reason[REASON_SIZE];
+    const char *const path = printed("contact-rate/%s", name);
     table_must_be_read(table, folder, path);
     cr_assert_eq(text_table_check(table, path, reason), 0, "%s", reason);
 }
 
 static void run_experiment_quick(const char *text) {
-    static struct finished f;
-    char scene[PATH_SIZE], path[PATH_SIZE];
-    folder_make(folder);
+    folder = folder_make();
     gnuplot_stub_quiet();
-    file_write(folder, "scene.cfg", text, scene);
-    PROGRAM(&f, NULL, "experiment", "contact-rate", "--quick", "--scene", scene, "--out", folder,
-            "--no-progress");
-    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
+    const char *const scene = file_write(folder, "scene.cfg", text);
+    WORKS("experiment", "contact-rate", "--quick", "--scene", scene, "--out", folder,
+          "--no-progress");
     read_table(&rates, "rates");
     read_table(&series, "series");
     read_table(&statements, "statements");
-    path_format(path, "%s/contact-rate", folder);
-    statements_must_be_whole(path);
-    PROGRAM(&f, NULL, "experiment", "contact-rate", "--quick", "--scene", scene, "--out", folder,
-            "--no-progress");
-    cr_assert(strstr(f.out, " 0 of them new"), "what is there is run again: %s", f.out);
+    statements_must_be_whole(printed("%s/contact-rate", folder));
+    cr_assert_eq(new_runs(WORKS("experiment", "contact-rate", "--quick", "--scene", scene, "--out",
+                                folder, "--no-progress"),
+                          NULL),
+                 0, "what is there is run again");
 }
 
 static void run_experiment_rubbing(const char *contacts) {
-    char text[2048];
-    snprintf(text, sizeof text, rubbing, contacts);
-    run_experiment_quick(text);
-}
-
-static void clean_up(void) {
-    text_table_free(&rates);
-    text_table_free(&series);
-    text_table_free(&statements);
-    gnuplot_stub_remove();
-    folder_remove(folder);
+    run_experiment_quick(printed(rubbing, contacts));
 }
 
 static double at_rate(const char *name, double rate, const char *column) {
@@ -107,15 +95,13 @@ static double at_rate(const char *name, double rate, const char *column) {
 }
 
 static const char *verdict_of(const char *key) {
-    const int row = text_table_find(&statements, key, NULL);
-    cr_assert(row >= 0, "no row %s", key);
-    return text_table_cell(&statements, row, "verdict");
+    return text_table_cell(&statements, the_row(&statements, key), "verdict");
 }
 
 /* Nu dt is 3.3 at 90 Hz: the exponential stops what rubs at each tick and is near the motion in
  * which it stops at once, at any rate; its linearisation would turn velocities round, and is
  * decimetres off. */
-Test(contact_rate, strong_friction_is_near_its_limit_at_any_rate, .fini = clean_up) {
+Test(contact_rate, strong_friction_is_near_its_limit_at_any_rate) {
     run_experiment_rubbing("collision = false;");
     for (int one_sided = 0; one_sided < 2; one_sided++) {
         const char *name = one_sided ? "friction, one-sided" : "friction, reciprocal";
@@ -140,7 +126,7 @@ Test(contact_rate, strong_friction_is_near_its_limit_at_any_rate, .fini = clean_
 }
 
 /* A scene in which nothing touches passes no claim on contact. */
-Test(contact_rate, without_contact_nothing_is_told, .fini = clean_up) {
+Test(contact_rate, without_contact_nothing_is_told) {
     run_experiment_rubbing("interpenetration = false; collision = false;");
     cr_expect_str_eq(verdict_of("rubbing, control"), "holds");
     cr_expect_eq(at_rate("no contact", 90, "error"), 0);
@@ -167,7 +153,7 @@ static const char meeting[] =
     "run = { step = 1.0e-4; rtol = 1.0e-6; atol = 1.0e-9; };\n";
 
 /* From half the step the motion with ticks at 9000 Hz is another one after 0.3 s. */
-Test(contact_rate, after_the_horizon_pairs_of_runs_are_compared, .fini = clean_up) {
+Test(contact_rate, after_the_horizon_pairs_of_runs_are_compared) {
     static const char own[] = "both, reciprocal";
     run_experiment_quick(meeting);
     const int row = text_table_find(&series, "meeting", own);
@@ -191,17 +177,14 @@ Test(contact_rate, after_the_horizon_pairs_of_runs_are_compared, .fini = clean_u
 }
 
 Test(contact_rate, compares_rates_and_not_steppers) {
-    static struct finished f;
-    PROGRAM(&f, NULL, "experiment", "contact-rate", "--stepper", "rk4");
-    cr_assert(f.code == 1 && count_lines(f.err) == 1 && strstr(f.err, "--stepper"), "%d: '%s'",
-              f.code, f.err);
+    FAILS(1, "--stepper", "experiment", "contact-rate", "--stepper", "rk4");
 }
 
 /* --- verdicts --- */
 
 /* A wisp that falls onto a ball: a softer penalty lets it in deeper, ticks let it in not at all,
  * and bodies that push make no ticks. */
-Test(contact_rate, slow_bodies_by_penalty_are_compared_with_ticks, .fini = clean_up) {
+Test(contact_rate, slow_bodies_by_penalty_are_compared_with_ticks) {
     struct text_table penalty, steps;
     run_experiment_quick(
         "name = \"falling\"; duration = 0.4; frame_rate = 30.0; gravity = [0.0, -9.81, 0.0];\n"
@@ -232,8 +215,6 @@ Test(contact_rate, slow_bodies_by_penalty_are_compared_with_ticks, .fini = clean
     cr_assert(before < 2e-3 && text_table_number(&penalty, 1, "depth") > 1e-2, "%g m", before);
     cr_assert_geq(text_table_find(&statements, "falling, penalty, depth", NULL), 0);
     cr_assert_geq(text_table_find(&statements, "falling, penalty, error", NULL), 0);
-    text_table_free(&penalty);
-    text_table_free(&steps);
 }
 
 /* A scene with its own contact, reciprocal, at three rates; the control; no bodies. */
@@ -275,8 +256,7 @@ static void prepare(struct prepared *p) {
     *p = (struct prepared){.scene = lab_load("interactions", NULL, 0)};
     p->scene->interaction.reciprocal = 1;
     p->subject = (struct subject){.scene = p->scene, .name = "two"};
-    p->all = calloc(1, sizeof *p->all + sizeof *p->all->study);
-    cr_assert(p->all, "no memory");
+    p->all = test_room(sizeof *p->all + sizeof *p->all->study);
     p->all->count = 1;
     p->study = &p->all->study[0];
     *p->study = (struct study){.subject = &p->subject, .own_contact = BOTH};
@@ -286,60 +266,47 @@ static void prepare(struct prepared *p) {
     set_errors(p->study, 1e-3, 2e-3, 4e-3);
 }
 
-static void state(const struct prepared *p, struct text_table *rows) {
+static void state(const struct prepared *p) {
     struct statements all;
     char reason[REASON_SIZE];
+    folder = folder_make();
     cr_assert_eq(statements_open(&all, folder, NULL, NULL, reason), 0, "%s", reason);
     state_all(&all, p->all);
     cr_assert_eq(statements_close(&all, 0, reason), 0, "%s", reason);
     statements_must_be_whole(folder);
-    cr_assert_eq(statements_read(rows, folder, reason), 0, "%s", reason);
+    statements_must_be_read(&statements, folder);
 }
 
-static void row_is(const struct text_table *rows, const char *key, const char *verdict,
-                   const char *sentence) {
-    const int row = text_table_find(rows, key, NULL);
-    cr_assert(row >= 0, "no row %s", key);
-    cr_expect_str_eq(text_table_cell(rows, row, "verdict"), verdict, "%s: %s", key,
-                     text_table_cell(rows, row, "statement"));
-    if (sentence)
-        cr_expect_str_eq(text_table_cell(rows, row, "statement"), sentence);
+static void row_is(const char *key, const char *verdict, const char *sentence) {
+    must_state(&statements, key, verdict, sentence);
 }
 
 Test(contact_rate, statements_follow_from_the_numbers) {
     static struct prepared p;
-    struct text_table rows;
-    folder_make(folder);
     prepare(&p);
     p.touch->point[1].after = (struct spread_of_pairs){16, 2e-3, 3e-3, 4e-3};
     p.touch->point[2].after = (struct spread_of_pairs){6, 1e-3, 2e-3, 3.5e-3};
-    state(&p, &rows);
-    row_is(&rows, "two, both, reciprocal, 90 Hz", "holds",
+    state(&p);
+    row_is("two, both, reciprocal, 90 Hz", "holds",
            "On two with both, reciprocal contacts a hundred times rarer do no harm: up to 0.5 s "
            "hair at 90 Hz is 0.9 mm (rms) from hair at 9000 Hz, 0.045 of what contact does.");
     row_is(
-        &rows, "two, both, reciprocal, converges", "holds",
+        "two, both, reciprocal, converges", "holds",
         "On two with both, reciprocal the motion converges as contacts become more frequent: up to "
         "0.5 s it is 3 mm at 30 Hz, 0.9 at 90 from that at 9000 Hz, of order 0.9 in the interval.");
-    row_is(&rows, "two, both, reciprocal, 90 Hz after the horizon", "holds", NULL);
-    row_is(&rows, "two, sources", "holds",
+    row_is("two, both, reciprocal, 90 Hz after the horizon", "holds", NULL);
+    row_is("two, sources", "holds",
            "On two rare ticks are the largest error up to 0.5 s: wisp ticks 4 mm, treatment 2, "
            "integrator 1.");
-    row_is(&rows, "two, control", "holds", NULL);
-    row_is(&rows, "two, cost", "holds", NULL);
-    row_is(&rows, "both, reciprocal", "holds", NULL);
-    row_is(&rows, "friction, one-sided", "not reached", NULL);
-    text_table_free(&rows);
-    free(p.all);
-    scene_free(p.scene);
-    folder_remove(folder);
+    row_is("two, control", "holds", NULL);
+    row_is("two, cost", "holds", NULL);
+    row_is("both, reciprocal", "holds", NULL);
+    row_is("friction, one-sided", "not reached", NULL);
 }
 
 /* Other numbers, other verdicts. */
 Test(contact_rate, verdicts_turn_with_the_numbers) {
     static struct prepared p;
-    struct text_table rows;
-    folder_make(folder);
     prepare(&p);
     p.touch->point[1].error = 1.1e-3;
     p.touch->order.slope = 0.4;
@@ -348,52 +315,44 @@ Test(contact_rate, verdicts_turn_with_the_numbers) {
     p.touch->point[2].sections = 400;
     p.study->series[1].point[1].error = 2e-12;
     set_errors(p.study, 1e-3, 4e-3, 2e-3);
-    state(&p, &rows);
-    row_is(&rows, "two, both, reciprocal, 90 Hz", "does not hold", NULL);
-    row_is(&rows, "two, both, reciprocal, converges", "does not hold", NULL);
-    row_is(&rows, "two, both, reciprocal, 90 Hz after the horizon", "does not hold", NULL);
-    row_is(&rows, "two, sources", "does not hold", NULL);
-    row_is(&rows, "two, control", "does not hold", NULL);
-    row_is(&rows, "two, cost", "does not hold", NULL);
-    row_is(&rows, "both, reciprocal", "does not hold", NULL);
-    text_table_free(&rows);
+    state(&p);
+    row_is("two, both, reciprocal, 90 Hz", "does not hold", NULL);
+    row_is("two, both, reciprocal, converges", "does not hold", NULL);
+    row_is("two, both, reciprocal, 90 Hz after the horizon", "does not hold", NULL);
+    row_is("two, sources", "does not hold", NULL);
+    row_is("two, control", "does not hold", NULL);
+    row_is("two, cost", "does not hold", NULL);
+    row_is("both, reciprocal", "does not hold", NULL);
     /* Errors that rise do not converge, whatever their slope. */
     p.touch->order.slope = 0.9;
     p.touch->point[0].error = 1e-3;
-    state(&p, &rows);
-    row_is(&rows, "two, both, reciprocal, converges", "does not hold", NULL);
-    text_table_free(&rows);
+    state(&p);
+    row_is("two, both, reciprocal, converges", "does not hold", NULL);
     /* Contact does less than harm, errors are within their doubts, or too few of them are not. */
     p.touch->effect = 0.9e-3;
     p.touch->has_order = 0;
     set_errors(p.study, 1e-3, 2e-3, 2.1e-3);
-    state(&p, &rows);
-    row_is(&rows, "two, both, reciprocal, 90 Hz", "not reached", NULL);
-    row_is(&rows, "two, both, reciprocal, converges", "not reached", NULL);
-    row_is(&rows, "two, sources", "not reached", NULL);
-    row_is(&rows, "both, reciprocal", "not reached", NULL);
-    text_table_free(&rows);
+    state(&p);
+    row_is("two, both, reciprocal, 90 Hz", "not reached", NULL);
+    row_is("two, both, reciprocal, converges", "not reached", NULL);
+    row_is("two, sources", "not reached", NULL);
+    row_is("both, reciprocal", "not reached", NULL);
     /* To the end the ticks' error is as large, but in doubt. */
     set_errors(p.study, 1e-3, 2e-3, 4e-3);
     p.study->duration = 2;
     for (int i = 0; i < SOURCES; i++)
         p.study->error[i].whole = p.study->error[i].error;
     p.study->error[OF_WISP_TICKS].whole_doubt = 2.1e-3;
-    state(&p, &rows);
-    row_is(&rows, "two, sources", "holds", NULL);
-    row_is(&rows, "two, sources, to the end", "not reached",
+    state(&p);
+    row_is("two, sources", "holds", NULL);
+    row_is("two, sources, to the end", "not reached",
            "On two several sources could be the largest error over all 2 s: wisp ticks 4 mm (in "
            "doubt by 2.1), treatment 2, integrator 1.");
-    text_table_free(&rows);
     /* Of contact that does nothing nothing is told. */
     p.touch->effect = 1e-9;
     p.touch->doubt = 2e-9;
-    state(&p, &rows);
-    row_is(&rows, "two, sources", "not reached", NULL);
-    row_is(&rows, "two, both, reciprocal", "not reached", NULL);
-    cr_expect_lt(text_table_find(&rows, "two, both, reciprocal, converges", NULL), 0);
-    text_table_free(&rows);
-    free(p.all);
-    scene_free(p.scene);
-    folder_remove(folder);
+    state(&p);
+    row_is("two, sources", "not reached", NULL);
+    row_is("two, both, reciprocal", "not reached", NULL);
+    cr_expect_lt(text_table_find(&statements, "two, both, reciprocal, converges", NULL), 0);
 }

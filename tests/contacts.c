@@ -112,18 +112,15 @@ static int check(struct twice *t, int reciprocal, unsigned *seed) {
     draw(t, seed);
     const size_t bytes = (size_t)t->part.system.size * sizeof(double);
     for (int k = 0; k < t->count; k++)
-        cr_assert(t->strand[k] = strand_create(&t->wisps[k], t->treatment), "no memory");
+        t->strand[k] = lab_strand(&t->wisps[k], t->treatment);
     const int contacts = tick_by_strands(t, one);
     cr_assert_eq(tick_without(t, other), contacts);
     for (int i = 0; i < contacts; i++)
         check_same(&interaction_contacts(one)[i], &interaction_contacts(other)[i]);
     cr_assert_eq(memcmp(t->q[0], t->q[1], bytes), 0, "%s: q", treatment_names[t->treatment]);
     cr_assert_eq(memcmp(t->v[0], t->v[1], bytes), 0, "%s: v", treatment_names[t->treatment]);
-    for (int k = 0; k < t->count; k++)
-        strand_free(t->strand[k]);
     interaction_free(one);
     interaction_free(other);
-    lab_part_free(&t->part);
     return contacts;
 }
 

@@ -42,7 +42,6 @@ Test(counts, explicit_methods_evaluate_the_force_once_per_stage) {
                          orbit.result.frames);
         }
     }
-    scene_free(scene);
 }
 
 /* The numbers that the chart of cost is drawn from. */
@@ -61,7 +60,6 @@ Test(counts, of_the_circle_test) {
                      "%s at %g s: %lld evaluations, not %d", rows[i].stepper, rows[i].step,
                      orbit.result.counters.force_evaluations, rows[i].evaluations);
     }
-    scene_free(scene);
 }
 
 /* Linearised once per step: one of each. Newton's iteration: one of each per iteration. */
@@ -86,7 +84,6 @@ Test(counts, of_an_implicit_step) {
         cr_assert_eq(c->linear_solves, n, "%lld solves", c->linear_solves);
         cr_assert_eq(c->jacobian_products, 2 * n, "%lld products", c->jacobian_products);
     }
-    scene_free(scene);
 }
 
 /* Every step needs an evaluation, and a step that works needs at most as many iterations as it may
@@ -122,7 +119,6 @@ Test(counts, of_cvode_are_in_a_band) {
                   "%s: %lld factorisations, %lld solves", options[i], c->factorisations,
                   c->linear_solves);
     }
-    scene_free(scene);
 }
 
 /* The counters against the model's own count of its calls, for whatever a library does behind the

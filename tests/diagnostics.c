@@ -93,7 +93,6 @@ Test(diagnostics, each_energy_is_the_twins) {
                               "%s, bending %s, %d nodes: energy %d is %g, not %g",
                               treatment_names[treatment], law_names[law], nodes, k,
                               ((double *)&got)[k], expected[k]);
-                lab_part_free(&part);
             }
     cr_assert_gt(touched, 100, "bodies held something in %d states", touched);
 }
@@ -210,7 +209,6 @@ Test(diagnostics, powers_are_the_derivative_of_the_energy) {
                               "%.12g",
                               treatment_names[treatment], law_names[law], nodes, count, lanes, sum,
                               rate);
-                    lab_part_free(&point.part);
                 }
     cr_assert_gt(pushed, 20, "bodies put in a thousandth of all power in %d states", pushed);
     cr_log_info("largest difference: %.2g of the tolerance", worst);
@@ -234,7 +232,6 @@ Test(diagnostics, each_power_goes_with_its_cause) {
                 double with[POWER_COUNT], without[POWER_COUNT];
                 make_point(&point, 1, &wisp, 1, &around, treatment, seed);
                 powers_of(&point, with);
-                lab_part_free(&point.part);
                 double *const parameter[] = {&wisp.drag_rate, &wisp.stretch_time,
                                              &wisp.bending_time, &wisp.damping_ratio};
                 if (cause < 4)
@@ -243,7 +240,6 @@ Test(diagnostics, each_power_goes_with_its_cause) {
                     around.style.knots = 0;
                 make_point(&point, 1, &wisp, 1, &around, treatment, seed);
                 powers_of(&point, without);
-                lab_part_free(&point.part);
                 for (int k = 0; k < POWER_COUNT; k++) {
                     const char *name = power_names[k];
                     const int other = (strcmp(name, "treatment") == 0 && treatment == 0) ||
@@ -291,7 +287,6 @@ Test(diagnostics, dampers_take_what_the_twins_forces_take) {
                           law_names[law], nodes, term, power[1 + term], taken);
             }
             cr_assert_eq(power[5], 0, "a head that rests puts in %g W", power[5]);
-            lab_part_free(&point.part);
         }
 }
 
@@ -313,15 +308,9 @@ static int keep_diagnosis(void *ctx, const struct model *model, double t, const 
 
 static void run_with_books(const struct scene *scene, struct run_request request,
                            struct books *books) {
-    struct settings settings;
-    struct run_result result;
-    char reason[REASON_SIZE];
     request.diagnostics = 1;
     *books = (struct books){.frames = 0};
-    cr_assert_eq(settings_resolve(scene, &request, &settings, reason), 0, "%s", reason);
-    simulate(scene, &settings, &(struct observer){keep_diagnosis, books}, NULL, &result);
-    cr_assert_eq(result.outcome, FINISHED, "%s", result.reason);
-    books->counters = result.counters;
+    books->counters = run_finished(scene, &request, keep_diagnosis, books).counters;
 }
 
 static double largest_residual(const struct books *books) {
@@ -367,7 +356,6 @@ Test(diagnostics, residuals_fall_with_the_step) {
         const double first = residual_order(scene, "euler", name, 48000, &books);
         cr_assert(fabs(first - 1) <= 0.1, "euler, %s: order %.3f", name, first);
     }
-    scene_free(scene);
 }
 
 /* Where nothing does any work, the residual is the energy's drift alone, and falls as the method
@@ -389,7 +377,6 @@ Test(diagnostics, without_works_the_residual_is_the_methods_drift) {
         cr_assert(memcmp(&books.frame[books.frames - 1].work, zero, sizeof zero) == 0,
                   "work of nothing: %g J", last_work(&books));
         cr_assert_gt(books.frame[books.frames - 1].energy.kinetic, 1e-9);
-        scene_free(scene);
     }
 }
 
@@ -430,7 +417,6 @@ Test(diagnostics, jumps_at_ticks_are_booked) {
                       "%s, %s: %g J are in no book, of %g", cases[i].scene,
                       treatment_names[treatment], largest_residual(&books),
                       last_work(&books) + jumps);
-            scene_free(scene);
         }
 }
 
@@ -462,7 +448,6 @@ Test(diagnostics, an_unknown_event_is_booked_apart) {
               last->other, taken_by_brake);
     cr_assert(largest_residual(&books) <= 1e-5 * last_work(&books), "residual %g J",
               largest_residual(&books));
-    scene_free(scene);
 }
 
 /* A body that rests takes from what meets it and gives nothing: at a tick the kinetic energy of a
@@ -479,8 +464,7 @@ Test(diagnostics, bodies_at_rest_add_no_kinetic_energy) {
     struct stepper_settings settings = {.rtol = 1e-6};
     scene->bodies = &ball;
     scene->body_count = 1;
-    struct model *model = wisp_problem.create(scene, WISP_GENERALISED, 1);
-    cr_assert(model);
+    struct model *model = lab_model(scene, WISP_GENERALISED, 1);
     struct part *part = &model->parts[0];
     struct account account = {.t = 0};
     struct stepper *stepper = stepper_create(stepper_find("rk4"), &settings, &part->system);
@@ -513,8 +497,6 @@ Test(diagnostics, bodies_at_rest_add_no_kinetic_energy) {
     scene->bodies = NULL;
     scene->body_count = 0;
     stepper->method->free(stepper);
-    wisp_problem.free(model);
-    scene_free(scene);
 }
 
 /* Wisps that interpenetrate drag each other along, and what they lose is lost. */
@@ -530,7 +512,6 @@ Test(diagnostics, wisps_that_drag_each_other_only_lose_energy) {
         cr_assert_leq(now->jump[JUMP_WISP_CONTACT], before->jump[JUMP_WISP_CONTACT]);
     }
     cr_assert_lt(books.frame[books.frames - 1].jump[JUMP_WISP_CONTACT], -1e-5);
-    scene_free(scene);
 }
 
 /* --- bits --- */
@@ -564,9 +545,6 @@ Test(diagnostics, bits_depend_neither_on_threads_nor_states_on_diagnoses) {
                   "%s: other states when diagnosed", steppers[i]);
         cr_assert_eq(plain.result.counters.force_evaluations,
                      diagnosed.result.counters.force_evaluations);
-        lab_run_free(&plain);
-        lab_run_free(&diagnosed);
-        scene_free(scene);
     }
 }
 
@@ -581,9 +559,9 @@ Test(diagnostics, extremes_are_those_of_the_state) {
         struct body bodies[2] = {{.centre = {0.152, 0.01, 0}, .radii = {0.05, 0.05, 0.05}},
                                  {.centre = {5, 5, 5}, .radii = {1, 1, 1}}};
         struct extremes got;
-        struct model *model = wisp_problem.create(scene, treatment, 4);
-        cr_assert(model && scene->wisps[0].nodes == 11);
-        double *rows = calloc((size_t)(model->row_count * model->column_count), sizeof *rows);
+        struct model *model = lab_model(scene, treatment, 4);
+        cr_assert_eq(scene->wisps[0].nodes, 11);
+        double *rows = test_room((size_t)(model->row_count * model->column_count) * sizeof *rows);
         cr_assert(rows);
         scene->bodies = bodies;
         scene->body_count = 2;
@@ -614,35 +592,28 @@ Test(diagnostics, extremes_are_those_of_the_state) {
         cr_assert_float_eq(got.speed, 5, 1e-12, "%s: speed %g", name, got.speed);
         scene->bodies = NULL;
         scene->body_count = 0;
-        free(rows);
-        wisp_problem.free(model);
-        scene_free(scene);
     }
 }
 
 /* --- the program --- */
 
 Test(diagnostics, the_program_writes_them_where_asked) {
-    static struct finished finished;
-    char folder[PATH_SIZE], out[PATH_SIZE], reason[REASON_SIZE];
+    char reason[REASON_SIZE];
     char *states[2];
     struct table table;
-    folder_make(folder);
-    path_format(out, "%s/run", folder);
+    const char *const folder = folder_make();
+    const char *out = printed("%s/run", folder);
     for (int with = 0; with < 2; with++) {
-        char path[PATH_SIZE];
-        PROGRAM(&finished, NULL, "run", "swing", "--duration", "0.1", "--out", out,
-                with ? "--diagnostics" : "--no-progress");
-        cr_assert_eq(finished.code, 0, "%s", finished.err);
-        path_format(path, "%s/states.tsv", out);
+        WORKS("run", "swing", "--duration", "0.1", "--out", out,
+              with ? "--diagnostics" : "--no-progress");
+        const char *path = printed("%s/states.tsv", out);
         states[with] = file_read(path);
-        path_format(path, "%s/run.json", out);
+        path = printed("%s/run.json", out);
         char *json = file_read(path);
         cr_assert(states[with] && json);
         cr_assert(
             strstr(json, with ? "\"times_comparable\": false" : "\"times_comparable\": true"));
-        free(json);
-        path_format(path, "%s/diagnostics.tsv", out);
+        path = printed("%s/diagnostics.tsv", out);
         cr_assert_eq(file_exists(path), with);
         if (!with)
             continue;
@@ -660,33 +631,23 @@ Test(diagnostics, the_program_writes_them_where_asked) {
         table_free(&table);
     }
     cr_assert_str_eq(states[0], states[1], "other states when diagnosed");
-    free(states[0]);
-    free(states[1]);
-    PROGRAM(&finished, NULL, "run", "swing", "--duration", "0.1", "--out", out);
-    path_format(out, "%s/run/diagnostics.tsv", folder);
+    PROGRAM(NULL, "run", "swing", "--duration", "0.1", "--out", out);
+    out = printed("%s/run/diagnostics.tsv", folder);
     cr_assert_not(file_exists(out), "diagnoses of an earlier run are left");
-    PROGRAM(&finished, NULL, "run", "circle", "--diagnostics", "--out", folder);
-    cr_assert_eq(finished.code, 1);
-    cr_assert_eq(count_lines(finished.err), 1);
-    cr_assert(strstr(finished.err, "scene circle is of problem"), "%s", finished.err);
-    folder_remove(folder);
+    FAILS(1, "scene circle is of problem", "run", "circle", "--diagnostics", "--out", folder);
 }
 
 /* The figure of a run, and of each table that an experiment keeps; names are made safe. */
 Test(diagnostics, runs_and_experiments_have_their_figures) {
-    static struct finished finished;
-    char folder[PATH_SIZE], path[PATH_SIZE], reason[REASON_SIZE];
+    char reason[REASON_SIZE];
     struct run_case run = {.scene = NULL};
     struct statements statements;
-    folder_make(folder);
+    const char *const folder = folder_make();
     path_format(run.folder, "%s/run", folder);
-    PROGRAM(&finished, NULL, "run", "viscosity", "--duration", "0.1", "--diagnostics", "--out",
-            run.folder);
-    cr_assert_eq(finished.code, 0, "%s", finished.err);
-    PROGRAM(&finished, NULL, "plot", run.folder);
-    cr_assert_eq(finished.code, 0, "%s", finished.err);
+    WORKS("run", "viscosity", "--duration", "0.1", "--diagnostics", "--out", run.folder);
+    WORKS("plot", run.folder);
     cr_assert_eq(count_files(run.folder, "diagnostics."), 3, "no table, .svg and .png");
-    path_format(path, "%s/kept", folder);
+    const char *const path = printed("%s/kept", folder);
     cr_assert_eq(make_folder(path, reason), 0);
     cr_assert_eq(plot_diagnostics(path, reason), 0, "there is nothing to draw");
     cr_assert_eq(statements_open(&statements, path, NULL, NULL, reason), 0, "%s", reason);
@@ -700,52 +661,42 @@ Test(diagnostics, runs_and_experiments_have_their_figures) {
     cr_assert_eq(statements_close(&statements, 0, reason), 0, "%s", reason);
     statements_must_be_whole(path);
     cr_assert_eq(count_files(path, "diagnostics-three."), 0, "a run that died has no diagnoses");
-    PROGRAM(&finished, NULL, "plot", run.folder);
-    cr_assert_eq(finished.code, 1);
-    cr_assert_eq(count_lines(finished.err), 1);
-    folder_remove(folder);
+    FAILS(1, "", "plot", run.folder);
 }
 
 /* A process that died leaves its diagnoses up to the last complete line. */
 Test(diagnostics, a_dead_run_keeps_its_complete_lines) {
     const struct run_request request = {.diagnostics = 1};
-    char folder[PATH_SIZE], path[PATH_SIZE], link[PATH_SIZE], reason[REASON_SIZE];
+    char link[PATH_SIZE], reason[REASON_SIZE];
     struct scene *scene = lab_load("swing", NULL, 0);
-    struct settings settings;
-    cr_assert_eq(settings_resolve(scene, &request, &settings, reason), 0, "%s", reason);
-    folder_make(folder);
-    file_write(folder, "states.tsv.17.part", "t\n0\n0.1\n", NULL);
-    file_write(folder, "diagnostics.tsv.17.part", "t\n0\n0.", NULL);
+    const struct settings settings = settings_of(scene, &request);
+    const char *const folder = folder_make();
+    file_write(folder, "states.tsv.17.part", "t\n0\n0.1\n");
+    file_write(folder, "diagnostics.tsv.17.part", "t\n0\n0.");
     cr_assert_eq(record_death(scene, &settings, folder, CRASHED, "it died", 0.1, reason), 0);
-    path_format(path, "%s/diagnostics.tsv", folder);
+    const char *path = printed("%s/diagnostics.tsv", folder);
     char *kept = file_read(path);
     cr_assert(kept && strcmp(kept, "t\n0\n") == 0, "kept: %s", kept ? kept : "nothing");
-    free(kept);
 
     /* somebody has put a link there: what it leads to is not the run's */
-    file_write(folder, "precious", "t\n0", path);
+    path = file_write(folder, "precious", "t\n0");
     path_format(link, "%s/states.tsv.0.part", folder);
     cr_assert_eq(symlink(path, link), 0);
     cr_assert_eq(record_death(scene, &settings, folder, CRASHED, "it died", 0.1, reason), 0);
     kept = file_read(path);
     cr_assert(kept && strcmp(kept, "t\n0") == 0, "%s", kept ? kept : "it is gone");
-    free(kept);
-    folder_remove(folder);
-    scene_free(scene);
 }
 
 /* A diagnosed run is another run to experiments. */
 Test(diagnostics, diagnosed_runs_have_folders_of_their_own) {
     struct scene *scene = lab_load("swing", NULL, 0);
-    char folder[2][PATH_SIZE], reason[REASON_SIZE];
+    char folder[2][PATH_SIZE];
     for (int with = 0; with < 2; with++) {
         const struct run_request request = {.diagnostics = with};
-        struct settings settings;
-        cr_assert_eq(settings_resolve(scene, &request, &settings, reason), 0, "%s", reason);
+        const struct settings settings = settings_of(scene, &request);
         run_folder("results", scene, &settings, folder[with]);
     }
     cr_assert_str_neq(folder[0], folder[1]);
-    scene_free(scene);
 }
 
 /* What the table has of works the figure draws; energies it takes from the table's columns. */
@@ -758,5 +709,4 @@ Test(diagnostics, the_figure_draws_every_work) {
     cr_expect(at_##name &&at_##name < strstr(works, "title_of"), "no work_" #name " in it");
     POWERS(X)
 #undef X
-    free(script);
 }

@@ -31,7 +31,6 @@ static struct run_result run_of(const struct scene *scene, const struct run_requ
     lab_run(scene, request, &run);
     *strain = frames_strain(scene, &run);
     const struct run_result result = run.result;
-    lab_run_free(&run);
     return result;
 }
 
@@ -53,7 +52,6 @@ Test(diverged, what_is_wrong_between_quiet_frames) {
                  result.time);
     cr_assert(strstr(result.reason, "wisp 0") && strstr(result.reason, "more than 0.05"), "%s",
               result.reason);
-    scene_free(scene);
 }
 
 /* Hair of 0.1 N hangs 12 % longer by its weight alone, and is right; the softest wisp says how far
@@ -73,9 +71,6 @@ Test(diverged, soft_hair_may_hang_longer) {
     cr_assert_eq(right.outcome, FINISHED, "%s", right.reason);
     cr_assert_gt(right.largest_strain, 0.1);
     cr_assert_eq(run_of(told, &request, &strain).outcome, DIVERGED);
-    scene_free(told);
-    scene_free(stiff);
-    scene_free(soft);
 }
 
 /* A thin body hooks a wisp and stretches it by half: so does it in the solution. */
@@ -98,7 +93,6 @@ Test(diverged, the_reference_never_is) {
     cr_assert_gt(solution.largest_strain, 0.4);
     cr_assert_eq(run_of(scene, &plain, &strain).outcome, DIVERGED);
     cr_assert_eq(run_of(scene, &let, &strain).outcome, FINISHED);
-    scene_free(scene);
 }
 
 /* A wisp that a moving head stretches is measured with the head where it is after the step, and
@@ -123,47 +117,39 @@ Test(diverged, the_wisp_that_stretches_is_named) {
         cr_assert(result.largest_strain > 0.4 && result.largest_strain < 0.6, "%g",
                   result.largest_strain);
     }
-    scene_free(scene);
 }
 
 /* --- as a user meets it --- */
 
-static char folder[PATH_SIZE], path[PATH_SIZE];
-static struct finished f;
+static char *folder;
+static const char *path;
 
 static void open_folder(void) {
-    folder_make(folder);
+    folder = folder_make();
     gnuplot_stub_quiet();
 }
 
-static void close_folder(void) {
-    gnuplot_stub_remove();
-    folder_remove(folder);
-}
-
 /* Where any strain is let pass, the books show what is wrong: exit 3, and only with them. */
-Test(diverged, energy_out_of_nothing, .init = open_folder, .fini = close_folder) {
+Test(diverged, energy_out_of_nothing, .init = open_folder) {
     for (int books = 0; books < 2; books++)
         for (int good = 0; good < 2; good++) {
-            path_format(path, "%s/run", folder);
-            PROGRAM(&f, NULL, "run", "swing", "--set", "run.strain_limit=1e6", "--rate",
-                    good ? "4000" : "3000", "--out", path, "--no-progress",
-                    books ? "--diagnostics" : NULL);
-            cr_assert_eq(f.code, books && !good ? 3 : 0, "exit code %d: %s", f.code, f.err);
-            cr_assert_eq(strstr(f.err, "accounted for by no work") != NULL, books && !good, "%s",
-                         f.err);
+            path = printed("%s/run", folder);
+            const struct finished *f =
+                PROGRAM(NULL, "run", "swing", "--set", "run.strain_limit=1e6", "--rate",
+                        good ? "4000" : "3000", "--out", path, "--no-progress",
+                        books ? "--diagnostics" : NULL);
+            cr_assert_eq(f->code, books && !good ? 3 : 0, "exit code %d: %s", f->code, f->err);
+            cr_assert_eq(strstr(f->err, "accounted for by no work") != NULL, books && !good, "%s",
+                         f->err);
         }
 }
 
 /* The circle's states mean what they are: there is no such setting. */
-Test(diverged, the_circle_has_no_lengths, .init = open_folder, .fini = close_folder) {
-    path_format(path, "%s/run", folder);
-    PROGRAM(&f, NULL, "run", "circle", "--stepper", "euler", "--step", "3", "--out", path,
-            "--no-progress");
-    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
-    PROGRAM(&f, NULL, "run", "circle", "--set", "run.strain_limit=1", "--out", path,
-            "--no-progress");
-    cr_assert_eq(f.code, 1, "exit code %d: %s", f.code, f.err);
+Test(diverged, the_circle_has_no_lengths, .init = open_folder) {
+    path = printed("%s/run", folder);
+    WORKS("run", "circle", "--stepper", "euler", "--step", "3", "--out", path, "--no-progress");
+    FAILS(1, "strain_limit", "run", "circle", "--set", "run.strain_limit=1", "--out", path,
+          "--no-progress");
 }
 
 static struct { int runs, let, finished; } seen;
@@ -179,23 +165,20 @@ static void look_at_run(const char *file, void *ctx) {
     seen.let += !reference && limit && atof(limit + 16) > 0.8;
     seen.finished += !reference && strstr(text, "\"status\": \"finished\"");
     cr_assert(!reference || !limit, "a limit for the reference");
-    free(text);
 }
 
 /* Where an experiment has a reference, its configurations may stretch twice as far. */
-Test(diverged, configurations_may_stretch_as_the_reference_does, .init = open_folder,
-     .fini = close_folder) {
-    char scene[PATH_SIZE];
-    file_write(folder, "hook.cfg", HOOK, scene);
-    PROGRAM(&f, NULL, "experiment", "work-precision", "--quick", "--scene", scene, "--stepper",
-            "rk4", "--out", folder, "--no-progress");
-    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
+Test(diverged, configurations_may_stretch_as_the_reference_does, .init = open_folder) {
+    const char *const scene = file_write(folder, "hook.cfg", HOOK);
+    WORKS("experiment", "work-precision", "--quick", "--scene", scene, "--stepper", "rk4", "--out",
+          folder, "--no-progress");
     each_file(folder, look_at_run, NULL);
     cr_assert(seen.runs >= 4 && seen.let == seen.runs, "%d of %d runs may", seen.let, seen.runs);
     cr_assert_geq(seen.finished, 2, "%d of %d finished", seen.finished, seen.runs);
-    PROGRAM(&f, NULL, "experiment", "work-precision", "--quick", "--scene", scene, "--stepper",
-            "rk4", "--out", folder, "--no-progress");
-    cr_assert(strstr(f.out, " 0 of them new"), "a second time it runs anew: %s", f.out);
+    cr_assert_eq(new_runs(WORKS("experiment", "work-precision", "--quick", "--scene", scene,
+                                "--stepper", "rk4", "--out", folder, "--no-progress"),
+                          NULL),
+                 0);
 }
 
 /* The quick look after every step, which takes no root and looks at four wisps at once, finds the
@@ -208,11 +191,11 @@ Test(diverged, the_quick_look_finds_what_the_slow_one_does) {
     unsigned state = 1;
     int found = 0, tried = 0;
     for (int lanes = 1; lanes <= LAB_LANES; lanes = lab_wider(lanes)) {
-        struct model *model = wisp_problem.create(scene, WISP_GENERALISED, lanes);
+        struct model *model = lab_model(scene, WISP_GENERALISED, lanes);
         const struct kernel *kernel = ((struct wisp_model *)model)->kernel;
         struct part *part = &model->parts[0];
         const int size = part->system.size;
-        double *rest = calloc((size_t)size, sizeof *rest);
+        double *rest = test_room((size_t)size * sizeof *rest);
         memcpy(rest, part->q, (size_t)size * sizeof *rest);
         for (int i = 0; i < 2000; i++) {
             const double limit = 1e-3 * (i % 50 + 1);
@@ -228,9 +211,6 @@ Test(diverged, the_quick_look_finds_what_the_slow_one_does) {
             found += __builtin_popcount(slow);
             tried += lanes;
         }
-        free(rest);
-        model->problem->free(model);
     }
     cr_assert(found > tried / 10 && found < tried - tried / 10, "%d of %d", found, tried);
-    scene_free(scene);
 }

@@ -16,20 +16,15 @@
 /* As in wisp_kernel.c; numbers in files have all their digits. */
 static const double twin_tolerance = 1e-13;
 
-static char folder[PATH_SIZE];
+static char *folder;
 
 static void open_folder(void) {
-    folder_make(folder);
-}
-
-static void close_folder(void) {
-    folder_remove(folder);
+    folder = folder_make();
 }
 
 static void read_text(const char *text, struct table *table) {
-    char path[PATH_SIZE], reason[REASON_SIZE];
-    file_write(folder, "table.tsv", text, path);
-    cr_assert_eq(table_read(table, path, reason), 0, "%s", reason);
+    char reason[REASON_SIZE];
+    cr_assert_eq(table_read(table, file_write(folder, "table.tsv", text), reason), 0, "%s", reason);
 }
 
 static void expect_names(const struct table *table, const char *const *names, int count,
@@ -92,21 +87,15 @@ static void check_wisp(const struct scene *scene, int which, enum wisp_treatment
 static void check_eval(const struct scene *scene, enum wisp_treatment treatment, double t,
                        const struct table *states, const char *const *words, const char *what) {
     static double q[LAB_SIZE], v[LAB_SIZE];
-    static struct finished f;
     struct table got;
     int first = 0, before = 0, rows = 0;
-    const struct process process = program_start(NULL, words);
-    program_wait(&process, &f);
-    cr_assert_eq(f.code, 0, "%s: exit code %d, %s", what, f.code, f.err);
-    cr_assert_eq(f.err[0], '\0', "%s: says %s", what, f.err);
-    char said[80];
-    snprintf(said, sizeof said, "# accelerations at t = %s s", DIGITS(t));
-    cr_assert(strncmp(f.out, said, strlen(said)) == 0, "%s: no '%s' in %.60s", what, said, f.out);
-    read_text(f.out, &got);
-    struct model *model = scene->problem->create(scene, treatment, 4);
-    cr_assert(model, "no memory");
+    struct finished *f = program_must(NULL, 0, NULL, words);
+    cr_assert_eq(f->err[0], '\0', "%s: says %s", what, f->err);
+    const char *const said = printed("# accelerations at t = %s s", DIGITS(t));
+    cr_assert(strncmp(f->out, said, strlen(said)) == 0, "%s: no '%s' in %.60s", what, said, f->out);
+    read_text(f->out, &got);
+    struct model *model = lab_model(scene, treatment, 4);
     expect_names(&got, model->rate_columns, model->rate_column_count, what);
-    scene->problem->free(model);
     for (int i = 0; i < scene->wisp_count; i++)
         rows += scene->wisps[i].nodes;
     cr_assert_eq(got.row_count, rows, "%s: %d rows, not %d", what, got.row_count, rows);
@@ -130,7 +119,7 @@ static void check_eval(const struct scene *scene, enum wisp_treatment treatment,
     "       frequencies=[2.0, 7.0]; }"
 
 /* The start: at t = 0, and at a time of its own, where the wind is another. */
-Test(eval, the_start_is_the_twins, .init = open_folder, .fini = close_folder) {
+Test(eval, the_start_is_the_twins, .init = open_folder) {
     static const char *const scenes[] = {"swing", "swing-envelope"};
     for (int i = 0; i < 2; i++) {
         struct scene *scene = LAB_LOAD(scenes[i], WIND);
@@ -148,7 +137,6 @@ Test(eval, the_start_is_the_twins, .init = open_folder, .fini = close_folder) {
         /* what nobody names is generalised */
         check_eval(scene, WISP_GENERALISED, 0, NULL,
                    (const char *const[]){"eval", scenes[i], "--set", WIND, NULL}, scenes[i]);
-        scene_free(scene);
     }
 }
 
@@ -169,31 +157,25 @@ static const char flock[] =
 
 /* The text of a run's states; for free. */
 static char *states_of(const char *scene, const char *treatment, const char *duration) {
-    char path[PATH_SIZE];
-    static struct finished f;
-    PROGRAM(&f, NULL, "run", scene, "--treatment", treatment, "--duration", duration, "--stepper",
-            strcmp(scene, "circle") == 0 && strcmp(treatment, "free") != 0 ? "euler" : "rk4",
-            "--out", folder, "--no-progress");
-    cr_assert_eq(f.code, 0, "%s: exit code %d, %s", treatment, f.code, f.err);
-    path_format(path, "%s/states.tsv", folder);
-    char *text = file_read(path);
+    WORKS("run", scene, "--treatment", treatment, "--duration", duration, "--stepper",
+          strcmp(scene, "circle") == 0 && strcmp(treatment, "free") != 0 ? "euler" : "rk4", "--out",
+          folder, "--no-progress");
+    char *text = file_read(printed("%s/states.tsv", folder));
     cr_assert(text, "%s: no states", treatment);
     return text;
 }
 
 /* What a run has left gives the accelerations at its last frame, at its time or another. */
-Test(eval, a_saved_state_is_the_twins, .init = open_folder, .fini = close_folder) {
-    char scene_path[PATH_SIZE], states_path[PATH_SIZE];
-    file_write(folder, "flock.cfg", flock, scene_path);
+Test(eval, a_saved_state_is_the_twins, .init = open_folder) {
+    const char *const scene_path = file_write(folder, "flock.cfg", flock);
     struct scene *scene = lab_load(scene_path, NULL, 0);
     for (int treatment = 0; treatment < TREATMENTS; treatment++) {
         const char *name = treatment_names[treatment];
         struct table states;
-        free(states_of(scene_path, name, "0.05"));
-        path_format(states_path, "%s/states.tsv", folder);
+        states_of(scene_path, name, "0.05");
+        const char *const states_path = printed("%s/states.tsv", folder);
         char *text = file_read(states_path);
         read_text(text, &states);
-        free(text);
         cr_assert_gt(states.row_count, 2 * 58, "%s: only %d rows", name, states.row_count);
         check_eval(scene, (enum wisp_treatment)treatment, 0.05, &states,
                    (const char *const[]){"eval", scene_path, "--treatment", name, "--state",
@@ -205,15 +187,12 @@ Test(eval, a_saved_state_is_the_twins, .init = open_folder, .fini = close_folder
                    name);
         table_free(&states);
     }
-    scene_free(scene);
 }
 
 /* --- the circle --- */
 
 /* In every treatment a = -(v.v / p.p) p, from the start and from the last frame of a run. */
-Test(eval, the_circle_is_centripetal, .init = open_folder, .fini = close_folder) {
-    char path[PATH_SIZE];
-    static struct finished f;
+Test(eval, the_circle_is_centripetal, .init = open_folder) {
     const struct treatment *treatments = problem_find("circle")->treatments;
     for (int i = 0; treatments[i].name; i++)
         for (int saved = 0; saved < 2; saved++) {
@@ -221,13 +200,10 @@ Test(eval, the_circle_is_centripetal, .init = open_folder, .fini = close_folder)
             struct table states, got;
             char *text = states_of("circle", name, "40");
             read_text(text, &states);
-            path_format(path, "%s/states.tsv", folder);
-            if (saved)
-                PROGRAM(&f, NULL, "eval", "circle", "--treatment", name, "--state", path);
-            else
-                PROGRAM(&f, NULL, "eval", "circle", "--treatment", name);
-            cr_assert_eq(f.code, 0, "%s: exit code %d, %s", name, f.code, f.err);
-            read_text(f.out, &got);
+            const struct finished *f =
+                WORKS("eval", "circle", "--treatment", name, saved ? "--state" : NULL,
+                      printed("%s/states.tsv", folder));
+            read_text(f->out, &got);
             static const char *const names[] = {"wisp", "node", "ax", "ay", "az"};
             expect_names(&got, names, 5, name);
             cr_assert_eq(got.row_count, 1, "%s: %d rows", name, got.row_count);
@@ -244,7 +220,6 @@ Test(eval, the_circle_is_centripetal, .init = open_folder, .fini = close_folder)
             cr_assert(!saved || fabs(y) > 0.01, "%s: the particle is where it was", name);
             table_free(&states);
             table_free(&got);
-            free(text);
         }
 }
 
@@ -263,11 +238,9 @@ static void expect_refusal(const struct finished *f, const char *file, const cha
 
 static void refuse_text(const char *scene, const char *treatment, const char *text,
                         const char *says, const char *what) {
-    char path[PATH_SIZE];
-    static struct finished f;
-    file_write(folder, "bad.tsv", text, path);
-    PROGRAM(&f, NULL, "eval", scene, "--treatment", treatment, "--state", path);
-    expect_refusal(&f, path, says, what);
+    const char *const path = file_write(folder, "bad.tsv", text);
+    struct finished *f = PROGRAM(NULL, "eval", scene, "--treatment", treatment, "--state", path);
+    expect_refusal(f, path, says, what);
 }
 
 /* Begin of the last line but `above`. */
@@ -284,26 +257,18 @@ static char *with_field(const char *text, const char *line, int field, const cha
     for (int i = 0; i < field; i++)
         from = strchr(from, '\t') + 1;
     const char *to = from + strcspn(from, "\t\n");
-    char *made = malloc(strlen(text) + strlen(word) + 1);
-    cr_assert(made, "no memory");
-    sprintf(made, "%.*s%s%s", (int)(from - text), text, word, to);
-    return made;
+    return printed("%.*s%s%s", (int)(from - text), text, word, to);
 }
 
 static char *without_lines(const char *text, const char *from, const char *to) {
-    char *made = malloc(strlen(text) + 1);
-    cr_assert(made, "no memory");
-    sprintf(made, "%.*s%s", (int)(from - text), text, to);
-    return made;
+    return printed("%.*s%s", (int)(from - text), text, to);
 }
 
-Test(eval, wrong_files_are_refused_in_one_line, .init = open_folder, .fini = close_folder) {
+Test(eval, wrong_files_are_refused_in_one_line, .init = open_folder) {
     static const char scene[] = "swing-envelope";
     char *good = states_of(scene, "generalised", "0.05"), *bad;
     char *names = strstr(good, "\nt\t") + 1, *rows = strchr(names, '\n') + 1;
     char *last = line_from_end(good, 0), *frame = line_from_end(good, 10);
-    static struct finished f;
-    char path[PATH_SIZE];
     cr_assert(strncmp(last, "0.05", 4) == 0 && strncmp(frame, "0.05", 4) == 0, "'%.20s', '%.20s'",
               last, frame);
 
@@ -319,25 +284,19 @@ Test(eval, wrong_files_are_refused_in_one_line, .init = open_folder, .fini = clo
     for (size_t i = 0; i < sizeof fields / sizeof *fields; i++) {
         bad = with_field(good, last, fields[i].field, fields[i].word);
         refuse_text(scene, "generalised", bad, fields[i].says, fields[i].word);
-        free(bad);
         bad = with_field(good, frame, fields[i].field, fields[i].word);
         refuse_text(scene, "generalised", bad, fields[i].says, fields[i].word);
-        free(bad);
     }
 
     /* names */
     bad = with_field(good, names, 9, "q0");
     refuse_text(scene, "generalised", bad, "'r0'", "no r0");
-    free(bad);
     bad = with_field(good, names, 0, "time");
     refuse_text(scene, "generalised", bad, "has not the columns of states", "no t");
-    free(bad);
     bad = with_field(good, names, 17, "more");
     refuse_text(scene, "generalised", bad, "have t and 16", "more than parent");
-    free(bad);
     bad = without_lines(good, names, rows);
     refuse_text(scene, "generalised", bad, "column", "no names");
-    free(bad);
 
     /* cut off: in a number, at the end of one, between rows, after the names, before them */
     const size_t length = strlen(good);
@@ -346,14 +305,11 @@ Test(eval, wrong_files_are_refused_in_one_line, .init = open_folder, .fini = clo
     for (int i = 0; i < 5; i++) {
         bad = without_lines(good, cuts[i], "");
         refuse_text(scene, "generalised", bad, cut_says[i], "cut off");
-        free(bad);
     }
     bad = without_lines(good, rows, last); /* one row only */
     refuse_text(scene, "generalised", bad, "rows", "one row");
-    free(bad);
     bad = without_lines(good, strrchr(good, '\t'), "\n");
     refuse_text(scene, "generalised", bad, "fewer", "a short row");
-    free(bad);
     refuse_text(scene, "generalised", "", "no column names", "an empty file");
 
     /* of another treatment or scene */
@@ -361,89 +317,60 @@ Test(eval, wrong_files_are_refused_in_one_line, .init = open_folder, .fini = clo
     refuse_text("swing", "generalised", good, "columns", "a file with samples");
     bad = states_of(scene, "penalty", "0.05");
     refuse_text(scene, "generalised", bad, "'r0'", "a file of penalty");
-    free(bad);
     bad = states_of("swing", "generalised", "0.05");
     refuse_text(scene, "generalised", bad, "'r0'", "a file without samples");
-    free(bad);
     static const char shorter[] = "wisps.[0].nodes=10";
-    file_write(folder, "bad.tsv", good, path);
-    PROGRAM(&f, NULL, "eval", scene, "--set", shorter, "--state", path);
-    expect_refusal(&f, path, "node", "a file of more nodes");
+    const char *path = file_write(folder, "bad.tsv", good);
+    struct finished *f = PROGRAM(NULL, "eval", scene, "--set", shorter, "--state", path);
+    expect_refusal(f, path, "node", "a file of more nodes");
 
     /* no file at all */
-    PROGRAM(&f, NULL, "eval", scene, "--state", folder);
-    expect_refusal(&f, folder, "", "a folder");
-    path_format(path, "%s/none.tsv", folder);
-    PROGRAM(&f, NULL, "eval", scene, "--state", path);
-    expect_refusal(&f, path, "cannot be read", "no file");
-    free(good);
+    f = PROGRAM(NULL, "eval", scene, "--state", folder);
+    expect_refusal(f, folder, "", "a folder");
+    path = printed("%s/none.tsv", folder);
+    f = PROGRAM(NULL, "eval", scene, "--state", path);
+    expect_refusal(f, path, "cannot be read", "no file");
 }
 
 /* A time that is none, on the command line or in the file: wind at no time is no number. */
-Test(eval, times_are_finite, .init = open_folder, .fini = close_folder) {
+Test(eval, times_are_finite, .init = open_folder) {
     static const char *const times[] = {"nan", "inf", "-inf", "1e999", "now", "1s", ""};
-    static struct finished f;
     for (int i = 0; i < 7; i++) {
-        PROGRAM(&f, NULL, "eval", "swing", "--time", times[i]);
-        expect_refusal(&f, times[i], "--time", times[i]);
+        struct finished *f = PROGRAM(NULL, "eval", "swing", "--time", times[i]);
+        expect_refusal(f, times[i], "--time", times[i]);
     }
     char *good = states_of("swing", "generalised", "0.05");
     static const char *const in_files[] = {"inf", "nan", "-inf"};
     for (int i = 0; i < 3; i++) {
-        char *bad = strdup(good);
-        for (int row = 0; row < 11; row++) {
-            char *next = with_field(bad, line_from_end(bad, row), 0, in_files[i]);
-            free(bad);
-            bad = next;
-        }
+        char *bad = good;
+        for (int row = 0; row < 11; row++)
+            bad = with_field(bad, line_from_end(bad, row), 0, in_files[i]);
         refuse_text("swing", "generalised", bad, "finite", in_files[i]);
-        free(bad);
     }
-    free(good);
 }
 
 /* A state in which the model has no answer: exit code 3, and why. */
-Test(eval, a_state_without_direction_exits_3, .init = open_folder, .fini = close_folder) {
-    char path[PATH_SIZE];
-    static struct finished f;
+Test(eval, a_state_without_direction_exits_3, .init = open_folder) {
     char *text = states_of("swing", "generalised", "0.05");
     static const char *const on_node_1[] = {"0.029999999999999999", "0", "0"};
-    for (int k = 0; k < 3; k++) {
-        char *moved = with_field(text, line_from_end(text, 8), 3 + k, on_node_1[k]);
-        free(text);
-        text = moved;
-    }
-    file_write(folder, "bad.tsv", text, path);
-    PROGRAM(&f, NULL, "eval", "swing", "--state", path);
-    cr_assert_eq(f.code, 3, "exit code %d, '%s'", f.code, f.err);
-    cr_assert(count_lines(f.err) == 1 && strstr(f.err, "wisp 0: nodes 1 and 2 coincide"), "'%s'",
-              f.err);
-    cr_assert_eq(f.out[0], '\0', "prints '%.60s'", f.out);
-    free(text);
+    for (int k = 0; k < 3; k++)
+        text = with_field(text, line_from_end(text, 8), 3 + k, on_node_1[k]);
+    struct finished *f = FAILS(3, "wisp 0: nodes 1 and 2 coincide", "eval", "swing", "--state",
+                               file_write(folder, "bad.tsv", text));
+    cr_assert_eq(f->out[0], '\0', "prints '%.60s'", f->out);
     text = states_of("radii", "generalised", "0.05"); /* of nine wisps, and the last one's tip */
     for (int line = 1; line <= 2; line++)
-        for (int k = 0; k < 3; k++) {
-            char *moved = with_field(text, line_from_end(text, line), 3 + k, on_node_1[k]);
-            free(text);
-            text = moved;
-        }
-    file_write(folder, "bad.tsv", text, path);
-    PROGRAM(&f, NULL, "eval", "radii", "--treatment", "generalised", "--state", path);
-    cr_assert(f.code == 3 && strstr(f.err, "wisp 8: nodes "), "'%s'", f.err);
-    free(text);
+        for (int k = 0; k < 3; k++)
+            text = with_field(text, line_from_end(text, line), 3 + k, on_node_1[k]);
+    FAILS(3, "wisp 8: nodes ", "eval", "radii", "--treatment", "generalised", "--state",
+          file_write(folder, "bad.tsv", text));
 }
 
 /* Numbers whose squares are none, and then accelerations of which some are NaN: no table. */
-Test(eval, a_huge_state_exits_3, .init = open_folder, .fini = close_folder) {
-    char path[PATH_SIZE];
-    static struct finished f;
+Test(eval, a_huge_state_exits_3, .init = open_folder) {
     char *text = states_of("swing", "generalised", "0.05");
     char *huge = with_field(text, line_from_end(text, 8), 3, "1e308");
-    file_write(folder, "huge.tsv", huge, path);
-    PROGRAM(&f, NULL, "eval", "swing", "--state", path);
-    cr_expect_eq(f.code, 3, "exit code %d, '%s'", f.code, f.err);
-    cr_expect(count_lines(f.err) == 1 && strstr(f.err, "not finite"), "'%s'", f.err);
-    cr_expect_eq(f.out[0], '\0', "prints '%.60s'", f.out);
-    free(huge);
-    free(text);
+    struct finished *f =
+        FAILS(3, "not finite", "eval", "swing", "--state", file_write(folder, "huge.tsv", huge));
+    cr_expect_eq(f->out[0], '\0', "prints '%.60s'", f->out);
 }

@@ -10,30 +10,23 @@
 #include <stdlib.h>
 #include <string.h>
 
-static char folder[PATH_SIZE];
+static char *folder;
 
 static void open_folder(void) {
-    folder_make(folder);
-}
-
-static void close_folder(void) {
-    folder_remove(folder);
+    folder = folder_make();
 }
 
 /* The experiment on a scene with one method; `set` may be NULL. */
-static void race(struct finished *f, const char *scene, const char *set, const char *out) {
-    PROGRAM(f, NULL, "experiment", "work-precision", "--quick", "--no-progress", "--scene", scene,
-            "--stepper", "rk4", "--out", out, set ? "--set" : NULL, set);
-    cr_assert_eq(f->code, 0, "%s: %s", set, f->err);
+static struct finished *race(const char *scene, const char *set, const char *out) {
+    return WORKS("experiment", "work-precision", "--quick", "--no-progress", "--scene", scene,
+                 "--stepper", "rk4", "--out", out, set ? "--set" : NULL, set);
 }
 
 /* The hashes by which the folders of runs are named, in their order, a line each. */
 static void hashes_of(const char *out, char *hashes, size_t size) {
-    char runs[PATH_SIZE];
     glob_t found;
-    path_format(runs, "%s/runs", out);
-    cr_assert_eq(files_like(runs, "*", &found), 0);
-    char(*list)[20] = calloc(found.gl_pathc, sizeof *list);
+    cr_assert_eq(files_like(printed("%s/runs", out), "*", &found), 0);
+    char(*list)[20] = test_room(found.gl_pathc * sizeof *list);
     for (size_t i = 0; i < found.gl_pathc; i++)
         snprintf(list[i], sizeof *list, "%s", strrchr(found.gl_pathv[i], '-') + 1);
     qsort(list, found.gl_pathc, sizeof *list, (int (*)(const void *, const void *))strcmp);
@@ -43,32 +36,27 @@ static void hashes_of(const char *out, char *hashes, size_t size) {
         strncat(hashes, "\n", size - strlen(hashes) - 1);
     }
     globfree(&found);
-    free(list);
 }
 
 /* The same runs, to their hashes, whether a change is set or is in a file; and others without it.
  */
-Test(experiment_set, is_what_a_file_would_say, .init = open_folder, .fini = close_folder,
-     .timeout = 100) {
-    static struct finished f;
+Test(experiment_set, is_what_a_file_would_say, .init = open_folder, .timeout = 100) {
     static char set[8192], said[8192], plain[8192];
-    char scene[PATH_SIZE], changed[PATH_SIZE], out[3][PATH_SIZE], table[PATH_SIZE];
-    char reason[REASON_SIZE];
-    static const char *const outs[] = {"set", "said", "plain"};
-    file_write(folder, "short.cfg", "base = \"swing\"; name = \"short\"; duration = 0.05;\n",
-               scene);
-    file_write(folder, "changed.cfg",
-               "base = \"short.cfg\"; name = \"short\"; material = { drag_rate = 2.0; };\n",
-               changed);
+    const char *out[3];
+    const char *const scene =
+        file_write(folder, "short.cfg", "base = \"swing\"; name = \"short\"; duration = 0.05;\n");
+    const char *const changed =
+        file_write(folder, "changed.cfg",
+                   "base = \"short.cfg\"; name = \"short\"; material = { drag_rate = 2.0; };\n");
     for (int i = 0; i < 3; i++)
-        path_format(out[i], "%s/%s", folder, outs[i]);
-    race(&f, scene, "material.drag_rate=2.0", out[0]);
-    cr_expect(strstr(f.out, "not asked      ours    What follows is of scenes with "
-                            "material.drag_rate=2.0"),
-              "%s", f.out);
-    race(&f, changed, NULL, out[1]);
-    cr_expect(!strstr(f.out, "What follows"), "%s", f.out);
-    race(&f, scene, NULL, out[2]);
+        out[i] = printed("%s/out-%d", folder, i);
+    const struct finished *f = race(scene, "material.drag_rate=2.0", out[0]);
+    cr_expect(strstr(f->out, "not asked      ours    What follows is of scenes with "
+                             "material.drag_rate=2.0"),
+              "%s", f->out);
+    f = race(changed, NULL, out[1]);
+    cr_expect(!strstr(f->out, "What follows"), "%s", f->out);
+    race(scene, NULL, out[2]);
     hashes_of(out[0], set, sizeof set);
     hashes_of(out[1], said, sizeof said);
     hashes_of(out[2], plain, sizeof plain);
@@ -77,19 +65,14 @@ Test(experiment_set, is_what_a_file_would_say, .init = open_folder, .fini = clos
         cr_expect(!strstr(set, hash), "%s is a run of both scenes", hash);
 
     /* and every table is named by the change */
-    path_format(table, "%s/work-precision/short-with-material.drag_rate-2.0.tsv", out[0]);
-    char *text = file_text(table);
-    cr_assert(text, "no %s", table);
+    const char *text = file_of(out[0], "work-precision/short-with-material.drag_rate-2.0.tsv");
     cr_expect(strstr(text, "# scene short with material.drag_rate=2.0, hash "), "%.400s", text);
-    free(text);
     struct text_table rows;
-    path_format(table, "%s/work-precision", out[0]);
-    cr_assert_eq(statements_read(&rows, table, reason), 0, "%s", reason);
+    statements_must_be_read(&rows, printed("%s/work-precision", out[0]));
     cr_expect_eq(text_table_find(&rows, "changed scenes", NULL), 0);
-    text_table_free(&rows);
 }
 
-Test(experiment_set, what_it_cannot_change_is_refused, .init = open_folder, .fini = close_folder) {
+Test(experiment_set, what_it_cannot_change_is_refused, .init = open_folder) {
     static const struct {
         const char *experiment, *set, *says;
     } wrong[] = {
@@ -103,13 +86,8 @@ Test(experiment_set, what_it_cannot_change_is_refused, .init = open_folder, .fin
         {"kernel", "envelope.samples=2", "--set: samples: 2 is not a whole number from 3"},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
-        static struct finished f;
-        PROGRAM(&f, NULL, "experiment", wrong[i].experiment, "--quick", "--set", wrong[i].set,
-                "--out", folder);
-        cr_expect_eq(f.code, 1, "%s --set %s: exit code %d", wrong[i].experiment, wrong[i].set,
-                     f.code);
-        cr_expect(strstr(f.err, wrong[i].says) && count_lines(f.err) == 1, "not '%s' but '%s'",
-                  wrong[i].says, f.err);
+        FAILS(1, wrong[i].says, "experiment", wrong[i].experiment, "--quick", "--set", wrong[i].set,
+              "--out", folder);
         cr_expect_eq(count_files(folder, ""), 0, "%s: wrote something", wrong[i].experiment);
     }
 }

@@ -2,6 +2,7 @@
 #include "fixture.h"
 #include "scene/scene_load.h"
 #include "support.h"
+#include "wisp_support.h"
 
 #include <criterion/criterion.h>
 #include <math.h>
@@ -183,17 +184,13 @@ Test(failures, every_method_uses_the_callbacks) {
 /* A run of 20 s on the made-up oscillator with this done to it. */
 static void run_changed(const struct variant *variant, void (*change)(struct fixture *fixture),
                         const struct observer *observer, struct run_result *result) {
-    char reason[REASON_SIZE];
-    struct settings settings;
     fixture_start = (struct fixture_start){.make = fixture_manufactured, .change = change, .v = 1};
     struct scene *scene = fixture_scene(20, 10, 0.1);
     const struct run_request request = {.stepper = variant->method->name,
                                         .options = &variant->option,
                                         .option_count = variant->option != NULL};
-    cr_assert_eq(settings_resolve(scene, &request, &settings, reason), 0, "%s: %s", variant->name,
-                 reason);
+    const struct settings settings = settings_of(scene, &request);
     simulate(scene, &settings, observer, NULL, result);
-    scene_free(scene);
 }
 
 static void nan_from_call_30(struct fixture *fixture) {
@@ -260,7 +257,7 @@ static int one_step_at(const struct stepper_method *method, int treatment, doubl
     struct scene *scene = circle_scene(1, 0);
     const struct variant variant = {.method = method};
     const struct stepper_settings settings = variant_settings(&variant, 1e-6, 1e-9);
-    struct model *model = scene->problem->create(scene, treatment, 1);
+    struct model *model = lab_model(scene, treatment, 1);
     struct part *part = &model->parts[0];
     struct stepper *stepper = stepper_create(method, &settings, &part->system);
     double t = 0;
@@ -272,8 +269,6 @@ static int one_step_at(const struct stepper_method *method, int treatment, doubl
     memcpy(v, part->v, 2 * sizeof *v);
     snprintf(reason, REASON_SIZE, "%s", part->system.reason);
     method->free(stepper);
-    scene->problem->free(model);
-    scene_free(scene);
     return code;
 }
 

@@ -17,11 +17,10 @@ static int occurrences(const char *text, const char *part) {
 /* All tests of this program as `suite/test`, as it lists them itself. */
 enum { TESTS_MAX = 2000, NAME_SIZE = 160 };
 static int list_tests(char names[TESTS_MAX][NAME_SIZE]) {
-    char self[PATH_SIZE] = "", command[PATH_SIZE + 32], line[NAME_SIZE], suite[64] = "", name[96];
+    char self[PATH_SIZE] = "", line[NAME_SIZE], suite[64] = "", name[96];
     int count = 0;
     cr_assert(readlink("/proc/self/exe", self, sizeof self - 1) > 0);
-    snprintf(command, sizeof command, "env -i LC_ALL=C '%s' --list", self);
-    FILE *list = popen(command, "r");
+    FILE *list = popen(printed("env -i LC_ALL=C '%s' --list", self), "r");
     cr_assert(list, "no list of tests");
     while (fgets(line, sizeof line, list) && count < TESTS_MAX) {
         if (sscanf(line, "%*1[|`]-- %95s", name) == 1)
@@ -54,7 +53,6 @@ Test(faults, each_names_a_test) {
         cr_expect(!test || line[0] == '#' || found || !ALL_ARE_THERE, "no test is called %s",
                   test + 1);
     }
-    free(list);
 }
 
 Test(faults, each_text_is_in_its_file_once) {
@@ -62,20 +60,18 @@ Test(faults, each_text_is_in_its_file_once) {
     int rows = 0;
     cr_assert(list, "no faults.tsv");
     for (char *rest = list, *line; (line = strsep(&rest, "\n")) != NULL;) {
-        char path[PATH_SIZE], *field[4] = {NULL};
+        char *field[4] = {NULL};
         if (line[0] == '#' || line[0] == '\0')
             continue;
         for (int i = 0; i < 4; i++)
             field[i] = strsep(&line, "\t");
         cr_assert(field[3] && field[3][0] && !line, "row %d has not four fields", rows + 1);
-        path_format(path, "%s/../%s", WISPLAB_TESTS_DIR, field[0]);
+        const char *const path = printed("%s/../%s", WISPLAB_TESTS_DIR, field[0]);
         char *text = file_read(path);
         cr_expect(text && occurrences(text, field[1]) == 1, "%s has '%s' %d times, not once",
                   field[0], field[1], text ? occurrences(text, field[1]) : 0);
         cr_expect_str_neq(field[1], field[2], "%s: '%s' stays as it is", field[0], field[1]);
-        free(text);
         rows++;
     }
-    free(list);
     cr_assert_gt(rows, 90, "only %d faults", rows);
 }

@@ -17,11 +17,11 @@
 #include <unistd.h>
 
 Test(files, are_on_the_disk_before_they_have_their_name) {
-    char folder[PATH_SIZE], path[PATH_SIZE], other[PATH_SIZE], reason[REASON_SIZE];
+    char reason[REASON_SIZE];
     struct atomic_file file;
-    folder_make(folder);
-    path_format(path, "%s/a", folder);
-    path_format(other, "%s/b", folder);
+    const char *const folder = folder_make();
+    const char *const path = printed("%s/a", folder);
+    const char *const other = printed("%s/b", folder);
     disk_noting = 1;
     cr_assert_eq(atomic_open(&file, path, reason), 0, "%s", reason);
     fputs("all of it\n", file.stream);
@@ -31,19 +31,17 @@ Test(files, are_on_the_disk_before_they_have_their_name) {
     cr_assert_str_eq(disk_done, "frdfrd");
     char *text = file_read(other);
     cr_assert(text && strcmp(text, "all of it\n") == 0);
-    free(text);
-    folder_remove(folder);
 }
 
 /* Files that belong together: all have their names, or none. */
 Test(files, that_belong_together_get_their_names_together) {
-    char folder[PATH_SIZE], path[PATH_SIZE], reason[REASON_SIZE];
+    char reason[REASON_SIZE];
     for (int fails = 0; fails < 2; fails++) {
         struct atomic_file files[3] = {0};
-        folder_make(folder);
+        const char *const folder = folder_make(), *path = NULL;
         disk_noting = 0;
         for (int i = 0; i < 3; i++) {
-            path_format(path, "%s/%d", folder, i);
+            path = printed("%s/%d", folder, i);
             if (i == 1) /* was not opened */
                 continue;
             cr_assert_eq(atomic_open(&files[i], path, reason), 0, "%s", reason);
@@ -58,15 +56,14 @@ Test(files, that_belong_together_get_their_names_together) {
         cr_assert_eq(atomic_name(files, 3, reason), fails ? -1 : 0, "%s", reason);
         cr_assert_eq(count_files(folder, ""), fails ? 0 : 2, "%s", reason);
         cr_assert_str_eq(disk_done, fails ? "rr" : "rrd");
-        folder_remove(folder);
     }
 }
 
 Test(files, have_temporary_names_that_nobody_foresees) {
-    char folder[PATH_SIZE], path[PATH_SIZE], reason[REASON_SIZE];
+    char reason[REASON_SIZE];
     struct atomic_file one, two;
-    folder_make(folder);
-    path_format(path, "%s/a", folder);
+    const char *const folder = folder_make();
+    const char *const path = printed("%s/a", folder);
     cr_assert_eq(atomic_open(&one, path, reason), 0, "%s", reason);
     cr_assert_eq(atomic_open(&two, path, reason), 0, "%s", reason);
     cr_assert(strcmp(one.temporary, two.temporary) != 0);
@@ -75,9 +72,7 @@ Test(files, have_temporary_names_that_nobody_foresees) {
     cr_assert(atomic_commit(&one, reason) == 0 && atomic_commit(&two, reason) == 0, "%s", reason);
     char *text = file_read(path);
     cr_assert(text && strcmp(text, "two") == 0);
-    free(text);
     cr_assert_eq(count_files(folder, ""), 1);
-    folder_remove(folder);
 }
 
 /* --- leftovers --- */
@@ -126,9 +121,8 @@ static void age(const char *path, void *ctx) {
 
 /* The next writer of a file removes what one that is gone left, and nothing of one that is not. */
 Test(files, the_next_removes_what_a_killed_one_left) {
-    char folder[PATH_SIZE], path[PATH_SIZE];
-    folder_make(folder);
-    path_format(path, "%s/a", folder);
+    const char *const folder = folder_make();
+    const char *const path = printed("%s/a", folder);
     const pid_t alive = begin_file(path, NULL);
     cr_assert_eq(write_next(folder, path), 2, "what is being written is gone");
     kill(alive, SIGKILL);
@@ -139,15 +133,13 @@ Test(files, the_next_removes_what_a_killed_one_left) {
     end(begin_file(path, NULL));
     atomic_remove_leftovers(path);
     cr_assert_eq(count_files(folder, ""), 1, "it is left");
-    folder_remove(folder);
 }
 
 /* Other hosts cannot be asked: the file server's time tells. */
 Test(files, what_another_host_left_is_removed_in_time) {
-    char folder[PATH_SIZE], path[PATH_SIZE];
     struct stat status;
-    folder_make(folder);
-    path_format(path, "%s/a", folder);
+    const char *const folder = folder_make();
+    const char *const path = printed("%s/a", folder);
     end(begin_file(path, "elsewhere"));
     cr_assert_eq(write_next(folder, path), 2, "who knows whether that one is gone?");
     cr_assert_eq(stat(path, &status), 0);
@@ -157,7 +149,6 @@ Test(files, what_another_host_left_is_removed_in_time) {
     then -= 200;
     each_file(folder, age, &then);
     cr_assert_eq(write_next(folder, path), 1, "more than an hour");
-    folder_remove(folder);
 }
 
 /* --- who it was --- */

@@ -17,30 +17,23 @@ static const char small_scene[] =
     ");\n"
     "run = { step = 2.5e-4; rtol = 1e-4; atol = 1e-6; };\n";
 
-static char folder[PATH_SIZE], scene[PATH_SIZE], reference[PATH_SIZE];
+static char *folder;
+static const char *scene, *reference;
 
 /* The reference solution as a run writes it, beside the scene. */
 static void set_up(void) {
-    char out[PATH_SIZE];
-    struct finished f;
-    folder_make(folder);
+    folder = folder_make();
     gnuplot_stub_quiet();
-    file_write(folder, "small.cfg", small_scene, scene);
-    path_format(out, "%s/tight", folder);
-    PROGRAM(&f, NULL, "run", scene, "--stepper", "reference", "--out", out, "--no-progress");
-    cr_assert_eq(f.code, 0, "%s", f.err);
-    path_format(reference, "%s/tight/states.tsv", folder);
+    scene = file_write(folder, "small.cfg", small_scene);
+    WORKS("run", scene, "--stepper", "reference", "--out", printed("%s/tight", folder),
+          "--no-progress");
+    reference = printed("%s/tight/states.tsv", folder);
 }
 
-static void clean_up(void) {
-    gnuplot_stub_remove();
-    folder_remove(folder);
-}
-
-#define IN_FOLDER .init = set_up, .fini = clean_up
+#define IN_FOLDER .init = set_up
 
 /* A small race with one method and such trajectories; they end with NULL. */
-static void race(struct finished *f, const char *const *states) {
+static struct finished *race(const char *const *states) {
     const char *arguments[32] = {"experiment", "work-precision", "--quick", "--scene",
                                  scene,        "--stepper",      "rk4",     "--out",
                                  folder,       "--no-progress"};
@@ -49,16 +42,14 @@ static void race(struct finished *f, const char *const *states) {
         arguments[count++] = "--states";
         arguments[count++] = *states;
     }
-    const struct process process = program_start(NULL, arguments);
-    program_wait(&process, f);
+    return program_done(NULL, arguments);
 }
-#define RACE(f, ...) race(f, (const char *const[]){__VA_ARGS__, NULL})
+#define RACE(...) race(WORDS(__VA_ARGS__))
 
 static void rows(struct text_table *table) {
-    char path[PATH_SIZE], reason[REASON_SIZE];
-    path_format(path, "%s/work-precision/small.tsv", folder);
-    cr_assert_eq(text_table_read(table, path, reason), 0, "%s", reason);
-    cr_assert_eq(text_table_check(table, path, reason), 0, "%s", reason);
+    char reason[REASON_SIZE];
+    table_must_be_read(table, folder, "work-precision/small");
+    cr_assert_eq(text_table_check(table, "small", reason), 0, "%s", reason);
 }
 
 /* Writes the reference's frames, in metres `moved` in y at node 3 and all frames but the first: in
@@ -66,9 +57,9 @@ static void rows(struct text_table *table) {
 static void write_states(const char *name, const char *head, double moved, int velocities,
                          char given[2 * PATH_SIZE]) {
     struct table table;
-    char reason[REASON_SIZE], path[PATH_SIZE];
+    char reason[REASON_SIZE];
     cr_assert_eq(table_read(&table, reference, reason), 0, "%s", reason);
-    path_format(path, "%s/%s.tsv", folder, name);
+    const char *const path = printed("%s/%s.tsv", folder, name);
     FILE *file = fopen(path, "w");
     fprintf(file, "%st\twisp\tnode\tx\ty\tz%s\n", head, velocities ? "\tvx\tvy\tvz" : "");
     for (int row = 0; row < table.row_count; row++)
@@ -94,15 +85,14 @@ static double cell(const struct text_table *table, const char *name, int k, cons
  * has no velocities, so that error is not known; costs are those that it says. */
 Test(foreign_states, the_error_is_the_distance_from_the_reference, IN_FOLDER) {
     char one[2 * PATH_SIZE], two[2 * PATH_SIZE], again[2 * PATH_SIZE];
-    struct finished f;
     struct text_table table;
     write_states("other", "# of mine\n# evaluations: 521\n# cpu_seconds: 1.25\n# setting: 1e-6\n",
                  8e-4, 0, one);
     write_states("silent", "", 0, 1, two);
     write_states("more", "# evaluations: 99\n", 2e-3, 0, again);
     snprintf(again, sizeof again, "other=%s/more.tsv", folder);
-    RACE(&f, one, two, again);
-    cr_assert_eq(f.code, 0, "%s", f.err);
+    const struct finished *f = RACE(one, two, again);
+    cr_assert_eq(f->code, 0, "%s", f->err);
     rows(&table);
     /* of a curve's points the one that took less comes first */
     cr_expect_float_eq(cell(&table, "other", 1, "error"), 8e-4 * sqrt(3. / 8), 1e-15);
@@ -120,10 +110,10 @@ Test(foreign_states, the_error_is_the_distance_from_the_reference, IN_FOLDER) {
     cr_expect(cell(&table, "other", 0, "front_cpu") == 0 &&
                   cell(&table, "silent", 0, "front_evaluations") == 0,
               "no front is of other programs");
-    text_table_free(&table);
-    cr_expect(strstr(f.out, "trajectory other of another program errs 0.49 mm with 521 evaluations "
-                            "in 1.25 s; rk4 errs no more with "),
-              "%s", f.out);
+    cr_expect(strstr(f->out,
+                     "trajectory other of another program errs 0.49 mm with 521 evaluations "
+                     "in 1.25 s; rk4 errs no more with "),
+              "%s", f->out);
 }
 
 /* A run of ours that comes as somebody's has the numbers of our own row. */
@@ -131,24 +121,20 @@ Test(foreign_states, our_own_run_has_its_own_error, IN_FOLDER) {
     static const char *const columns[] = {"error", "largest",  "relative",
                                           "end",   "velocity", "mescd"};
     char given[2 * PATH_SIZE] = "", run[128] = "";
-    struct finished f;
     struct text_table table;
-    RACE(&f, NULL);
+    RACE(NULL);
     rows(&table);
     int own = 0;
     while (strcmp(text_table_cell(&table, own, "status"), "finished") != 0)
         own++;
     snprintf(run, sizeof run, "%s", text_table_cell(&table, own, "run"));
-    text_table_free(&table);
     snprintf(given, sizeof given, "mine=%s/runs/%s/states.tsv", folder, run);
-    RACE(&f, given);
-    cr_assert_eq(f.code, 0, "%s", f.err);
+    cr_assert_eq(RACE(given)->code, 0);
     rows(&table);
     for (size_t i = 0; i < sizeof columns / sizeof *columns; i++)
         cr_expect(cell(&table, "mine", 0, columns[i]) == text_table_number(&table, own, columns[i]),
                   "%s: %.17g", columns[i], cell(&table, "mine", 0, columns[i]));
     cr_expect_gt(cell(&table, "mine", 0, "error"), 0);
-    text_table_free(&table);
 }
 
 /* --- what is wrong with a file --- */
@@ -178,13 +164,11 @@ static const struct {
 };
 
 Test(foreign_states, what_is_wrong_is_said_in_a_line_before_anything_is_run, IN_FOLDER) {
-    char given[2 * PATH_SIZE], path[PATH_SIZE];
-    struct finished f;
+    char given[2 * PATH_SIZE];
     write_states("good", "# mine\n", 0, 0, given);
-    path_format(path, "%s/good.tsv", folder);
-    char *good = file_read(path);
+    const char *good = file_of(folder, "good.tsv");
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
-        char *bad = malloc(strlen(good) + 200), *to = bad;
+        char *bad = test_room(strlen(good) + 200), *to = bad;
         int line = 1;
         for (const char *at = good; *at; at += strcspn(at, "\n") + 1, line++) {
             if (line == wrong[i].line && !wrong[i].text)
@@ -192,17 +176,12 @@ Test(foreign_states, what_is_wrong_is_said_in_a_line_before_anything_is_run, IN_
             to += line == wrong[i].line ? sprintf(to, "%s\n", wrong[i].text)
                                         : sprintf(to, "%.*s\n", (int)strcspn(at, "\n"), at);
         }
-        file_write(folder, "bad.tsv", bad, path);
-        snprintf(given, sizeof given, "bad=%s", path);
-        RACE(&f, given);
-        cr_expect(f.code == 1 && count_lines(f.err) == 1 && strstr(f.err, "bad.tsv") &&
-                      strstr(f.err, wrong[i].says),
-                  "%s: %d: %s", wrong[i].says, f.code, f.err);
-        free(bad);
+        snprintf(given, sizeof given, "bad=%s", file_write(folder, "bad.tsv", bad));
+        const struct finished *f = RACE(given);
+        must_have_failed(f, 1, "bad.tsv");
+        must_have_failed(f, 1, wrong[i].says);
     }
-    free(good);
-    path_format(path, "%s/runs", folder);
-    cr_expect_not(file_exists(path), "something was run");
+    cr_expect_not(file_exists(printed("%s/runs", folder)), "something was run");
 }
 
 Test(foreign_states, what_is_wrong_on_the_command_line_is_said_in_a_line, IN_FOLDER) {
@@ -212,27 +191,15 @@ Test(foreign_states, what_is_wrong_on_the_command_line_is_said_in_a_line, IN_FOL
                                            {"one=", "must be NAME=FILE"},
                                            {"\"one\"=a", "must be NAME=FILE"},
                                            {"one=none.tsv", "none.tsv: No such file"}};
-    char given[2 * PATH_SIZE], other[2 * PATH_SIZE], same_name[2 * PATH_SIZE];
-    struct finished f;
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-        RACE(&f, names[i][0]);
-        cr_expect(f.code == 1 && count_lines(f.err) == 1 && strstr(f.err, names[i][1]),
-                  "%s: %d: %s", names[i][0], f.code, f.err);
-    }
+    char given[2 * PATH_SIZE], other[2 * PATH_SIZE];
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        must_have_failed(RACE(names[i][0]), 1, names[i][1]);
     write_states("good", "", 0, 0, given);
-    RACE(&f, given, given);
-    cr_expect(f.code == 1 && count_lines(f.err) == 1 && strstr(f.err, "is given twice"), "%d: %s",
-              f.code, f.err);
+    must_have_failed(RACE(given, given), 1, "is given twice");
     write_states("other", "", 0, 0, other);
-    snprintf(same_name, sizeof same_name, "good%s", strchr(other, '='));
-    RACE(&f, given, same_name);
-    cr_expect(f.code == 1 && count_lines(f.err) == 1 && strstr(f.err, "told apart by '# setting"),
-              "%d: %s", f.code, f.err);
-    PROGRAM(&f, NULL, "experiment", "work-precision", "--quick", "--scene", scene, "--scene",
-            "swing", "--states", given, "--out", folder);
-    cr_expect(f.code == 1 && count_lines(f.err) == 1 && strstr(f.err, "which of 2 scenes it is"),
-              "%d: %s", f.code, f.err);
-    PROGRAM(&f, NULL, "experiment", "circle", "--states", given, "--out", folder);
-    cr_expect(f.code == 1 && count_lines(f.err) == 1 && strstr(f.err, "no place for --states"),
-              "%d: %s", f.code, f.err);
+    must_have_failed(RACE(given, printed("good%s", strchr(other, '='))), 1,
+                     "told apart by '# setting");
+    FAILS(1, "which of 2 scenes it is", "experiment", "work-precision", "--quick", "--scene", scene,
+          "--scene", "swing", "--states", given, "--out", folder);
+    FAILS(1, "no place for --states", "experiment", "circle", "--states", given, "--out", folder);
 }

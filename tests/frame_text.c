@@ -4,6 +4,7 @@
 
 #include "base/digits.h"
 #include "model/state.h"
+#include "support.h"
 
 #include <criterion/criterion.h>
 #include <math.h>
@@ -37,8 +38,8 @@ static void print_rows(FILE *stream, const struct model *model, double t, const 
 
 Test(frame_text, any_number_of_rows_and_threads_makes_the_same_table) {
     static const int counts[] = {1, 2, 15, 16, 17, 200, 1023, 1024, 1025, 2048, ROWS_MOST};
-    double *rows = calloc(ROWS_MOST * COLUMNS, sizeof *rows);
-    int *parent = calloc(ROWS_MOST, sizeof *parent);
+    double *rows = test_room(ROWS_MOST * COLUMNS * sizeof *rows);
+    int *parent = test_room(ROWS_MOST * sizeof *parent);
     fill(rows, parent);
     for (int threads = 1; threads <= 3; threads++) {
         struct frame_text text = {0};
@@ -69,6 +70,4 @@ Test(frame_text, any_number_of_rows_and_threads_makes_the_same_table) {
         workers_free(model.workers);
         frame_text_free(&text);
     }
-    free(rows);
-    free(parent);
 }

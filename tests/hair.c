@@ -182,8 +182,7 @@ Test(hair, twins_have_half_of_it_each) {
 /* A strand at random, with radii from 0.0001 to 2 R. */
 static struct strand *bent(struct wisp *wisp, int nodes, int samples, unsigned *seed) {
     *wisp = lab_wisp(nodes, samples, BENDING_NONE, seed);
-    struct strand *s = strand_create(wisp, WISP_GENERALISED);
-    cr_assert(s, "no memory");
+    struct strand *s = lab_strand(wisp, WISP_GENERALISED);
     for (int i = 0; i < nodes; i++) {
         for (int k = 0; k < 3; k++)
             s->p[i][k] = wisp->root[k] + wisp_spacing(wisp) * (i * wisp->direction[k] +
@@ -219,7 +218,6 @@ Test(hair, hairs_are_inside_the_envelope) {
         }
     }
     hairs_free(hairs);
-    strand_free(s);
 }
 
 /* On four samples each coordinate of a place grows with the sample on its side: to the bit. */
@@ -237,7 +235,6 @@ Test(hair, wedges_of_four_samples_are_quadrants) {
         cr_assert(memcmp(x, expected, sizeof x) == 0, "(%g, %g): (%.17g, %.17g)", place[0],
                   place[1], x[0] - expected[0], x[1] - expected[1]);
     }
-    strand_free(s);
 }
 
 /* Any number of samples: what is f of the way to one sample and g of that to the next is so after
@@ -260,7 +257,6 @@ Test(hair, places_keep_their_parts_along_the_samples_beside_them) {
                           1e-14 * wisp.radius,
                       "%d samples: %g to sample %d and %g to the next", samples, f, j, g);
         }
-        strand_free(s);
     }
 }
 
@@ -278,7 +274,6 @@ Test(hair, all_placements_agree_on_an_undeformed_section) {
             cr_assert(hypot(x[0] - wisp.radius * place[0], x[1] - wisp.radius * place[1]) <
                       1e-15 * wisp.radius * 4);
         }
-        strand_free(s);
     }
 }
 

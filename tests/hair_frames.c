@@ -89,7 +89,6 @@ static struct hair *opened(struct made *made) {
 static void unmake(struct made *made) {
     hair_close(&made->hair);
     trajectory_free(&made->states);
-    scene_free(made->scene);
 }
 
 static const int always_two[FRAMES] = {2, 2, 2, 2};

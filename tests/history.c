@@ -92,18 +92,14 @@ Test(history, whoever_solves_tells_all_nodes_at_once) {
 
 /* --- the experiment --- */
 
-static char folder[PATH_SIZE], results[PATH_SIZE], path[PATH_SIZE];
+static char *folder;
+static const char *results, *path;
 static struct text_table rows;
 
 static double value_of(const char *key, const char *verdict) {
-    for (int i = 0; i < rows.row_count; i++)
-        if (strcmp(text_table_cell(&rows, i, "key"), key) == 0) {
-            cr_assert(!verdict || strcmp(text_table_cell(&rows, i, "verdict"), verdict) == 0,
-                      "%s: %s", key, text_table_cell(&rows, i, "statement"));
-            return text_table_number(&rows, i, "value");
-        }
-    cr_assert_fail("no statement '%s'", key);
-    return NAN;
+    if (verdict)
+        must_state(&rows, key, verdict, NULL);
+    return text_table_number(&rows, the_row(&rows, key), "value");
 }
 
 /* What the model's page says of these recipes: implicit Euler at 60 Hz leaves 56 mm, the best
@@ -131,9 +127,7 @@ static void check_findings(void) {
  */
 static void check_map(void) {
     struct text_table map;
-    char reason[REASON_SIZE];
-    path_format(path, "%s/history/map.tsv", results);
-    cr_assert_eq(text_table_read(&map, path, reason), 0, "%s", reason);
+    table_must_be_read(&map, results, "history/map");
     int fine = 0;
     for (int i = 0; i < map.row_count; i++) {
         const char *state = text_table_cell(&map, i, "state");
@@ -149,32 +143,22 @@ static void check_map(void) {
                       "%g N: two borders", text_table_number(&map, i, "stiffness"));
     }
     cr_assert_geq(fine, 3);
-    text_table_free(&map);
 }
 
 Test(history, the_experiment_finds_what_is_known) {
-    struct finished f;
-    char reason[REASON_SIZE];
-    folder_make(folder);
-    path_format(results, "%s/results", folder);
-    PROGRAM(&f, NULL, "experiment", "history", "--quick", "--out", results, "--no-progress");
-    cr_assert_eq(f.code, 0, "%s", f.err);
-    path_format(path, "%s/history", results);
+    folder = folder_make();
+    results = printed("%s/results", folder);
+    WORKS("experiment", "history", "--quick", "--out", results, "--no-progress");
+    path = printed("%s/history", results);
     statements_must_be_whole(path);
     cr_assert_eq(count_files(path, ".svg"), 4);
-    cr_assert_eq(statements_read(&rows, path, reason), 0, "%s", reason);
+    statements_must_be_read(&rows, path);
     check_findings();
-    text_table_free(&rows);
     check_map();
-    folder_remove(folder);
 }
 
 Test(history, it_has_scenes_and_recipes_of_its_own) {
-    struct finished f;
-    folder_make(folder);
-    PROGRAM(&f, NULL, "experiment", "history", "--scene", "swing", "--out", folder);
-    cr_assert(f.code == 1 && strstr(f.err, "--scene"), "%d: %s", f.code, f.err);
-    PROGRAM(&f, NULL, "experiment", "history", "--stepper", "rk4", "--out", folder);
-    cr_assert(f.code == 1 && strstr(f.err, "--stepper"), "%d: %s", f.code, f.err);
-    folder_remove(folder);
+    folder = folder_make();
+    FAILS(1, "--scene", "experiment", "history", "--scene", "swing", "--out", folder);
+    FAILS(1, "--stepper", "experiment", "history", "--stepper", "rk4", "--out", folder);
 }

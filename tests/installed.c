@@ -11,13 +11,10 @@
 
 /* Every command and every option that --help knows, each in its own command's part. */
 Test(man, page_has_every_option_of_every_command) {
-    struct finished f;
-    PROGRAM(&f, NULL, "man");
-    cr_assert_eq(f.code, 0, "%s", f.err);
+    struct finished *f = WORKS("man");
     for (int i = 0; commands[i]; i++) {
-        char head[80];
-        snprintf(head, sizeof head, "\n.SS wisplab %s ", commands[i]->name);
-        char *part = strstr(f.out, head);
+        const char *const head = printed("\n.SS wisplab %s ", commands[i]->name);
+        char *part = strstr(f->out, head);
         cr_assert_eq(part != NULL, !commands[i]->hidden, "%s", commands[i]->name);
         if (!part)
             continue;
@@ -35,29 +32,19 @@ Test(man, page_has_every_option_of_every_command) {
         if (end)
             *end = '\n';
     }
-    cr_assert(strstr(f.out, ".SH EXIT STATUS") && strstr(f.out, ".SH NAME"));
+    cr_assert(strstr(f->out, ".SH EXIT STATUS") && strstr(f->out, ".SH NAME"));
 }
 
 /* --- completion --- */
 
 /* What bash offers for the last of these words, each between blanks, one run of bash for all. */
-static void complete(const char *words, char *offered, size_t size) {
-    char folder[PATH_SIZE], script[PATH_SIZE], command[2 * PATH_SIZE];
-    struct finished f;
-    PROGRAM(&f, NULL, "completion");
-    cr_assert_eq(f.code, 0);
-    folder_make(folder);
-    file_write(folder, "wisplab.bash", f.out, script);
-    snprintf(command, sizeof command,
-             "bash -c '. %s && COMP_WORDS=(%s %s) && COMP_CWORD=$((${#COMP_WORDS[@]} - 1)) && "
-             "_wisplab && echo \" ${COMPREPLY[*]} \"' 2>&1",
-             script, program_path, words);
-    FILE *pipe = popen(command, "r");
-    cr_assert(pipe);
-    const size_t length = fread(offered, 1, size - 1, pipe);
-    offered[length] = '\0';
-    cr_assert_eq(pclose(pipe), 0, "%s: %s", words, offered);
-    folder_remove(folder);
+static const char *complete(const char *words) {
+    const struct finished *f = shell(
+        "bash -c '. %s && COMP_WORDS=(%s %s) && COMP_CWORD=$((${#COMP_WORDS[@]} - 1)) && "
+        "_wisplab && echo \" ${COMPREPLY[*]} \"'",
+        file_write(folder_make(), "wisplab.bash", WORKS("completion")->out), program_path, words);
+    cr_assert_eq(f->code, 0, "%s: %s", words, f->out);
+    return f->out;
 }
 
 static const struct {
@@ -82,15 +69,14 @@ static const struct {
 
 Test(man, completion_offers_what_the_tables_have) {
     for (size_t i = 0; i < sizeof completions / sizeof *completions; i++) {
-        char offered[8192], word[64];
-        complete(completions[i].words, offered, sizeof offered);
+        const char *word, *offered = complete(completions[i].words);
         for (int k = 0; k < 4 && completions[i].offers[k]; k++) {
-            snprintf(word, sizeof word, " %s ", completions[i].offers[k]);
+            word = printed(" %s ", completions[i].offers[k]);
             cr_assert(strstr(offered, word), "wisplab %s: no%sin%s", completions[i].words, word,
                       offered);
         }
         for (int k = 0; k < 2 && completions[i].not [k]; k++) {
-            snprintf(word, sizeof word, " %s ", completions[i].not [k]);
+            word = printed(" %s ", completions[i].not [k]);
             cr_assert(!strstr(offered, word), "wisplab %s:%sin%s", completions[i].words, word,
                       offered);
         }
@@ -99,25 +85,11 @@ Test(man, completion_offers_what_the_tables_have) {
 
 /* A number is not completed, and least of all with options. */
 Test(man, completion_offers_nothing_for_a_number) {
-    char offered[8192];
-    complete("run swing --step \"\"", offered, sizeof offered);
+    const char *const offered = complete("run swing --step \"\"");
     cr_assert_eq(strspn(offered, " \n"), strlen(offered), "'%s'", offered);
 }
 
 /* --- installed --- */
-
-static int shell(const char *folder, const char *format, const char *prefix, char *out) {
-    char command[4 * PATH_SIZE], rest[2 * PATH_SIZE];
-    snprintf(rest, sizeof rest, format, prefix);
-    snprintf(command, sizeof command, "cd %s && %s 2>&1", folder, rest);
-    FILE *pipe = popen(command, "r");
-    cr_assert(pipe);
-    const size_t length = fread(out, 1, 8191, pipe);
-    out[length] = '\0';
-    while (!feof(pipe) && fgetc(pipe) != EOF) /* all of it, or it would die of a closed pipe */
-        ;
-    return pclose(pipe);
-}
 
 Test(installed, program_works_from_any_folder) {
     static const char *const files[] = {
@@ -142,51 +114,39 @@ Test(installed, program_works_from_any_folder) {
         "%s/bin/wisplab experiment interactions --quick --no-progress",
         "%s/bin/wisplab experiment kernel --time-limit 0.05 2>&1 | grep 'bench: out of time'",
     };
-    char prefix[PATH_SIZE], elsewhere[PATH_SIZE], path[PATH_SIZE], out[8192];
-    folder_make(prefix);
-    folder_make(elsewhere);
-    cr_assert_eq(
-        shell(".", WISPLAB_CMAKE " --install " WISPLAB_BUILD_DIR " --prefix %s", prefix, out), 0,
-        "%s", out);
+    const char *path;
+    const char *const prefix = folder_make();
+    const char *const elsewhere = folder_make();
+    SHELL(WISPLAB_CMAKE " --install " WISPLAB_BUILD_DIR " --prefix %s", prefix);
     for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
-        path_format(path, "%s/%s", prefix, files[i]);
+        path = printed("%s/%s", prefix, files[i]);
         cr_assert(file_exists(path), "%s is not installed", files[i]);
     }
     for (size_t i = 0; i < sizeof commands_there / sizeof *commands_there; i++)
-        cr_assert_eq(shell(elsewhere, commands_there[i], prefix, out), 0, "%s: %s",
-                     commands_there[i], out);
-    path_format(path, "%s/results/interactions/series.svg", elsewhere);
+        SHELL("cd %s && %s", elsewhere, printed(commands_there[i], prefix));
+    path = printed("%s/results/interactions/series.svg", elsewhere);
     cr_assert(file_exists(path), "no figure");
-    folder_remove(prefix);
-    folder_remove(elsewhere);
 }
 
 /* The library can become a shared one: it knows neither its own place nor another process's. */
 Test(installed, library_is_position_independent) {
-    char folder[PATH_SIZE], out[8192];
-    folder_make(folder);
-    cr_assert_eq(shell(folder,
-                       "ld -shared -o whole.so --whole-archive %s/libwisplab-core.a && "
-                       "! nm -D whole.so | grep -e ptrace -e __executable_start",
-                       WISPLAB_BUILD_DIR, out),
-                 0, "%s", out);
-    folder_remove(folder);
+    SHELL("cd %s && ld -shared -o whole.so --whole-archive %s/libwisplab-core.a && "
+          "! nm -D whole.so | grep -e ptrace -e __executable_start",
+          folder_make(), WISPLAB_BUILD_DIR);
 }
 
 /* README's first command is to name the commit, so it brings git where there is none. */
 Test(installed, bootstrap_brings_git) {
-    char folder[PATH_SIZE], script[PATH_SIZE], path[PATH_SIZE + 8], text[4096] = "";
-    folder_make(folder);
-    file_write(folder, "dpkg-query", "#!/bin/sh\nexit 0\n", script);
+    char text[4096] = "";
+    const char *const folder = folder_make();
+    const char *script = file_write(folder, "dpkg-query", "#!/bin/sh\nexit 0\n");
     chmod(script, 0755);
-    snprintf(path, sizeof path, "PATH=%s", folder);
-    path_format(script, "%s/../bootstrap.sh", WISPLAB_TESTS_DIR);
+    const char *const path = printed("PATH=%s", folder);
+    script = printed("%s/../bootstrap.sh", WISPLAB_TESTS_DIR);
     const struct launch shell = {.program = "/usr/bin/env"};
-    static struct finished f;
-    PROGRAM(&f, &shell, path, "/bin/sh", script);
-    snprintf(text, sizeof text, "%.4000s ", f.err);
+    struct finished *f = PROGRAM(&shell, path, "/bin/sh", script);
+    snprintf(text, sizeof text, "%.4000s ", f->err);
     text[strcspn(text, "\n")] = ' ';
-    cr_expect(f.code == 1 && strstr(text, "would install") && strstr(text, " git "), "%d: '%s'",
-              f.code, f.err);
-    folder_remove(folder);
+    cr_expect(f->code == 1 && strstr(text, "would install") && strstr(text, " git "), "%d: '%s'",
+              f->code, f->err);
 }

@@ -55,9 +55,8 @@ static void set_state(struct strand *s, double turn, double speed, unsigned *see
 static void cluster_make(struct cluster *c, int count, int nodes, int samples, double spread,
                          enum wisp_treatment treatment, unsigned *seed) {
     *c = (struct cluster){.count = count,
-                          .wisp = calloc((size_t)count, sizeof *c->wisp),
-                          .strand = calloc((size_t)count, sizeof *c->strand)};
-    cr_assert(count > 0 && c->wisp && c->strand, "no memory");
+                          .wisp = test_room((size_t)count * sizeof *c->wisp),
+                          .strand = test_room((size_t)count * sizeof *c->strand)};
     for (int i = 0; i < count; i++) {
         struct wisp *w = &c->wisp[i];
         *w = lab_wisp(nodes, samples, BENDING_NONE, seed);
@@ -65,23 +64,14 @@ static void cluster_make(struct cluster *c, int count, int nodes, int samples, d
         w->splits = i % 3;
         for (int k = 0; k < 3; k++)
             w->root[k] = w->root[k] * spread / 0.3 - w->direction[k] * w->length / 2;
-        c->strand[i] = strand_create(w, treatment);
-        cr_assert(c->strand[i], "no memory");
+        c->strand[i] = lab_strand(w, treatment);
         set_state(c->strand[i], 0.5, 1, seed);
     }
 }
 
-static void cluster_free(struct cluster *c) {
-    for (int i = 0; i < c->count; i++)
-        strand_free(c->strand[i]);
-    free(c->strand);
-    free(c->wisp);
-}
-
 static struct strand *copy_of(const struct strand *s) {
     const size_t n = (size_t)s->wisp->nodes, m = n * (size_t)s->wisp->samples;
-    struct strand *copy = strand_create(s->wisp, s->treatment);
-    cr_assert(copy, "no memory");
+    struct strand *copy = lab_strand(s->wisp, s->treatment);
     memcpy(copy->p, s->p, n * sizeof *s->p);
     memcpy(copy->v, s->v, n * sizeof *s->v);
     memcpy(copy->r, s->r, m * sizeof *s->r);
@@ -95,7 +85,7 @@ static struct strand *copy_of(const struct strand *s) {
 static void cluster_copy(struct cluster *to, const struct cluster *from) {
     cr_assert(from->count > 0, "no wisps");
     *to = (struct cluster){.count = from->count,
-                           .strand = calloc((size_t)from->count, sizeof *to->strand)};
+                           .strand = test_room((size_t)from->count * sizeof *to->strand)};
     for (int i = 0; i < from->count; i++)
         to->strand[i] = copy_of(from->strand[i]);
 }
@@ -163,7 +153,6 @@ Test(interaction, the_grid_finds_what_brute_force_finds) {
         cluster_make(&c, 8 + repeat, 3 + repeat % 9, 3 + repeat % 6, spreads[repeat % 4],
                      (enum wisp_treatment)(repeat % TREATMENTS), &seed);
         contacts += check_against_brute_force(&c, "random cluster");
-        cluster_free(&c);
     }
     cr_assert_gt(contacts, 1000, "only %d contacts", contacts);
 }
@@ -177,16 +166,13 @@ Test(interaction, crowds_coincident_wisps_and_outliers_are_found_too) {
         set_state(c.strand[i], 0.5, 1, &seed);
     }
     cr_assert_gt(check_against_brute_force(&c, "a thousand at one root"), 50);
-    cluster_free(&c);
 
     cluster_make(&c, 20, 8, 4, 0.1, WISP_GENERALISED, &seed);
     for (int i = 1; i < 20; i++) { /* the same wisp, twenty times */
         c.wisp[i] = c.wisp[0];
-        strand_free(c.strand[i]);
         c.strand[i] = copy_of(c.strand[0]);
     }
     cr_assert_gt(check_against_brute_force(&c, "coincident wisps"), 50);
-    cluster_free(&c);
 
     static const double far[] = {1, 1e3, 1e9, 1e15, 1e100, 1e300, -1e7, -1e200};
     cluster_make(&c, 24, 8, 4, 0.05, WISP_GENERALISED, &seed);
@@ -199,7 +185,6 @@ Test(interaction, crowds_coincident_wisps_and_outliers_are_found_too) {
     }
     strand_refresh(c.strand[23]);
     cr_assert_gt(check_against_brute_force(&c, "outliers"), 50);
-    cluster_free(&c);
 }
 
 /* Where points are few and far between, cells of one box have numbers in common. */
@@ -217,7 +202,6 @@ Test(interaction, cells_that_share_a_number_are_looked_at_once) {
         strand_refresh(c.strand[0]);
         strand_refresh(c.strand[3]);
         contacts += check_against_brute_force(&c, "few");
-        cluster_free(&c);
     }
     cr_assert_gt(contacts, 300, "only %d contacts", contacts);
 }
@@ -235,7 +219,6 @@ Test(interaction, far_from_the_origin_nothing_is_lost) {
             strand_refresh(c.strand[i]);
         }
         cr_assert_gt(check_against_brute_force(&c, "far away"), 50);
-        cluster_free(&c);
     }
 }
 
@@ -302,10 +285,7 @@ Test(interaction, ticks_are_those_of_the_text) {
         cr_assert(interaction_tick(it, after.strand, after.count) >= 0, "no memory");
         const double most = compare(&twin, &after);
         happened += most > 1e-4;
-        twin_free(&twin);
         interaction_free(it);
-        cluster_free(&before);
-        cluster_free(&after);
     }
     cr_assert_gt(happened, 60, "something happens in %d ticks only", happened);
 }
@@ -379,7 +359,6 @@ Test(interaction, reciprocal_contacts_of_nodes_keep_momentum_and_add_no_energy) 
         most = count > most ? count : most;
         lost = fmax(lost, 1 - after.energy / before.energy);
         interaction_free(it);
-        cluster_free(&c);
     }
     cr_assert(most > 300 && lost > 0.05, "%d contacts at most, %g of the energy lost", most, lost);
 }
@@ -433,9 +412,6 @@ Test(interaction, friction_hardly_depends_on_the_rate) {
     for (int i = 0; i < 2; i++)
         cr_assert(fabs(difference[i] / difference[i + 1] - 2) < 0.2, "differences %g and %g",
                   difference[i], difference[i + 1]);
-    for (int i = 0; i < 4; i++)
-        cluster_free(&c[i]);
-    cluster_free(&start);
 }
 
 /* One contact between two wisps, of which the second has the point, with nothing else in touch. */
@@ -448,7 +424,6 @@ static int single_contact(struct cluster *c, struct interaction *it, int of_a_no
             interaction_section(it, interaction_contacts(it)->section).strand == 0 &&
             (interaction_point(it, interaction_contacts(it)->point).sample < 0) == of_a_node)
             return 1;
-        cluster_free(c);
     }
     return 0;
 }
@@ -480,8 +455,6 @@ Test(interaction, both_rules_agree_where_only_the_section_is_heavy) {
                   "who has changed");
         interaction_free(both);
         interaction_free(one);
-        cluster_free(&c);
-        cluster_free(&d);
     }
 }
 
@@ -510,7 +483,6 @@ Test(interaction, one_contact_reaches_what_it_asks_for) {
         for (int d = 0; d < 3; d++)
             cr_assert(fabs(u[1][d] - u[0][d] - contact.change[d]) < 1e-14, "u becomes %g, not %g",
                       u[1][d], u[0][d] + contact.change[d]);
-        cluster_free(&c);
     }
     interaction_free(it);
 }
@@ -546,8 +518,6 @@ Test(interaction, a_response_that_is_off_does_nothing) {
             cr_assert_eq(memcmp(c.strand[i]->v, before.strand[i]->v, 8 * sizeof *c.strand[i]->v),
                          0);
         interaction_free(it);
-        cluster_free(&c);
-        cluster_free(&before);
     }
 }
 
@@ -605,7 +575,6 @@ Test(interaction, degenerate_states_stay_finite) {
             cr_assert(interaction_tick(it, c.strand, c.count) >= 0, "no memory");
             check_finite(&c, names[kind]);
             interaction_free(it);
-            cluster_free(&c);
         }
 }
 
@@ -653,8 +622,6 @@ Test(interaction, contacts_do_not_depend_on_the_order_of_wisps) {
                 cr_assert(fabs(c.strand[i]->v[k][x] - d.strand[COUNT - 1 - i]->v[k][x]) < 1e-14);
     interaction_free(one);
     interaction_free(other);
-    cluster_free(&c);
-    cluster_free(&d);
 }
 
 /* A bundle of wisps that gravity pulls through each other. */
@@ -673,15 +640,13 @@ Test(interaction, runs_do_not_depend_on_threads_or_on_the_file) {
     for (int m = 0; m < 2; m++) {
         struct lab_run first, run;
         struct run_request request = {.stepper = steppers[m], .threads = 1};
-        lab_run(scene, &request, &first);
-        cr_assert_eq(first.result.outcome, FINISHED, "%s", first.result.reason);
+        lab_finish(scene, &request, &first);
         for (int threads = 1; threads <= 3; threads++) {
             request.threads = threads;
             lab_run(scene, &request, &run);
             cr_assert_eq(memcmp(first.row, run.row,
                                 (size_t)(run.frames * run.rows * run.columns) * sizeof *run.row),
                          0, "%s: %d threads matter", steppers[m], threads);
-            lab_run_free(&run);
         }
         lab_run(other, &request, &run);
         for (int f = 0; f < run.frames; f++)
@@ -695,11 +660,7 @@ Test(interaction, runs_do_not_depend_on_threads_or_on_the_file) {
                 cr_assert(y && memcmp(x + 2, y + 2, (size_t)(run.columns - 2) * sizeof *x) == 0,
                           "%s: wisp %g depends on its place in the file", steppers[m], x[0]);
             }
-        lab_run_free(&run);
-        lab_run_free(&first);
     }
-    scene_free(scene);
-    scene_free(other);
 }
 
 /* Every treatment interacts, in parts of one wisp and of four; without responses a run is the one
@@ -717,8 +678,7 @@ Test(interaction, contacts_matter_and_cost_nothing_where_they_are_off) {
         };
         struct lab_run run[3];
         for (int i = 0; i < 3; i++) {
-            lab_run(scenes[i], &request, &run[i]);
-            cr_assert_eq(run[i].result.outcome, FINISHED, "%s", run[i].result.reason);
+            lab_finish(scenes[i], &request, &run[i]);
         }
         cr_assert_gt(lab_distance(&run[0], &run[1], 0, 2).largest, 1e-3, "%s: no interaction",
                      request.treatment);
@@ -728,8 +688,6 @@ Test(interaction, contacts_matter_and_cost_nothing_where_they_are_off) {
             0, "%s: contacts that are off matter", request.treatment);
         cr_assert_eq(run[1].result.counters.steps, run[2].result.counters.steps, "or cost");
         for (int i = 0; i < 3; i++) {
-            lab_run_free(&run[i]);
-            scene_free(scenes[i]);
         }
     }
 }
@@ -764,11 +722,6 @@ Test(interaction, slow_two_methods_agree_as_long_as_the_motion_is_told) {
     const struct lab_distance distance = lab_distance(&a, &b, 0, 2);
     cr_assert_lt(distance.largest, 1e-8, "%g m in %d frames", distance.largest, told);
     a.frames = b.frames = c.frames;
-    lab_run_free(&a);
-    lab_run_free(&b);
-    lab_run_free(&c);
-    scene_free(scene);
-    scene_free(other);
 }
 
 /* Nearest distance of two wisps' segments, and whether they cross: where a pair's nearest points
@@ -847,25 +800,22 @@ Test(interaction, slow_the_scene_interactions_shows_what_it_says) {
                   "%s, %s: crosses %d times", sets[i][0], sets[i][1], c.crossed);
         cr_assert(c.least >= expected[i].least && c.least <= expected[i].most, "%s, %s: %g m apart",
                   sets[i][0], sets[i][1], c.least);
-        lab_run_free(&run);
-        scene_free(scene);
     }
 }
 
 /* Contacts at a frame: 0 where the wisps have parted. */
 static int contacts_at(const struct lab_run *run, int frame, const struct scene *scene) {
     struct cluster c = {.count = scene->wisp_count,
-                        .strand = calloc((size_t)scene->wisp_count, sizeof *c.strand)};
+                        .strand = test_room((size_t)scene->wisp_count * sizeof *c.strand)};
     struct interaction *it = make(&usual);
     const double *row = run->row + frame * run->rows * run->columns + 2;
     for (int w = 0; w < c.count; w++) {
-        c.strand[w] = strand_create(&scene->wisps[w], WISP_GENERALISED);
+        c.strand[w] = lab_strand(&scene->wisps[w], WISP_GENERALISED);
         strand_load(c.strand[w], row, run->columns);
         row += scene->wisps[w].nodes * run->columns;
     }
     const int contacts = find(it, &c);
     interaction_free(it);
-    cluster_free(&c);
     return contacts;
 }
 
@@ -890,7 +840,5 @@ Test(interaction, slow_the_scene_viscosity_shows_what_it_says) {
                   parted);
         cr_assert_eq(contacts_at(&run, 19, scene) > 0, thick, "at frame 20");
         cr_assert(thick ? back == 0 : back > 21 && back < 57, "they stay from frame %d on", back);
-        lab_run_free(&run);
-        scene_free(scene);
     }
 }

@@ -1,6 +1,7 @@
 #include "interaction_oracle.h"
 
 #include "base/vector.h"
+#include "support.h"
 #include "wisp/section.h"
 
 #include <math.h>
@@ -146,15 +147,9 @@ void twin_tick(struct twin *t, struct strand *const *strand, int count,
     *t = (struct twin){.strand = strand,
                        .count = count,
                        .set = *settings,
-                       .dv = calloc(rows, sizeof *t->dv),
-                       .shares = calloc(rows, sizeof *t->shares),
-                       .own = calloc(rows, sizeof *t->own)};
+                       .dv = test_room(rows * sizeof *t->dv),
+                       .shares = test_room(rows * sizeof *t->shares),
+                       .own = test_room(rows * sizeof *t->own)};
     each_meeting(t, 1);
     each_meeting(t, 0);
-}
-
-void twin_free(struct twin *t) {
-    free(t->dv);
-    free(t->shares);
-    free(t->own);
 }

@@ -17,10 +17,9 @@ struct twin {
     int (*shares)[TWIN_SLOTS], (*own)[TWIN_SLOTS]; /* contacts that touch it; that are its own */
 };
 
-/* The tick by the book, without changing anything. twin_free it. */
+/* The tick by the book, without changing anything. */
 void twin_tick(struct twin *twin, struct strand *const *strand, int count,
                const struct interaction_settings *settings);
-void twin_free(struct twin *twin);
 
 /* Of node k with its samples, m/s. */
 void twin_mean_velocity(const struct strand *s, int k, double v[3]);

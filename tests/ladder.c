@@ -64,30 +64,21 @@ static void read_ladder(const char *folder, struct ladder_table *table) {
                  text_table_cell(&text, i, "missed_outcome"));
         snprintf(r->hair, sizeof r->hair, "%s", text_table_cell(&text, i, "hair"));
     }
-    text_table_free(&text);
 }
 
 /* --- the program --- */
 
-static char folder[PATH_SIZE], scene_path[PATH_SIZE];
+static char *folder;
+static const char *scene_path;
 
 static void set_up(void) {
-    folder_make(folder);
-    file_write(folder, "short.cfg", scene_text, scene_path);
-}
-
-static void clean_up(void) {
-    folder_remove(folder);
+    folder = folder_make();
+    scene_path = file_write(folder, "short.cfg", scene_text);
 }
 
 #define LADDER(out)                                                                            \
     "experiment", "ladder", "--quick", "--scene", scene_path, "--stepper", "rk4", "--stepper", \
         "implicit-euler", "--stepper", "cvode", "--out", out
-
-static void run_ladder(struct finished *f) {
-    PROGRAM(f, NULL, LADDER(folder));
-    cr_assert_eq(f->code, 0, "exit code %d: %s", f->code, f->err);
-}
 
 /* --- what the table says, done again in this process --- */
 
@@ -99,19 +90,18 @@ static double highest_mode(double stiffness) {
 
 /* The scene of a row, whose damping the table may have told the scene, or the scene the table. */
 static struct scene *scene_of(const struct ladder_row *row) {
-    char stiffness[80], time[80];
     if (isinf(row->stiffness)) {
         cr_assert_str_eq(row->hair, "rigid segments");
         return LAB_LOAD(scene_path, "material.stretch=rigid");
     }
     const double w = highest_mode(row->stiffness);
-    snprintf(stiffness, sizeof stiffness, "material.stretch_stiffness=%.17e", row->stiffness);
+    const char *const stiffness = printed("material.stretch_stiffness=%.17e", row->stiffness);
     if (strcmp(row->hair, "default") == 0) {
         struct scene *scene = LAB_LOAD(scene_path, stiffness);
         cr_assert_float_eq(row->zeta, scene->wisps[0].stretch_time * w / 2, 1e-12 * row->zeta);
         return scene;
     }
-    snprintf(time, sizeof time, "material.stretch_time=%.17e", 2 * row->zeta / w);
+    const char *const time = printed("material.stretch_time=%.17e", 2 * row->zeta / w);
     return LAB_LOAD(scene_path, stiffness, time);
 }
 
@@ -125,8 +115,7 @@ static double error_of(const struct scene *scene, const struct ladder_row *row, 
     const char *linear = strstr(row->method, "cg")       ? "cg"
                          : strstr(row->method, "direct") ? "direct"
                                                          : NULL;
-    char stepper[32];
-    snprintf(stepper, sizeof stepper, "%.*s", (int)strcspn(row->method, " "), row->method);
+    const char *const stepper = printed("%.*s", (int)strcspn(row->method, " "), row->method);
     const struct run_request request = {.stepper = stepper,
                                         .treatment = "generalised",
                                         .linear = linear,
@@ -140,7 +129,6 @@ static double error_of(const struct scene *scene, const struct ladder_row *row, 
     const double error =
         run.result.outcome == FINISHED ? lab_distance(&run, tight, 0, 2).rms : INFINITY;
     *evaluations = (double)run.result.counters.force_evaluations;
-    lab_run_free(&run);
     return error;
 }
 
@@ -153,7 +141,6 @@ static void check_row(const struct ladder_row *row) {
     double worst = 0, evaluations, first_evaluations = NAN, missed = 0;
     if (isinf(row->stiffness) && strcmp(row->status, "refused") == 0) { /* it has no Jacobians */
         cr_assert(strncmp(row->method, "implicit-euler", 14) == 0, "%s", row->method);
-        scene_free(scene);
         return;
     }
     cr_assert_str_eq(row->status, "reached", "%s at %g N", row->method, row->stiffness);
@@ -191,8 +178,6 @@ static void check_row(const struct ladder_row *row) {
                      : fails  ? "failure"
                               : "accuracy",
                      "%s at %g N", row->method, row->stiffness);
-    lab_run_free(&tight);
-    scene_free(scene);
 }
 
 /* Of pairs that change places from one stiffness to the next, the lines through both meet where
@@ -210,10 +195,9 @@ static int count_crossings(const struct ladder_table *t, const char *text) {
                          last = log(a[1].counted / b[1].counted);
             const double slope = (last - first) / log(a[1].stiffness / a->stiffness);
             const double at = a->stiffness * exp(-first / slope);
-            char line[256];
             const int below = a->counted < b->counted;
-            snprintf(line, sizeof line, "\ndefault\t%s\t%s\t%g\t%g\t", (below ? a : b)->method,
-                     (below ? b : a)->method, a->stiffness, a[1].stiffness);
+            const char *const line = printed("\ndefault\t%s\t%s\t%g\t%g\t", (below ? a : b)->method,
+                                             (below ? b : a)->method, a->stiffness, a[1].stiffness);
             const char *found = strstr(text, line);
             cr_assert(found, "no crossing of %s and %s", a->method, b->method);
             cr_assert_float_eq(strtod(found + strlen(line), NULL), at, 1e-6 * at);
@@ -222,37 +206,28 @@ static int count_crossings(const struct ladder_table *t, const char *text) {
     return count;
 }
 
-Test(ladder, slow_brackets_hold_and_crossings_follow, .init = set_up, .fini = clean_up) {
+Test(ladder, slow_brackets_hold_and_crossings_follow, .init = set_up) {
     static struct ladder_table table;
-    static struct finished f;
-    char path[PATH_SIZE];
-    run_ladder(&f);
-    path_format(path, "%s/ladder", folder);
-    statements_must_be_whole(path);
+    const struct finished *f = WORKS(LADDER(folder));
+    statements_must_be_whole(printed("%s/ladder", folder));
     read_ladder(folder, &table);
     cr_assert_eq(table.count, (3 + 1) * 4, "%d rows", table.count);
     for (int i = 0; i < table.count; i++)
         check_row(&table.row[i]);
-    path_format(path, "%s/ladder/crossings.tsv", folder);
-    char *text = file_read(path);
+    char *text = file_read(printed("%s/ladder/crossings.tsv", folder));
     const int lines = count_lines(strstr(text, "\nhair") + 1) - 1;
     const int crossings = count_crossings(&table, text);
     cr_assert_eq(lines, crossings, "%d crossings, and %d in the table", crossings, lines);
-    free(text);
-    cr_assert(strstr(f.out, "Hair of rigid segments stays within 0.0"),
-              "how far they are from springs is not said: %s", f.out);
-    cr_assert(strstr(f.out, "(16800 N)"), "--quick does not say what it leaves out");
+    cr_assert(strstr(f->out, "Hair of rigid segments stays within 0.0"),
+              "how far they are from springs is not said: %s", f->out);
+    cr_assert(strstr(f->out, "(16800 N)"), "--quick does not say what it leaves out");
 }
 
 /* Without --quick there is hair of given dampings too, whatever its stiffness. */
-Test(ladder, slow_dampings_are_those_of_the_highest_stretch_mode, .init = set_up,
-     .fini = clean_up) {
+Test(ladder, slow_dampings_are_those_of_the_highest_stretch_mode, .init = set_up) {
     static struct ladder_table table;
-    static struct finished f;
     int checked = 0;
-    PROGRAM(&f, NULL, "experiment", "ladder", "--scene", scene_path, "--stepper", "rk4", "--out",
-            folder);
-    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
+    WORKS("experiment", "ladder", "--scene", scene_path, "--stepper", "rk4", "--out", folder);
     read_ladder(folder, &table);
     for (int i = 0; i < table.count; i++) {
         const struct ladder_row *row = &table.row[i];
@@ -271,14 +246,12 @@ Test(ladder, slow_dampings_are_those_of_the_highest_stretch_mode, .init = set_up
 
 /* In a single frame an instability has no time to overflow: what is finite then, where any strain
  * is let pass, is a failure by being wrong. */
-Test(ladder, what_is_finite_and_wrong_is_a_failure_too, .init = set_up, .fini = clean_up) {
+Test(ladder, what_is_finite_and_wrong_is_a_failure_too, .init = set_up) {
     static struct ladder_table table;
-    static struct finished f;
     int finite = 0;
-    file_write(folder, "frame.cfg", one_frame, scene_path);
-    PROGRAM(&f, NULL, "experiment", "ladder", "--quick", "--scene", scene_path, "--stepper",
-            "midpoint", "--out", folder);
-    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
+    scene_path = file_write(folder, "frame.cfg", one_frame);
+    WORKS("experiment", "ladder", "--quick", "--scene", scene_path, "--stepper", "midpoint",
+          "--out", folder);
     read_ladder(folder, &table);
     for (int i = 0; i < table.count; i++) {
         if (isinf(table.row[i].stiffness))
@@ -292,22 +265,20 @@ Test(ladder, what_is_finite_and_wrong_is_a_failure_too, .init = set_up, .fini = 
 
 /* Two processes, each of which can only go on when the other has done its part of a round, come to
  * the same search as one; and then nothing is left to do. */
-Test(ladder, slow_processes_share_rounds, .init = set_up, .fini = clean_up) {
+Test(ladder, slow_processes_share_rounds, .init = set_up) {
     static struct ladder_table whole, shared;
-    static struct finished f;
-    char other[PATH_SIZE];
-    run_ladder(&f);
+    struct finished *f;
+    WORKS(LADDER(folder));
     read_ladder(folder, &whole);
-    run_ladder(&f);
-    cr_assert(strstr(f.out, " 0 of them new"), "a complete search does more: %s", f.out);
-    path_format(other, "%s/other", folder);
+    cr_assert_eq(new_runs(WORKS(LADDER(folder)), NULL), 0, "a complete search does more");
+    const char *const other = printed("%s/other", folder);
     struct process processes[2];
     for (int i = 0; i < 2; i++)
         processes[i] = program_start(NULL, (const char *const[]){LADDER(other), NULL});
     for (int i = 0; i < 2; i++) {
-        program_wait(&processes[i], &f);
-        cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
-        cr_assert(strstr(f.out, "tables and figures in"), "process %d: '%s'", i + 1, f.out);
+        f = program_wait(&processes[i]);
+        cr_assert_eq(f->code, 0, "exit code %d: %s", f->code, f->err);
+        cr_assert(strstr(f->out, "tables and figures in"), "process %d: '%s'", i + 1, f->out);
     }
     read_ladder(other, &shared);
     cr_assert_eq(shared.count, whole.count);
@@ -320,28 +291,19 @@ Test(ladder, slow_processes_share_rounds, .init = set_up, .fini = clean_up) {
 }
 
 /* Failure is a result: without truths there is a table that says so. */
-Test(ladder, without_reference_solutions_every_row_says_why, .init = set_up, .fini = clean_up) {
-    static struct finished f;
-    char path[PATH_SIZE];
-    PROGRAM(&f, NULL, "experiment", "ladder", "--quick", "--scene", scene_path, "--stepper",
-            "euler", "--out", folder, "--time-limit", "0.0001");
-    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
-    path_format(path, "%s/ladder", folder);
-    statements_must_be_whole(path);
-    path_format(path, "%s/ladder/ladder.tsv", folder);
-    char *text = file_read(path);
+Test(ladder, without_reference_solutions_every_row_says_why, .init = set_up) {
+    WORKS("experiment", "ladder", "--quick", "--scene", scene_path, "--stepper", "euler", "--out",
+          folder, "--time-limit", "0.0001");
+    statements_must_be_whole(printed("%s/ladder", folder));
+    char *text = file_read(printed("%s/ladder/ladder.tsv", folder));
     int rows = 0;
     for (const char *at = text; (at = strstr(at, "no reference solution: out of time")); at++)
         rows++;
-    free(text);
     cr_assert_eq(rows, 3 + 1, "%d rows", rows);
     cr_assert_eq(count_files(folder, "ladder.svg"), 1, "no figure");
 }
 
-Test(ladder, is_of_one_scene, .init = set_up, .fini = clean_up) {
-    static struct finished f;
-    PROGRAM(&f, NULL, "experiment", "ladder", "--scene", scene_path, "--scene", "swing", "--out",
-            folder);
-    cr_assert(f.code == 1 && count_lines(f.err) == 1 && strstr(f.err, "one scene"), "%d: '%s'",
-              f.code, f.err);
+Test(ladder, is_of_one_scene, .init = set_up) {
+    FAILS(1, "one scene", "experiment", "ladder", "--scene", scene_path, "--scene", "swing",
+          "--out", folder);
 }

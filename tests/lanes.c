@@ -36,15 +36,14 @@ Test(lanes, runs_with_contacts_and_splits_do_not_depend_on_them) {
             struct scene *scene = LAB_LOAD(runs[r][0], runs[r][1], runs[r][2]);
             struct run_request request = lab_request(stepper_find(runs[r][3]), treatment);
             struct lab_sum one, more;
-            char what[120];
             lab_take_lanes(1);
             request.threads = 1;
             lab_sum_run(scene, &request, 1, &one);
             contacts += one.result.counters.body_contacts + one.result.counters.wisp_contacts;
             splits += one.result.counters.splits;
             for (int lanes = 4; lanes <= LAB_LANES; lanes = lab_wider(lanes)) {
-                snprintf(what, sizeof what, "%s, %s, %s, %d lanes", runs[r][0], runs[r][3],
-                         treatment_names[treatment], lanes);
+                const char *const what = printed("%s, %s, %s, %d lanes", runs[r][0], runs[r][3],
+                                                 treatment_names[treatment], lanes);
                 lab_take_lanes(lanes);
                 request.threads = 1 + lanes / 4;
                 lab_sum_run(scene, &request, lanes, &more);
@@ -54,7 +53,6 @@ Test(lanes, runs_with_contacts_and_splits_do_not_depend_on_them) {
                     more.result.counters.restarts = one.result.counters.restarts;
                 lab_same_sum(&more, &one, what);
             }
-            scene_free(scene);
         }
     cr_assert(contacts > 1000 && splits > 0, "%lld contacts, %lld splits", contacts, splits);
 }
@@ -65,8 +63,6 @@ static int width_of(int count, int other, const char *stepper, int diagnostics,
                     const char *option) {
     struct wisp wisps[40];
     unsigned seed = 5;
-    struct settings settings;
-    char reason[REASON_SIZE];
     const struct surroundings around = lab_surroundings(WIND_NONE, &seed);
     const struct run_request request = {.stepper = stepper,
                                         .diagnostics = diagnostics,
@@ -79,8 +75,7 @@ static int width_of(int count, int other, const char *stepper, int diagnostics,
     scene->frame_rate = 30;
     scene->run.step = 1e-4;
     scene->run.rtol = scene->run.atol = 1e-4;
-    cr_assert_eq(settings_resolve(scene, &request, &settings, reason), 0, "%s", reason);
-    scene_free(scene);
+    const struct settings settings = settings_of(scene, &request);
     return settings_lanes(&settings);
 }
 

@@ -6,60 +6,42 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What the script says of a tree, for free; its exit code. */
-static char *look(const char *tree, const char *objects, int *code) {
-    char folder[PATH_SIZE], path[PATH_SIZE], command[4 * PATH_SIZE];
-    folder_make(folder);
-    path_format(path, "%s/said", folder);
-    snprintf(command, sizeof command, "'%s/layers.sh' '%s' '%s' >'%s' 2>&1", WISPLAB_TESTS_DIR,
-             tree, objects, path);
-    *code = system(command);
-    char *said = file_text(path);
-    cr_assert(said, "the script says nothing");
-    folder_remove(folder);
-    return said;
+static struct finished *look(const char *tree, const char *objects) {
+    return shell("'%s/layers.sh' '%s' '%s'", WISPLAB_TESTS_DIR, tree, objects);
 }
 
 static void write_source(const char *tree, const char *folder, const char *name, const char *text) {
-    char path[PATH_SIZE], reason[REASON_SIZE];
-    path_format(path, "%s/%s", tree, folder);
+    char reason[REASON_SIZE];
+    const char *const path = printed("%s/%s", tree, folder);
     cr_assert_eq(make_folder(path, reason), 0, "%s", reason);
-    file_write(path, name, text, NULL);
+    file_write(path, name, text);
 }
 
 Test(layers, no_folder_includes_or_calls_one_above_it) {
-    int code;
-    char *said = look(WISPLAB_TESTS_DIR "/..", WISPLAB_BUILD_DIR "/CMakeFiles", &code);
-    cr_expect_eq(code, 0, "%s", said);
-    free(said);
+    SHELL("%s/layers.sh %s/.. %s/CMakeFiles", WISPLAB_TESTS_DIR, WISPLAB_TESTS_DIR,
+          WISPLAB_BUILD_DIR);
 }
 
 /* A small tree of three layers, and the same with one include in the wrong direction. */
 Test(layers, an_include_upwards_is_found) {
     for (int wrong = 0; wrong <= 1; wrong++) {
-        char tree[PATH_SIZE];
-        int code;
-        folder_make(tree);
+        const char *const tree = folder_make();
         write_source(tree, "src/base", "files.c",
                      wrong ? "#include \"model/scene.h\"\n" : "#include \"files.h\"\n");
         write_source(tree, "src/model", "scene.c", "#include \"base/files.h\"\n");
         write_source(tree, "integrators", "rk4.c", "#include \"system/system.h\"\n");
         write_source(tree, "experiments", "circle.c", "#include \"experiments/common/plan.h\"\n");
-        char *said = look(tree, "", &code);
-        cr_expect_eq(code != 0, wrong, "%s", said);
-        cr_expect_eq(strstr(said, "src/base/files.c: includes src/model/scene.h, which is above") !=
-                         NULL,
-                     wrong, "%s", said);
-        free(said);
-        folder_remove(tree);
+        const struct finished *f = look(tree, "");
+        cr_expect_eq(f->code != 0, wrong, "%s", f->out);
+        cr_expect_eq(
+            strstr(f->out, "src/base/files.c: includes src/model/scene.h, which is above") != NULL,
+            wrong, "%s", f->out);
     }
 }
 
 /* Calls too, by the symbols of what was compiled: here `lower`, of base, uses `upper` of model. */
 Test(layers, a_call_upwards_is_found) {
-    char tree[PATH_SIZE], command[4 * PATH_SIZE];
-    int code;
-    folder_make(tree);
+    const char *const tree = folder_make();
     write_source(tree, "src/base", "lower.c",
                  "int upper(void); int lower(void) { return upper(); }");
     write_source(tree, "src/model", "upper.c", "int upper(void) { return 1; }");
@@ -67,15 +49,10 @@ Test(layers, a_call_upwards_is_found) {
     write_source(tree, "experiments", "circle.c", "");
     write_source(tree, "objects/wisplab-core.dir/src/base", "x", "");
     write_source(tree, "objects/wisplab-core.dir/src/model", "x", "");
-    snprintf(command, sizeof command,
-             "cd '%s' && for f in src/base/lower src/model/upper; do"
-             " cc -c $f.c -o objects/wisplab-core.dir/$f.c.o || exit 1; done",
-             tree);
-    cr_assert_eq(system(command), 0);
-    path_format(command, "%s/objects", tree);
-    char *said = look(tree, command, &code);
-    cr_expect(code != 0 && strstr(said, "src/base/lower.c: uses upper of src/model/upper.c"), "%s",
-              said);
-    free(said);
-    folder_remove(tree);
+    SHELL("cd '%s' && for f in src/base/lower src/model/upper; do"
+          " cc -c $f.c -o objects/wisplab-core.dir/$f.c.o || exit 1; done",
+          tree);
+    const struct finished *f = look(tree, printed("%s/objects", tree));
+    cr_expect(f->code != 0 && strstr(f->out, "src/base/lower.c: uses upper of src/model/upper.c"),
+              "%s", f->out);
 }

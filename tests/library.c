@@ -62,14 +62,13 @@ static double end_of(const wisplab *w) {
 }
 
 static long long counted(const wisplab *w, const char *name) {
-    long long *counts = calloc((size_t)wisplab_counters(), sizeof *counts);
+    long long *counts = test_room((size_t)wisplab_counters() * sizeof *counts);
     int i = 0;
     wisplab_counts(w, counts);
     while (wisplab_counter_name(i) && strcmp(wisplab_counter_name(i), name) != 0)
         i++;
     cr_assert(wisplab_counter_name(i), "no counter %s", name);
     const long long count = counts[i];
-    free(counts);
     return count;
 }
 
@@ -93,15 +92,12 @@ Test(library, a_run_has_the_bits_of_the_program) {
             sets++;
         struct scene *scene = lab_load(runs[i].scene, runs[i].sets, sets);
         struct run_request request = {.stepper = runs[i].stepper};
-        struct settings settings;
         struct run_result result;
         struct filmed right = {.columns = 0}, found = right;
-        char reason[REASON_SIZE];
-
         wisplab *w = open_scene(runs[i].scene, runs[i].sets, NULL);
         request.treatment = wisplab_treatment(w);
         right.columns = found.columns = wisplab_columns(w);
-        cr_assert_eq(settings_resolve(scene, &request, &settings, reason), 0, "%s", reason);
+        const struct settings settings = settings_of(scene, &request);
         const struct observer observer = {keep_frame, &right};
         simulate(scene, &settings, &observer, NULL, &result);
         const struct wisplab_method method = {
@@ -116,7 +112,6 @@ Test(library, a_run_has_the_bits_of_the_program) {
                      runs[i].scene);
         cr_assert_eq(counted(w, "splits") > 0, runs[i].splits, "%s", runs[i].scene);
         wisplab_close(w);
-        scene_free(scene);
         free(right.tape.number);
         free(found.tape.number);
     }
@@ -131,15 +126,10 @@ struct state {
 
 static struct state state_of_handle(const wisplab *w) {
     struct state s = {.n = wisplab_unknowns(w)};
-    s.q = malloc((size_t)s.n * sizeof *s.q);
-    s.v = malloc((size_t)s.n * sizeof *s.v);
+    s.q = test_room((size_t)s.n * sizeof *s.q);
+    s.v = test_room((size_t)s.n * sizeof *s.v);
     wisplab_state(w, &s.t, s.q, s.v);
     return s;
-}
-
-static void state_free(struct state *s) {
-    free(s->q);
-    free(s->v);
 }
 
 enum { STEPS = 100 }; /* from stop to stop: those of 9000 Hz */
@@ -147,7 +137,7 @@ enum { STEPS = 100 }; /* from stop to stop: those of 9000 Hz */
 /* A method of one's own: symplectic Euler, from the handle's state to the next stop. */
 static void step_to(wisplab *w, double stop) {
     struct state s = state_of_handle(w);
-    double *a = malloc((size_t)s.n * sizeof *a);
+    double *a = test_room((size_t)s.n * sizeof *a);
     const double from = s.t, h = (stop - from) / STEPS;
     for (int k = 0; k < STEPS; k++) {
         const double t = k ? from + k * h : from;
@@ -158,8 +148,6 @@ static void step_to(wisplab *w, double stop) {
         }
     }
     cr_assert_eq(wisplab_set_state(w, stop, s.q, s.v), WISPLAB_OK);
-    free(a);
-    state_free(&s);
 }
 
 /* By hand and by the program's stepper, told to take such steps, in two runs, are the same bits.
@@ -194,8 +182,6 @@ Test(library, stops_and_ticks_by_hand_are_those_of_a_run) {
     cr_assert_eq(memcmp(mine.v, theirs.v, (size_t)mine.n * sizeof *mine.v), 0);
     cr_assert_eq(wisplab_parent(hand, wisplab_wisps(hand) - 1) < 2, 1,
                  "its parent was there first");
-    state_free(&mine);
-    state_free(&theirs);
     wisplab_close(hand);
     wisplab_close(run);
 }
@@ -216,7 +202,6 @@ Test(library, the_clock_follows_the_state) {
                      300 * at);
     }
     cr_assert_eq(wisplab_set_state(w, NAN, s.q, s.v), WISPLAB_REFUSED);
-    state_free(&s);
     wisplab_close(w);
     w = open_scene("swing", NULL, NULL);
     double at;
@@ -233,7 +218,7 @@ Test(library, at_a_kink_the_side_is_that_of_the_clock) {
     wisplab *w = open_scene("shake", NULL, NULL);
     struct state s = state_of_handle(w);
     const size_t bytes = (size_t)s.n * sizeof *s.q;
-    double *before = malloc(bytes), *at_end = malloc(bytes), *behind = malloc(bytes), at;
+    double *before = test_room(bytes), *at_end = test_room(bytes), *behind = test_room(bytes), at;
     unsigned events;
     while (wisplab_next_stop(w, &at, &events), at < end_of(w) && !(events & WISPLAB_KINK))
         cr_assert_eq(wisplab_set_state(w, at + 1e-6, s.q, s.v), WISPLAB_OK);
@@ -249,10 +234,6 @@ Test(library, at_a_kink_the_side_is_that_of_the_clock) {
         change = fmax(change, fabs(at_end[i] - before[i]));
     }
     cr_assert(jump > 0 && change < 1e-4 * jump, "it jumps by %g, and changes by %g", jump, change);
-    free(before);
-    free(at_end);
-    free(behind);
-    state_free(&s);
     wisplab_close(w);
 }
 
@@ -272,7 +253,7 @@ Test(library, unknowns_are_named_by_their_columns) {
         struct state s = state_of_handle(w);
         const int columns = wisplab_columns(w), nodes = wisplab_nodes(w);
         const size_t count = (size_t)(columns * nodes);
-        double *rest = malloc(count * sizeof *rest), *moved = malloc(count * sizeof *moved);
+        double *rest = test_room(count * sizeof *rest), *moved = test_room(count * sizeof *moved);
         cr_assert_eq(wisplab_frame(w, s.t, s.q, s.v, rest), WISPLAB_OK);
         for (int i = 0; i < s.n; i++) {
             struct wisplab_unknown what;
@@ -294,17 +275,13 @@ Test(library, unknowns_are_named_by_their_columns) {
             cr_assert(what.wisp == (int)row[0] && what.node == (int)row[1], "%s: unknown %d",
                       cases[c].scene, i);
         }
-        double *xyz = malloc(3 * (size_t)nodes * sizeof *xyz), tip[3];
+        double *xyz = test_room(3 * (size_t)nodes * sizeof *xyz), tip[3];
         cr_assert_eq(wisplab_positions(w, s.t, s.q, s.v, xyz), WISPLAB_OK);
         if (wisplab_wisps(w) == 1) {
             cr_assert_eq(wisplab_tips(w, s.t, s.q, s.v, tip), WISPLAB_OK);
             cr_assert_eq(memcmp(tip, xyz + 3 * (nodes - 1), sizeof tip), 0);
         }
         cr_assert_eq(memcmp(xyz, rest + 2, 3 * sizeof *xyz), 0);
-        free(xyz);
-        free(rest);
-        free(moved);
-        state_free(&s);
         wisplab_close(w);
     }
 }
@@ -318,10 +295,12 @@ Test(library, matrices_in_all_forms_are_one) {
     struct state s = state_of_handle(w);
     const int entries = wisplab_entries(w);
     const size_t n = (size_t)s.n;
-    double *x = malloc(n * sizeof *x), *y = malloc(n * sizeof *y), *b = malloc(n * sizeof *b);
-    double *dense = malloc(n * n * sizeof *dense),
-           *values = malloc((size_t)entries * sizeof *values);
-    int *start = malloc((n + 1) * sizeof *start), *row = malloc((size_t)entries * sizeof *row);
+    double *x = test_room(n * sizeof *x), *y = test_room(n * sizeof *y),
+           *b = test_room(n * sizeof *b);
+    double *dense = test_room(n * n * sizeof *dense),
+           *values = test_room((size_t)entries * sizeof *values);
+    int *start = test_room((n + 1) * sizeof *start),
+        *row = test_room((size_t)entries * sizeof *row);
     for (int i = 0; i < s.n; i++) {
         x[i] = sin(7 * i + 1);
         s.q[i] += 1e-3 * cos(11 * i);
@@ -359,8 +338,6 @@ Test(library, matrices_in_all_forms_are_one) {
     cr_assert_eq(wisplab_product(w, 1, 0, 0, y, b), WISPLAB_OK);
     for (size_t i = 0; i < n; i++)
         cr_assert_float_eq(b[i], x[i], 1e-12, "M M^-1 x is %g off", b[i] - x[i]);
-    free(x), free(y), free(b), free(dense), free(values), free(start), free(row);
-    state_free(&s);
     wisplab_close(w);
 }
 
@@ -410,8 +387,6 @@ Test(library, what_is_wrong_is_refused_with_a_text) {
     cr_assert(strstr(wisplab_error(w), "diverged") || strstr(wisplab_error(w), "not finite"), "%s",
               wisplab_error(w));
     cr_assert_eq(wisplab_product(w, 1, 0, 0, s.q, s.v), WISPLAB_REFUSED, "nothing is linearised");
-    state_free(&s);
-    state_free(&after);
     wisplab_close(w);
 }
 
@@ -458,30 +433,11 @@ Test(library, handles_in_two_threads_do_not_see_each_other) {
             cr_assert(a->n > 0 && a->n == b->n && a->t == b->t, "pair %zu", i);
             cr_assert_eq(memcmp(a->q, b->q, (size_t)a->n * sizeof *a->q), 0, "pair %zu", i);
             cr_assert_eq(memcmp(a->v, b->v, (size_t)a->n * sizeof *a->v), 0, "pair %zu", i);
-            state_free(&alone[k].end);
-            state_free(&together[k].end);
         }
     }
 }
 
 /* --- installed --- */
-
-static int shell(const char *command, char *out, size_t size) {
-    FILE *pipe = popen(command, "r");
-    cr_assert(pipe);
-    const size_t length = fread(out, 1, size - 1, pipe);
-    out[length] = '\0';
-    while (!feof(pipe) && fgetc(pipe) != EOF)
-        ;
-    return pclose(pipe);
-}
-
-#define SHELL(out, ...)                                                             \
-    do {                                                                            \
-        char command_[8 * PATH_SIZE];                                               \
-        snprintf(command_, sizeof command_, __VA_ARGS__);                           \
-        cr_assert_eq(shell(command_, out, sizeof out), 0, "%s\n%s", command_, out); \
-    } while (0)
 
 /* Sanitizers have to be in the whole program. */
 static void skip_with_sanitizers(void) {
@@ -496,43 +452,33 @@ Test(library, others_compile_against_the_installed_one) {
         "wisplab) -lm",
         WISPLAB_CMAKE " -S . -B build -D CMAKE_PREFIX_PATH=%1$s && " WISPLAB_CMAKE
                       " --build build && mv build/program ."};
-    char prefix[PATH_SIZE], folder[PATH_SIZE], out[8192];
     skip_with_sanitizers();
-    folder_make(prefix);
-    folder_make(folder);
-    SHELL(out, "%s --install %s --prefix %s/first 2>&1 && mv %s/first %s/moved", WISPLAB_CMAKE,
-          WISPLAB_BUILD_DIR, prefix, prefix, prefix);
-    strcat(prefix, "/moved");
-    SHELL(out, "cp %s/library/program.c %s/library/CMakeLists.txt %s", WISPLAB_TESTS_DIR,
+    const char *const folder = folder_make(), *const built = folder_make(),
+                      *const prefix = printed("%s/moved", built);
+    SHELL("%s --install %s --prefix %s/first && mv %s/first %s", WISPLAB_CMAKE, WISPLAB_BUILD_DIR,
+          built, built, prefix);
+    SHELL("cp %s/library/program.c %s/library/CMakeLists.txt %s", WISPLAB_TESTS_DIR,
           WISPLAB_TESTS_DIR, folder);
     for (size_t i = 0; i < sizeof ways / sizeof *ways; i++) {
-        char way[4 * PATH_SIZE];
-        snprintf(way, sizeof way, ways[i], prefix);
-        SHELL(out, "cd %s && rm -f program && (%s) 2>&1", folder, way);
-        SHELL(out, "cd %s && ./program %s/share/wisplab/experiments/swing.cfg 2>&1", folder,
-              prefix);
-        cr_assert_str_eq(out, "all is well\n");
+        SHELL("cd %s && rm -f program && (%s)", folder, printed(ways[i], prefix));
+        cr_assert_str_eq(
+            shell("cd %s && ./program %s/share/wisplab/experiments/swing.cfg", folder, prefix)->out,
+            "all is well\n");
     }
-    SHELL(out,
-          "c++ -x c++ -fsyntax-only -Wall -Wextra -Wpedantic -Werror %s/include/wisplab.h 2>&1",
-          prefix);
-    prefix[strlen(prefix) - strlen("/moved")] = '\0';
-    folder_remove(prefix);
-    folder_remove(folder);
+    SHELL("c++ -x c++ -fsyntax-only -Wall -Wextra -Wpedantic -Werror %s/include/wisplab.h", prefix);
 }
 
 /* Others see what the header names, and nothing else. */
 Test(library, the_header_names_what_can_be_seen) {
-    char seen[8192], named[8192];
-    SHELL(seen,
-          "nm -D --defined-only %s/libwisplab.so | awk '$2 == \"T\" { print $3 }' | grep -v '^_' | "
-          "sort",
-          WISPLAB_BUILD_DIR);
-    SHELL(
-        named,
-        "sed -nE 's/^WISPLAB_API [^(]*(wisplab_[a-z_]+)[(].*/\\1/p' %s/../src/library/wisplab.h | "
-        "sort",
-        WISPLAB_TESTS_DIR);
+    const char *const seen =
+        shell("nm -D --defined-only %s/libwisplab.so | awk '$2 == \"T\" { print $3 }' | "
+              "grep -v '^_' | sort",
+              WISPLAB_BUILD_DIR)
+            ->out;
+    const char *const named = shell("sed -nE 's/^WISPLAB_API [^(]*(wisplab_[a-z_]+)[(].*/\\1/p' "
+                                    "%s/../src/library/wisplab.h | sort",
+                                    WISPLAB_TESTS_DIR)
+                                  ->out;
     cr_assert(count_lines(named) > 30);
     cr_assert_str_eq(seen, named);
 }
@@ -540,19 +486,14 @@ Test(library, the_header_names_what_can_be_seen) {
 /* --- Python --- */
 
 static void python(const char *test) {
-    char folder[PATH_SIZE], command[4 * PATH_SIZE], out[8192];
     skip_with_sanitizers();
-    folder_make(folder);
-    snprintf(command, sizeof command,
-             "cd %s && WISPLAB_LIBRARY=%s/libwisplab.so PYTHONDONTWRITEBYTECODE=1 timeout 100 "
-             "/usr/bin/python3 "
-             "%s/library/scipy_methods.py %s 2>&1",
-             folder, WISPLAB_BUILD_DIR, WISPLAB_TESTS_DIR, test);
-    const int status = shell(command, out, sizeof out);
-    folder_remove(folder);
-    if (status == 127 << 8 || status == 77 << 8)
+    const struct finished *f =
+        shell("cd %s && WISPLAB_LIBRARY=%s/libwisplab.so PYTHONDONTWRITEBYTECODE=1 timeout 100 "
+              "/usr/bin/python3 %s/library/scipy_methods.py %s",
+              folder_make(), WISPLAB_BUILD_DIR, WISPLAB_TESTS_DIR, test);
+    if (f->code == 127 || f->code == 77)
         skip_test("SciPy's methods, without Debian's python3-scipy");
-    cr_assert_eq(status, 0, "%s", out);
+    cr_assert_eq(f->code, 0, "%s", f->out);
 }
 
 Test(library, scipy_integrates_swing) {

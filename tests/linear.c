@@ -136,7 +136,6 @@ Test(linear, what_needs_symmetry_refuses_the_circle_and_says_why) {
     }
     cr_assert(refused >= 2, "cg and cholmod must refuse");
     scene->problem->free(model);
-    scene_free(scene);
 }
 
 Test(linear, a_jacobian_that_is_not_there_is_refused) {

@@ -17,16 +17,14 @@
 #include <time.h>
 #include <unistd.h>
 
-static char folder[PATH_SIZE], path[PATH_SIZE], reason[REASON_SIZE];
+static char *folder;
+static const char *path;
+static char reason[REASON_SIZE];
 static struct lock lock;
 
 static void set_up(void) {
-    folder_make(folder);
-    path_format(path, "%s/.lock", folder);
-}
-
-static void clean_up(void) {
-    folder_remove(folder);
+    folder = folder_make();
+    path = printed("%s/.lock", folder);
 }
 
 static void expect(enum lock_state expected, const char *when) {
@@ -41,7 +39,7 @@ static void expect(enum lock_state expected, const char *when) {
 /* A lock file that somebody else made so many seconds ago. */
 static void put(const char *text, long age) {
     struct timespec now;
-    file_write(folder, ".lock", text, NULL);
+    file_write(folder, ".lock", text);
     clock_gettime(CLOCK_REALTIME, &now);
     const struct timespec times[2] = {{.tv_nsec = UTIME_OMIT},
                                       {.tv_sec = now.tv_sec - age, .tv_nsec = now.tv_nsec}};
@@ -51,9 +49,7 @@ static void put(const char *text, long age) {
 /* Whether the lock file says this. */
 static int says(const char *text) {
     char *now = file_read(path);
-    const int same = now && strcmp(now, text) == 0;
-    free(now);
-    return same;
+    return now && strcmp(now, text) == 0;
 }
 
 /* --- processes that do one thing, say how it went, and wait --- */
@@ -92,15 +88,13 @@ static int take(void) {
 
 /* --- one host --- */
 
-Test(lock, a_holder_that_lives_keeps_it_and_one_that_is_gone_does_not, .init = set_up,
-     .fini = clean_up) {
-    char name[40];
+Test(lock, a_holder_that_lives_keeps_it_and_one_that_is_gone_does_not, .init = set_up) {
     siginfo_t info;
     expect(LOCK_TAKEN, "nobody has it");
     const struct other other = start_other(take);
     cr_assert_eq(other.code, LOCK_TAKEN);
     expect(LOCK_HELD, "another has it");
-    snprintf(name, sizeof name, "process %ld on ", (long)other.pid);
+    const char *const name = printed("process %ld on ", (long)other.pid);
     cr_assert(strstr(reason, name), "'%s' is not '%s'", reason, name);
     kill(other.pid, SIGKILL);
     cr_assert_eq(waitid(P_PID, (id_t)other.pid, &info, WEXITED | WNOWAIT), 0);
@@ -111,20 +105,18 @@ Test(lock, a_holder_that_lives_keeps_it_and_one_that_is_gone_does_not, .init = s
     expect(LOCK_TAKEN, "it is gone");
 }
 
-Test(lock, a_number_that_another_process_has_by_now_holds_nothing, .init = set_up,
-     .fini = clean_up) {
-    char text[LOCK_TEXT_SIZE];
+Test(lock, a_number_that_another_process_has_by_now_holds_nothing, .init = set_up) {
     const struct owner self = owner_self();
-    snprintf(text, sizeof text, "%s %ld %llu 0\n", self.host, self.pid, self.start);
+    const char *text = printed("%s %ld %llu 0\n", self.host, self.pid, self.start);
     put(text, 1000);
     expect(LOCK_HELD, "on one host it need not be touched");
-    snprintf(text, sizeof text, "%s %ld %llu 0\n", self.host, self.pid, self.start - 1);
+    text = printed("%s %ld %llu 0\n", self.host, self.pid, self.start - 1);
     put(text, 0);
     expect(LOCK_TAKEN, "that process began before this one");
 }
 
 /* Of those who see that a holder is gone, one gets the lock, in whatever order they come to it. */
-Test(lock, one_of_many_gets_what_is_stale, .init = set_up, .fini = clean_up) {
+Test(lock, one_of_many_gets_what_is_stale, .init = set_up) {
     enum { MANY = 8, ROUNDS = 40 };
     disk_hesitates = 1;
     for (int round = 0; round < ROUNDS; round++) {
@@ -163,16 +155,15 @@ Test(lock, one_of_many_gets_what_is_stale, .init = set_up, .fini = clean_up) {
 }
 
 /* Who takes a stale lock away may be killed meanwhile, and who takes that one's lock away too. */
-Test(lock, who_breaks_it_may_be_gone, .init = set_up, .fini = clean_up) {
-    char text[LOCK_TEXT_SIZE];
+Test(lock, who_breaks_it_may_be_gone, .init = set_up) {
     const struct owner self = owner_self();
-    snprintf(text, sizeof text, "%s %ld %llu 0\n", self.host, self.pid, self.start - 1);
-    file_write(folder, ".lock-break-break", text, NULL);
-    file_write(folder, ".lock-break", text, NULL);
+    const char *text = printed("%s %ld %llu 0\n", self.host, self.pid, self.start - 1);
+    file_write(folder, ".lock-break-break", text);
+    file_write(folder, ".lock-break", text);
     put(text, 0);
     expect(LOCK_TAKEN, "three that are gone");
-    snprintf(text, sizeof text, "%s %ld %llu 0\n", self.host, self.pid, self.start);
-    file_write(folder, ".lock-break", text, NULL);
+    text = printed("%s %ld %llu 0\n", self.host, self.pid, self.start);
+    file_write(folder, ".lock-break", text);
     put("gone 1 1 0\n", 100);
     cr_assert_eq(take(), LOCK_HELD, "one that is slow: %s", reason);
     cr_assert(says("gone 1 1 0\n"), "it is that one's to take away");
@@ -182,8 +173,7 @@ Test(lock, who_breaks_it_may_be_gone, .init = set_up, .fini = clean_up) {
 
 static const char elsewhere[] = "elsewhere/1/2 17 99 abc\n";
 
-Test(lock, a_holder_on_another_host_is_gone_when_it_has_not_touched_it, .init = set_up,
-     .fini = clean_up) {
+Test(lock, a_holder_on_another_host_is_gone_when_it_has_not_touched_it, .init = set_up) {
     put(elsewhere, 0);
     expect(LOCK_HELD, "now");
     cr_assert_str_eq(reason, "process 17 on elsewhere");
@@ -205,7 +195,7 @@ static int take_elsewhere(void) {
     return take();
 }
 
-Test(lock, two_hosts_exclude_each_other, .init = set_up, .fini = clean_up) {
+Test(lock, two_hosts_exclude_each_other, .init = set_up) {
     const struct other other = start_other(take_elsewhere);
     cr_assert_eq(other.code, LOCK_TAKEN);
     expect(LOCK_HELD, "it has it");
@@ -215,7 +205,7 @@ Test(lock, two_hosts_exclude_each_other, .init = set_up, .fini = clean_up) {
 }
 
 /* What counts is the file server's clock, not this machine's. */
-Test(lock, hosts_need_not_agree_on_the_time, .init = set_up, .fini = clean_up) {
+Test(lock, hosts_need_not_agree_on_the_time, .init = set_up) {
     for (disk_clock = -3600; disk_clock <= 3600; disk_clock += 7200) {
         put(elsewhere, 15);
         expect(LOCK_HELD, "15 s ago");
@@ -232,7 +222,7 @@ static double age(void) {
     return difftime(now.tv_sec, status.st_mtim.tv_sec);
 }
 
-Test(lock, a_holder_touches_it, .init = set_up, .fini = clean_up) {
+Test(lock, a_holder_touches_it, .init = set_up) {
     cr_assert_eq(take(), LOCK_TAKEN);
     put(lock.text, 1000);
     cr_assert_eq(lock_keep(&lock), 0);
@@ -244,7 +234,7 @@ Test(lock, a_holder_touches_it, .init = set_up, .fini = clean_up) {
 }
 
 /* This process stood still for so long that it was taken for gone. */
-Test(lock, a_holder_sees_that_it_has_lost_it, .init = set_up, .fini = clean_up) {
+Test(lock, a_holder_sees_that_it_has_lost_it, .init = set_up) {
     cr_assert_eq(take(), LOCK_TAKEN);
     put(elsewhere, 0);
     lock.touched -= 6;
@@ -256,12 +246,12 @@ Test(lock, a_holder_sees_that_it_has_lost_it, .init = set_up, .fini = clean_up) 
 }
 
 static void seize(void) {
-    file_write(folder, ".lock", elsewhere, NULL);
+    file_write(folder, ".lock", elsewhere);
 }
 
 /* Between the look at a stale lock and the hand on it, another one has taken it. (The file that is
  * removed there is the one that told the time.) */
-Test(lock, who_comes_late_leaves_it, .init = set_up, .fini = clean_up) {
+Test(lock, who_comes_late_leaves_it, .init = set_up) {
     put("gone 1 1 0\n", 100);
     disk_before_unlink = seize;
     expect(LOCK_HELD, "by the one who was faster");
@@ -270,12 +260,11 @@ Test(lock, who_comes_late_leaves_it, .init = set_up, .fini = clean_up) {
 
 /* --- where there can be no lock --- */
 
-Test(lock, where_none_can_be_that_is_said, .init = set_up, .fini = clean_up) {
-    char other[PATH_SIZE];
-    path_format(other, "%s/nowhere", folder);
+Test(lock, where_none_can_be_that_is_said, .init = set_up) {
+    const char *other = printed("%s/nowhere", folder);
     cr_assert_eq(lock_take(&lock, other, reason), LOCK_FAILED);
     cr_assert(strstr(reason, other) && strstr(reason, "cannot be locked"), "%s", reason);
-    file_write(folder, "precious", "mine", other);
+    other = file_write(folder, "precious", "mine");
     cr_assert_eq(symlink(other, path), 0);
     expect(LOCK_FAILED, "a link");
     cr_assert(strstr(reason, path) && strstr(reason, "cannot be read"), "%s", reason);
@@ -283,7 +272,6 @@ Test(lock, where_none_can_be_that_is_said, .init = set_up, .fini = clean_up) {
     expect(LOCK_FAILED, "a folder");
     char *text = file_read(other);
     cr_assert(text && strcmp(text, "mine") == 0);
-    free(text);
 }
 
 /* --- alone on a host --- */

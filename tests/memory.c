@@ -18,15 +18,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#ifndef __SANITIZE_ADDRESS__
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#define __SANITIZE_ADDRESS__
-#endif
-#endif
-#endif
-
-#ifndef __SANITIZE_ADDRESS__
+#ifndef SANITIZED
 
 extern void *__libc_malloc(size_t size);
 extern void *__libc_calloc(size_t count, size_t size);
@@ -196,7 +188,6 @@ static int make_model(const void *what) {
 Test(memory, models_are_made_or_not) {
     struct scene *scene = circle_scene(1, 0);
     try_all(scene->name, make_model, scene);
-    scene_free(scene);
 }
 
 static int read_text_table(const void *path) {
@@ -212,36 +203,27 @@ static int read_text_table(const void *path) {
 
 /* Long enough for more than one piece of memory. */
 Test(memory, tables_are_read_or_not) {
-    char folder[PATH_SIZE], path[PATH_SIZE], text[4096] = "a\tb\n";
+    char text[4096] = "a\tb\n";
     for (int i = 0; i < 200; i++)
         strcat(text, "1\tnumber two\n");
-    folder_make(folder);
-    file_write(folder, "table.tsv", text, path);
-    try_all("table", read_text_table, path);
-    folder_remove(folder);
+    const char *const folder = folder_make();
+    try_all("table", read_text_table, file_write(folder, "table.tsv", text));
 }
 
 /* A start of another treatment is converted. */
 Test(memory, models_start_from_a_state_or_are_not_made) {
-    char folder[PATH_SIZE], scene_path[PATH_SIZE], state[PATH_SIZE], reason[REASON_SIZE];
-    struct finished f;
     const char *start = "start=state.tsv";
-    folder_make(folder);
-    path_format(state, "%s/state.tsv", folder);
-    file_write(folder, "two.cfg",
-               "duration = 0.01; gravity = [0.0, 0.0, 0.0]; frame_rate = 100.0; material = { };\n"
-               "envelope = { }; wisps = ( { root = [0.0, 0.0, 0.0]; direction = [1.0, 0.0, 0.0];\n"
-               "length = 0.3; nodes = 11; grid = [2, 1]; spacing = 0.1;\n"
-               "across = ([0.0, 1.0, 0.0], [0.0, 0.0, 1.0]); } );\n",
-               scene_path);
-    PROGRAM(&f, NULL, "run", scene_path, "--treatment", "penalty", "--out", folder, "--save",
-            state);
-    cr_assert_eq(f.code, 0, "%s", f.err);
-    struct scene *scene = scene_load(scene_path, &start, 1, reason);
-    cr_assert(scene, "%s", reason);
+    const char *const folder = folder_make();
+    const char *const state = printed("%s/state.tsv", folder);
+    const char *const scene_path = file_write(
+        folder, "two.cfg",
+        "duration = 0.01; gravity = [0.0, 0.0, 0.0]; frame_rate = 100.0; material = { };\n"
+        "envelope = { }; wisps = ( { root = [0.0, 0.0, 0.0]; direction = [1.0, 0.0, 0.0];\n"
+        "length = 0.3; nodes = 11; grid = [2, 1]; spacing = 0.1;\n"
+        "across = ([0.0, 1.0, 0.0], [0.0, 0.0, 1.0]); } );\n");
+    WORKS("run", scene_path, "--treatment", "penalty", "--out", folder, "--save", state);
+    struct scene *scene = lab_load(scene_path, &start, 1);
     try_all(scene->name, make_model, scene);
-    scene_free(scene);
-    folder_remove(folder);
 }
 
 /* Wisps that touch: their ticks make room where they need it, and only then. */
@@ -263,11 +245,8 @@ static int tick_twice(const void *what) {
 }
 
 Test(memory, ticks_of_wisps_make_room_once) {
-    char reason[REASON_SIZE];
-    struct scene *scene = scene_load("viscosity", NULL, 0, reason);
-    cr_assert(scene, "%s", reason);
+    struct scene *scene = lab_load("viscosity", NULL, 0);
     try_all(scene->name, tick_twice, scene);
-    scene_free(scene);
 }
 
 /* A wisp that is pressed flat: its child gets a lane of its parent's part, or a part. */
@@ -297,11 +276,9 @@ static int split_once(const void *what) {
 }
 
 static struct scene *splitting_scene(int rigid) {
-    char reason[REASON_SIZE];
     const char *const sets[] = {"subdivision={ ratio = 0.99; }", "duration=0.17", "run.step=2e-4",
                                 "material.stretch=rigid"};
-    struct scene *scene = scene_load("swing-envelope", sets, rigid ? 4 : 3, reason);
-    cr_assert(scene, "%s", reason);
+    struct scene *scene = lab_load("swing-envelope", sets, rigid ? 4 : 3);
     return scene;
 }
 
@@ -310,7 +287,6 @@ Test(memory, wisps_split_or_not) {
         struct scene *scene = splitting_scene(rigid);
         for (int lanes = 1; lanes <= LANES_MOST; lanes = lanes < 4 ? 4 : 2 * lanes)
             try_all(scene->name, split_once, &(struct splitting){scene, lanes});
-        scene_free(scene);
     }
 }
 
@@ -326,7 +302,6 @@ static int run_and_split(const void *what) {
     failing = 1;
     simulate(scene, &settings, NULL, NULL, &result);
     failing = 0;
-    scene_free(scene);
     if (result.outcome == FINISHED && result.counters.splits != 1)
         _exit(80);
     if (result.outcome != FINISHED && (result.outcome != OUT_OF_MEMORY || !result.reason[0]))
@@ -347,11 +322,9 @@ Test(memory, runs_with_wisps_that_split_finish_or_are_out_of_memory) {
 /* How often a hundred steps of a method ask for memory, after a hundred in which they may make room
  * for themselves. */
 static long asked_for_in_steps(const struct scene *scene, const struct run_request *request) {
-    struct settings settings;
-    char reason[REASON_SIZE];
     double t[LANES_MOST] = {0};
     int code = 0;
-    cr_assert_eq(settings_resolve(scene, request, &settings, reason), 0, "%s", reason);
+    const struct settings settings = settings_of(scene, request);
     struct model *model =
         scene->problem->create(scene, settings.treatment, settings_lanes(&settings));
     struct part *part = &model->parts[0];
@@ -400,7 +373,6 @@ Test(memory, steps_ask_for_none) {
         }
     }
     cr_assert_geq(tried, 15);
-    scene_free(scene);
 }
 
 static void leave(void) {
@@ -428,20 +400,17 @@ static int draw_picture(const void *what) {
 }
 
 Test(memory, pictures_are_drawn_or_not) {
-    char folder[PATH_SIZE], path[PATH_SIZE], reason[REASON_SIZE];
-    struct finished f;
+    char reason[REASON_SIZE];
     struct frames frames;
-    folder_make(folder);
-    PROGRAM(&f, NULL, "run", "sphere", "--set",
-            "wisps=({root=[0,0,0];direction=[0,-1,0];"
-            "length=0.3;nodes=3;})",
-            "--duration", "0.01", "--out", folder);
-    cr_assert_eq(f.code, 0, "%s", f.err);
-    path_format(path, "%s/states.tsv", folder);
-    cr_assert_eq(frames_open(&frames, path, NULL, NULL, 0, reason), 0, "%s", reason);
+    const char *const folder = folder_make();
+    WORKS("run", "sphere", "--set",
+          "wisps=({root=[0,0,0];direction=[0,-1,0];"
+          "length=0.3;nodes=3;})",
+          "--duration", "0.01", "--out", folder);
+    cr_assert_eq(frames_open(&frames, printed("%s/states.tsv", folder), NULL, NULL, 0, reason), 0,
+                 "%s", reason);
     try_all("picture", draw_picture, &frames);
     frames_close(&frames);
-    folder_remove(folder);
 }
 
 /* A whole run: finished, or "out of memory" with a reason. */
@@ -459,7 +428,6 @@ static int do_run(const void *what) {
     failing = 1;
     simulate(scene, &settings, NULL, NULL, &result);
     failing = 0;
-    scene_free(scene);
     if (result.outcome != FINISHED && (result.outcome != OUT_OF_MEMORY || !result.reason[0]))
         _exit(79);
     return result.outcome == FINISHED ? MADE : NOT_MADE;
@@ -497,11 +465,8 @@ static int do_diagnosed_run(const void *what) {
 /* Diagnoses take memory at every frame, for two wisps here. */
 Test(memory, diagnosed_runs_finish_or_are_out_of_memory) {
     static const char *const sets[] = {"duration=0.004", "frame_rate=1000"};
-    char reason[REASON_SIZE];
-    struct scene *scene = scene_load("viscosity", sets, 2, reason);
-    cr_assert(scene, "%s", reason);
+    struct scene *scene = lab_load("viscosity", sets, 2);
     try_all(scene->name, do_diagnosed_run, scene);
-    scene_free(scene);
 }
 
 #endif

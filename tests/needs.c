@@ -171,11 +171,11 @@ Test(detail, a_start_is_carried_over) {
         char reason[REASON_SIZE];
         double worst = 0;
         cr_assert_eq(scene_set_detail(scene, factors[c], samples[c], reason), 0, "%s", reason);
-        struct model *model = wisp_problem.create(scene, WISP_GENERALISED, 1);
+        struct model *model = lab_model(scene, WISP_GENERALISED, 1);
         const int columns = model->column_count, nodes = scene->wisps[0].nodes;
         cr_assert_eq(scene->start.columns, columns);
         cr_assert_eq(scene->start.count, columns * model->row_count);
-        double *head = malloc((size_t)scene->start.count * sizeof *head);
+        double *head = test_room((size_t)scene->start.count * sizeof *head);
         wisp_problem.sample(model, head);
         for (int w = 0; w < scene->wisp_count; w++) {
             const double *row = scene->start.rows + w * nodes * columns;
@@ -195,11 +195,7 @@ Test(detail, a_start_is_carried_over) {
         cr_assert(worst < (factors[c] < 1 ? 0.03 : 0.01), "tips move by %g", worst);
         if (factors[c] == 1)
             cr_assert(worst < 1e-15, "tips move by %g", worst);
-        free(head);
-        wisp_problem.free(model);
-        scene_free(scene);
     }
-    scene_free(old);
 }
 
 /* Around a node distances are linear in the angle: of 4 samples at angles 0, 90, ..., 8 are these
@@ -221,8 +217,6 @@ Test(detail, samples_are_interpolated_around_a_node) {
             }
     }
     cr_assert(unlike > 0);
-    scene_free(old);
-    scene_free(scene);
 }
 
 Test(detail, unchanged_is_the_same_scene_and_the_impossible_is_refused) {
@@ -242,23 +236,20 @@ Test(detail, unchanged_is_the_same_scene_and_the_impossible_is_refused) {
     cr_assert(json_equal(old->source, scene->source));
     cr_assert_eq(scene_set_detail(scene, 2, 4, reason), 0);
     cr_assert(!json_equal(old->source, scene->source));
-    scene_free(old);
-    scene_free(scene);
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         scene = LAB_LOAD("interactions", bad[i].set);
         cr_assert_eq(scene_set_detail(scene, bad[i].factor, bad[i].samples, reason), -1);
         cr_assert(strstr(reason, bad[i].why), "%s", reason);
-        scene_free(scene);
     }
     scene = LAB_LOAD("swing", "seed=1");
     cr_assert_eq(scene_set_detail(scene, 1, 4, reason), -1);
     cr_assert(strstr(reason, "no envelope"), "%s", reason);
-    scene_free(scene);
 }
 
 /* --- the experiment --- */
 
-static char folder[PATH_SIZE], scene_path[PATH_SIZE];
+static char *folder;
+static const char *scene_path;
 
 /* Two short wisps, and one of each thing that can be modelled, over three frames. */
 static const char scene_text[] =
@@ -273,12 +264,8 @@ static const char scene_text[] =
     "run = { step = 1.0e-4; rtol = 1.0e-6; atol = 1.0e-9; };\n";
 
 static void set_up(void) {
-    folder_make(folder);
-    file_write(folder, "short.cfg", scene_text, scene_path);
-}
-
-static void clean_up(void) {
-    folder_remove(folder);
+    folder = folder_make();
+    scene_path = file_write(folder, "short.cfg", scene_text);
 }
 
 struct row {
@@ -307,7 +294,6 @@ static int read_rows(struct row *rows) {
         snprintf(r->verdict, sizeof r->verdict, "%s", text_table_cell(&text, i, "verdict"));
         snprintf(r->model, sizeof r->model, "%s", text_table_cell(&text, i, "model"));
     }
-    text_table_free(&text);
     return count;
 }
 
@@ -336,15 +322,12 @@ static void check_methods(void) {
     }
     cr_assert_eq(best, least);
     cr_assert_lt(text_table_number(&methods, 0, "cost_ratio"), 1e9);
-    text_table_free(&methods);
 }
 
-Test(needs, slow_verdicts_follow_from_the_numbers, .init = set_up, .fini = clean_up) {
+Test(needs, slow_verdicts_follow_from_the_numbers, .init = set_up) {
     static struct row rows[ROWS_MAX];
-    static struct finished f;
-    char path[PATH_SIZE];
-    PROGRAM(&f, NULL, "experiment", "needs", "--quick", "--scene", scene_path, "--out", folder);
-    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
+    struct finished *f =
+        WORKS("experiment", "needs", "--quick", "--scene", scene_path, "--out", folder);
     const int count = read_rows(rows);
     cr_assert_eq(count, 1 + 2 + 4 + 2 + 1 + 2 + 3 + 2 + 6 + 2, "%d rows", count);
     for (int i = 0; i < count; i++) {
@@ -376,36 +359,29 @@ Test(needs, slow_verdicts_follow_from_the_numbers, .init = set_up, .fini = clean
     cr_assert(row_named(rows, count, "bodies by penalty, 30 Hz")->rms > 1e-5, "nor does penalty");
     cr_assert(row_named(rows, count, "bodies at 75 Hz")->rms > 1e-5, "their rate does not either");
     cr_assert(row_named(rows, count, "wisps at 45 Hz")->rms > 1e-5, "nor that of wisps");
-    cr_assert(strstr(f.out, "The cheapest method for the smallest model of short is "), "%s",
-              f.out);
+    cr_assert(strstr(f->out, "The cheapest method for the smallest model of short is "), "%s",
+              f->out);
     check_methods();
-    PROGRAM(&f, NULL, "experiment", "needs", "--quick", "--scene", scene_path, "--out", folder);
-    cr_assert(strstr(f.out, " 0 of them new"), "a complete search does more: %s", f.out);
+    f = PROGRAM(NULL, "experiment", "needs", "--quick", "--scene", scene_path, "--out", folder);
+    cr_assert(strstr(f->out, " 0 of them new"), "a complete search does more: %s", f->out);
     cr_assert_eq(count_files(folder, "short.svg"), 1, "no figure");
-    path_format(path, "%s/needs", folder);
-    statements_must_be_whole(path);
+    statements_must_be_whole(printed("%s/needs", folder));
 }
 
 /* Failure is a result: without the full model there is a table that says so. */
-Test(needs, without_its_runs_it_says_so, .init = set_up, .fini = clean_up) {
+Test(needs, without_its_runs_it_says_so, .init = set_up) {
     static struct row rows[ROWS_MAX];
-    static struct finished f;
-    char path[PATH_SIZE];
-    PROGRAM(&f, NULL, "experiment", "needs", "--quick", "--scene", scene_path, "--out", folder,
-            "--time-limit", "0.0001");
-    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
-    cr_assert(strstr(f.out, "short has no answer, for its full model's runs fail (9 nodes: out of"),
-              "%s", f.out);
-    path_format(path, "%s/needs", folder);
-    statements_must_be_whole(path);
+    struct finished *f = WORKS("experiment", "needs", "--quick", "--scene", scene_path, "--out",
+                               folder, "--time-limit", "0.0001");
+    cr_assert(
+        strstr(f->out, "short has no answer, for its full model's runs fail (9 nodes: out of"),
+        "%s", f->out);
+    statements_must_be_whole(printed("%s/needs", folder));
     const int count = read_rows(rows);
     cr_assert_eq(count, 1);
     cr_assert_str_eq(rows[0].verdict, "failed");
 }
 
-Test(needs, compares_models_and_not_steppers, .init = set_up, .fini = clean_up) {
-    static struct finished f;
-    PROGRAM(&f, NULL, "experiment", "needs", "--stepper", "rk4", "--out", folder);
-    cr_assert(f.code == 1 && count_lines(f.err) == 1 && strstr(f.err, "--stepper"), "%d: '%s'",
-              f.code, f.err);
+Test(needs, compares_models_and_not_steppers, .init = set_up) {
+    FAILS(1, "--stepper", "experiment", "needs", "--stepper", "rk4", "--out", folder);
 }

@@ -133,8 +133,7 @@ static struct strand *strand_by_rows(const struct lab_part *part, int lane, cons
                                      enum wisp_treatment treatment, const struct placement *head) {
     static double rows[LAB_NODES * (6 + 6 * SAMPLES_MAX)];
     const int stride = 6 + wisp->samples * (treatment == WISP_PENALTY ? 6 : 2);
-    struct strand *strand = strand_create(wisp, treatment);
-    cr_assert(strand, "no memory");
+    struct strand *strand = lab_strand(wisp, treatment);
     kernel_of(part->lanes)->sample(part->system.ctx, lane, q, v, rows, stride);
     strand_turn(strand, head);
     strand_load(strand, rows, stride);
@@ -237,7 +236,7 @@ static void check_part(int lanes, int count, int samples, enum wisp_treatment tr
         lab_place(&part, k, q, Q);
         lab_scatter(&part, k, v, V);
         if (k < count && k != 1) /* lane 1 stays closed */
-            cr_assert(opened[k] = strand_create(&wisps[k], treatment), "no memory");
+            opened[k] = lab_strand(&wisps[k], treatment);
     }
     head_placement(&around.head, 0.1, &head);
     open_lanes(&part, Q, V, opened);
@@ -251,10 +250,7 @@ static void check_part(int lanes, int count, int samples, enum wisp_treatment tr
         cr_assert(may || !touches, "a wisp that touches itself is missed");
         tally->touching += touches;
         tally->safe += samples > 0 && !may;
-        strand_free(opened[k]);
-        strand_free(s);
     }
-    lab_part_free(&part);
 }
 
 Test(neighbours, parts_open_and_box_their_wisps_as_rows_do) {
@@ -301,8 +297,7 @@ static void check_tick(enum wisp_treatment treatment, double spread, double croo
                                                        .interpenetration = 1,
                                                        .collision = 1,
                                                        .reciprocal = 1};
-    struct model *model = wisp_problem.create(scene, treatment, 4);
-    cr_assert(model, "no memory");
+    struct model *model = lab_model(scene, treatment, 4);
     model->t = interval;
     for (int i = 0; i < model->part_count; i++)
         for (int k = 0; k < model->parts[i].system.size; k++) {
@@ -310,14 +305,13 @@ static void check_tick(enum wisp_treatment treatment, double spread, double croo
             model->parts[i].v[k] = lab_between(seed, -1, 1);
         }
     const size_t numbers = (size_t)(model->row_count * model->column_count);
-    double *before = calloc(numbers, sizeof *before), *after = calloc(numbers, sizeof *after);
-    cr_assert(before && after, "no memory");
+    double *before = test_room(numbers * sizeof *before),
+           *after = test_room(numbers * sizeof *after);
     wisp_problem.sample(model, before);
     struct placement head;
     head_placement(&around.head, interval, &head);
     for (int i = 0; i < WISPS; i++) {
-        strands[i] = strand_create(&scene->wisps[i], treatment);
-        cr_assert(strands[i], "no memory");
+        strands[i] = lab_strand(&scene->wisps[i], treatment);
         strand_turn(strands[i], &head);
         strand_load(strands[i], before + i * NODES * model->column_count + 2, model->column_count);
     }
@@ -337,12 +331,6 @@ static void check_tick(enum wisp_treatment treatment, double spread, double croo
         *far += !((const struct wisp_model *)model)->near[i];
     *touched += contacts;
     interaction_free(it);
-    for (int i = 0; i < WISPS; i++)
-        strand_free(strands[i]);
-    free(before);
-    free(after);
-    wisp_problem.free(model);
-    scene_free(scene);
 }
 
 Test(neighbours, ticks_leave_out_wisps_that_are_far) {

@@ -204,64 +204,39 @@ Test(newton, a_matrix_that_converges_badly_is_made_anew) {
 
 enum { KEPT_STEPS = 20 };
 
-/* A part, or one of its wisps alone; some lanes are pushed before some steps. */
-static void step_kept(struct lab_part *part, const char *const *options, int lane, double *Q,
-                      double *V) {
+/* Some lanes are pushed before some steps. */
+static void step_kept(struct lab_part *part, int place, double *q, double *v, void *ctx) {
     part->system.matrix[JACOBIAN_SPD] =
         MATRIX_AVAILABLE | MATRIX_SYMMETRIC | MATRIX_DEFINITE | MATRIX_FACTORABLE;
-    struct stepper *stepper = euler_with(&part->system, options, 2);
+    struct stepper *stepper = euler_with(&part->system, ctx, 2);
     for (int k = 0; k < KEPT_STEPS; k++) {
         const unsigned pushed = k == 7 ? 0x44 : k == 8 ? 0x83 : k == 13 ? 0x28 : 0;
         for (int l = 0; l < part->lanes; l++)
-            if (pushed >> (lane < 0 ? l : lane) & 1)
-                V[5 * part->lanes + l] += 0.3;
-        cr_assert_eq(stepper->method->step(stepper, k * 2e-4, 2e-4, Q, V), 0, "%s",
+            if (pushed >> (place < 0 ? l : place) & 1)
+                v[5 * part->lanes + l] += 0.3;
+        cr_assert_eq(stepper->method->step(stepper, k * 2e-4, 2e-4, q, v), 0, "%s",
                      part->system.reason);
     }
     stepper->method->free(stepper);
 }
 
-/* Whoever beside it needs another matrix, a wisp keeps its own: its bits are those that it has
- * alone, and what is counted is what it asks for. */
-static void check_kept(int lanes, const char *const *options, enum bending law,
+/* Whoever beside it needs another matrix, a wisp keeps its own; what is counted is what it asks
+ * for.
+ */
+static void check_kept(int lanes, const char **options, enum bending law,
                        enum wisp_treatment treatment) {
-    static double q[LAB_LANES][LAB_SIZE], v[LAB_LANES][LAB_SIZE], alone[2][LAB_SIZE];
-    static double Q[LAB_LANES * LAB_SIZE], V[LAB_LANES * LAB_SIZE], got[LAB_SIZE];
     unsigned seed = 41;
-    struct lab_part part;
-    struct wisp wisps[LAB_LANES];
-    long long made = 0;
     const struct surroundings around = lab_surroundings(WIND_STEADY, &seed);
-    for (int k = 0; k < lanes; k++) {
-        wisps[k] = lab_wisp(6, 4, law, &seed);
-        lab_state(&wisps[k], treatment, STATE_REST, 0, &seed, q[k], v[k]);
-    }
-    lab_part_make(&part, lanes, wisps, lanes, &around, treatment);
-    for (int k = 0; k < lanes; k++) {
-        lab_place(&part, k, q[k], Q);
-        lab_scatter(&part, k, v[k], V);
-    }
-    step_kept(&part, options, -1, Q, V);
-    for (int k = 0; k < lanes; k++) {
-        struct lab_part one;
-        lab_part_make(&one, 1, &wisps[k], 1, &around, treatment);
-        lab_place(&one, 0, q[k], alone[0]);
-        lab_scatter(&one, 0, v[k], alone[1]);
-        step_kept(&one, options, k, alone[0], alone[1]);
-        made += one.system.counters.factorisations;
-        lab_gather(&part, k, V, got);
-        cr_assert_eq(memcmp(got, alone[1], (size_t)one.size * sizeof *got), 0,
-                     "%s, %s: lane %d has other bits in company", options[0], options[1], k);
-        lab_part_free(&one);
-    }
-    cr_assert_eq(part.system.counters.factorisations, made, "%lld factorisations, alone %lld",
-                 part.system.counters.factorisations, made);
+    const struct lab_company company =
+        lab_company(lanes, law, treatment, &around, &seed, step_kept, options);
+    const long long made = company.alone.factorisations;
+    cr_assert_eq(company.together.factorisations, made, "%s, %s: %lld factorisations, alone %lld",
+                 options[0], options[1], company.together.factorisations, made);
     cr_assert(made > 4 && made < lanes * KEPT_STEPS * 2, "%lld", made);
-    lab_part_free(&part);
 }
 
 Test(newton, lanes_keep_their_own_matrices) {
-    static const char *const options[][2] = {
+    static const char *options[][2] = {
         {"newton.reuse=6", "newton.iterations=1"},
         {"newton.reuse=50", "newton.iterations=60"},
     };
@@ -298,10 +273,7 @@ Test(newton, solving_at_once_is_solving_step_by_step) {
                     const double off = lab_distance(&once, &apart, 1, 2).largest;
                     cr_assert(once.frames == apart.frames && off < 1e-11, "%s, %s, %s: %.1e m",
                               scenes[s], treatment_names[treatment], iterations[i], off);
-                    lab_run_free(&apart);
                 }
                 cr_assert_eq(once.result.counters.linearisations, 0);
-                lab_run_free(&once);
-                scene_free(scene);
             }
 }

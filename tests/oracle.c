@@ -53,7 +53,6 @@ Test(oracle, steps_multiply_by_the_stability_function) {
                                                  .options = &oracles[i].option,
                                                  .option_count = oracles[i].option != NULL},
                            &orbit);
-                scene_free(scene);
                 cr_assert_eq(orbit.result.counters.steps, n, "%s: %lld steps for %d of %g s",
                              oracles[i].stepper, orbit.result.counters.steps, n, h);
                 const double off = cabs(orbit.x + I * orbit.y - position) / cabs(position);
@@ -95,7 +94,6 @@ Test(oracle, projection_leaves_the_phase) {
                                          .options = &oracles[i].option,
                                          .option_count = oracles[i].option != NULL},
                    &orbit);
-        scene_free(scene);
         const double off =
             cabs(orbit.x + I * orbit.y - CIRCLE_RADIUS * cexp(I * phase)) / CIRCLE_RADIUS;
         cr_assert(off <= 1e-12, "%s, projected: %.2e of the radius off e^(i n arg R)",
@@ -143,7 +141,6 @@ Test(oracle, the_table_of_the_circle_test) {
             struct scene *scene = circle_scene(late ? 160 : 30, 0);
             struct orbit orbit;
             run_circle(scene, &request, &orbit);
-            scene_free(scene);
             cr_assert_eq(orbit.t, late ? 160 : 30, "%s ends at %.17g s", row->stepper, orbit.t);
             const double expected = late ? row->error_160 : row->error_30;
             const double half = late ? row->half_error_160 : expected == 0 ? 1e-12 : 0.5e-5;

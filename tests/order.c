@@ -72,7 +72,6 @@ static void circle_error(const struct variant *variant, int steps, double rtol, 
                                      .options = &variant->option,
                                      .option_count = variant->option != NULL},
                &orbit);
-    scene_free(scene);
     cr_assert_eq(orbit.result.outcome, FINISHED, "%s: %s", variant->name, orbit.result.reason);
     circle_exact(to, exact);
     error[0] = orbit.x - exact[0];

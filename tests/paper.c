@@ -7,45 +7,34 @@
 #include <stdlib.h>
 #include <string.h>
 
-static char folder[PATH_SIZE];
+static char *folder;
 
+/* Tables without figures, which take most of the time. */
 static void make_tables(void) {
-    struct finished f;
-    folder_make(folder);
-    PROGRAM(&f, NULL, "experiment", "circle", "--quick", "--stepper", "rk4", "--stepper", "euler",
-            "--stepper", "midpoint", "--out", folder);
-    cr_assert_eq(f.code, 0, "%s", f.err);
-}
-
-static void remove_tables(void) {
-    folder_remove(folder);
+    const char *const before = printed("%s", getenv("PATH"));
+    folder = folder_make();
+    gnuplot_stub_quiet();
+    WORKS("experiment", "circle", "--quick", "--stepper", "rk4", "--stepper", "euler", "--stepper",
+          "midpoint", "--out", folder);
+    setenv("PATH", before, 1);
 }
 
 static char *text_of(const char *name) {
-    char path[PATH_SIZE];
-    path_format(path, "%s/circle/paper/%s", folder, name);
-    char *text = file_read(path);
-    cr_assert(text, "no %s", path);
-    return text;
+    return file_of(printed("%s/circle/paper", folder), name);
 }
 
 static void plot(const char *paper, const char *const *more) {
     const char *words[20] = {"plot", "circle", "--paper", paper, "--out", folder};
-    struct finished f;
     for (int i = 0; more[i]; i++)
         words[6 + i] = more[i];
-    const struct process process = program_start(NULL, words);
-    program_wait(&process, &f);
-    cr_assert_eq(f.code, 0, "%s", f.err);
+    program_must(NULL, 0, NULL, words);
 }
 
 /* 86 and 178 mm; a point of a PDF is 0.35 mm. */
 static void check_sizes(const char *paper, double width) {
-    char name[64];
     double points = 0, mm = 0, units = 1, least = INFINITY;
-    snprintf(name, sizeof name, "work-precision-%s.pdf", paper);
-    char path[PATH_SIZE];
-    FILE *file = fopen((path_format(path, "%s/circle/paper/%s", folder, name), path), "rb");
+    const char *name = printed("work-precision-%s.pdf", paper);
+    FILE *file = fopen(printed("%s/circle/paper/%s", folder, name), "rb");
     for (char line[4096]; file && fgets(line, sizeof line, file);) {
         const char *box = strstr(line, "/MediaBox [ 0 0 ");
         if (box)
@@ -55,7 +44,7 @@ static void check_sizes(const char *paper, double width) {
         fclose(file);
     cr_expect_float_eq(points / 72 * 25.4, width, 0.4, "%s: %g points", name, points);
 
-    snprintf(name, sizeof name, "work-precision-%s.svg", paper);
+    name = printed("work-precision-%s.svg", paper);
     char *svg = text_of(name);
     sscanf(strstr(svg, "width=\""), "width=\"%lfmm", &mm);
     sscanf(strstr(svg, "viewBox=\""), "viewBox=\"0 0 %lf", &units);
@@ -69,10 +58,9 @@ static void check_sizes(const char *paper, double width) {
               least);
     cr_expect(strstr(svg, "largest error (m)"), "no axis");
     cr_expect(!strstr(svg, "What accuracy costs"), "a title");
-    free(svg);
 }
 
-Test(paper, figures_are_as_wide_as_a_column_or_a_page, .init = make_tables, .fini = remove_tables) {
+Test(paper, figures_are_as_wide_as_a_column_or_a_page, .init = make_tables) {
     plot("column", (const char *const[]){NULL});
     check_sizes("column", 86);
     plot("page", (const char *const[]){NULL});
@@ -81,30 +69,25 @@ Test(paper, figures_are_as_wide_as_a_column_or_a_page, .init = make_tables, .fin
     double high = INFINITY;
     sscanf(strstr(orbits, "height=\""), "height=\"%lfmm", &high);
     cr_expect_lt(high, 240, "orbits are %g mm high", high);
-    free(orbits);
     char *png = text_of("radius-page.png");
     const unsigned char *head = (const unsigned char *)png;
     const int wide = head[18] * 256 + head[19];
     cr_expect_float_eq(wide / 300. * 25.4, 178, 0.2, "%d pixels", wide);
-    free(png);
 }
 
 /* On the screen the second panel has no words on its axis, for the first has them. */
-Test(paper, what_is_chosen_is_drawn, .init = make_tables, .fini = remove_tables) {
+Test(paper, what_is_chosen_is_drawn, .init = make_tables) {
     plot("column", (const char *const[]){"--figure", "work-precision", "--panel", "2", "--methods",
                                          "rk4,midpoint", "--format", "svg", NULL});
-    char path[PATH_SIZE];
-    path_format(path, "%s/circle/paper", folder);
-    cr_expect_eq(count_files(path, ""), 1, "more than one file");
+    cr_expect_eq(count_files(printed("%s/circle/paper", folder), ""), 1, "more than one file");
     char *svg = text_of("work-precision-column.svg");
     cr_expect(strstr(svg, ">force evaluations<") && strstr(svg, ">largest error (m)<"));
     cr_expect(!strstr(svg, "CPU time"), "the first panel is there");
     cr_expect(strstr(svg, ">rk4") && strstr(svg, ">midpoint"));
     cr_expect(!strstr(svg, ">euler"), "a method that was not chosen");
-    free(svg);
 }
 
-Test(paper, what_is_not_there_is_refused, .init = make_tables, .fini = remove_tables) {
+Test(paper, what_is_not_there_is_refused, .init = make_tables) {
     static const struct {
         const char *words[7], *says;
     } wrong[] = {
@@ -125,17 +108,12 @@ Test(paper, what_is_not_there_is_refused, .init = make_tables, .fini = remove_ta
          "no table of circle/orbits-30s has a row of method 'rk4 x'; there are "},
         {{"--paper", "page", "--methods", "rk4,"}, "names with commas between"},
     };
-    char path[PATH_SIZE];
-    path_format(path, "%s/circle/paper", folder);
+    const char *const path = printed("%s/circle/paper", folder);
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         const char *words[20] = {"plot", "circle", "--out", folder};
-        struct finished f;
         for (int k = 0; k < 7 && wrong[i].words[k]; k++)
             words[4 + k] = wrong[i].words[k];
-        const struct process process = program_start(NULL, words);
-        program_wait(&process, &f);
-        cr_expect(f.code == 1 && count_lines(f.err) == 1 && strstr(f.err, wrong[i].says),
-                  "exit code %d, not '%s': %s", f.code, wrong[i].says, f.err);
+        program_must(NULL, 1, wrong[i].says, words);
         cr_expect_eq(count_files(path, ""), 0, "'%s': something was left", wrong[i].says);
     }
 }

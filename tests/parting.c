@@ -124,8 +124,6 @@ Test(parting, pulls_on_a_node_and_its_samples_where_the_node_is) {
         cr_assert_eq(system_acceleration(&alone.part.system, t, alone.Q, alone.V, alone.A), 0);
         lab_gather(&alone.part, 0, alone.A, one);
         cr_assert_eq(memcmp(a, one, (size_t)s.part.size * sizeof *a), 0, "seed %u", seed);
-        lab_part_free(&s.part);
-        lab_part_free(&alone.part);
     }
     cr_log_info("largest difference: %.2g of the tolerance", worst);
 }
@@ -235,7 +233,6 @@ Test(parting, exact_jacobians_have_its_derivative_and_definite_ones_do_not) {
         s.around.style.parting.width = 0;
         stiffness(&s, JACOBIAN_SPD, K, NULL);
         cr_assert_eq(memcmp(with, K, bytes), 0, "a definite Jacobian has the parting");
-        lab_part_free(&s.part);
     }
     cr_log_info("largest difference: %.2g of the tolerance", worst);
 }

@@ -147,15 +147,12 @@ static const char scene_text[] =
     "%s\n";
 
 static struct scene *scene_with(const char *gravity, const char *more) {
-    char text[1000];
-    snprintf(text, sizeof text, scene_text, gravity, more);
-    return lab_read(text);
+    return lab_read(printed(scene_text, gravity, more));
 }
 
 static void run_to_end(const struct scene *scene, const char *stepper, const char *treatment,
                        struct lab_run *run) {
-    lab_run(scene, &(struct run_request){.stepper = stepper, .treatment = treatment}, run);
-    cr_assert_eq(run->result.outcome, FINISHED, "%s", run->result.reason);
+    lab_finish(scene, &(struct run_request){.stepper = stepper, .treatment = treatment}, run);
 }
 
 /* A row of the last frame: of wisp 0, the node of that number. */
@@ -176,11 +173,7 @@ Test(prescribed, a_constant_style_is_gravity) {
         cr_assert(memcmp(last_row(&one, 0), last_row(&other, 0),
                          (size_t)(one.rows * one.columns) * sizeof(double)) == 0,
                   "%s", treatment_names[i]);
-        lab_run_free(&one);
-        lab_run_free(&other);
     }
-    scene_free(heavy);
-    scene_free(styled);
 }
 
 /* A head that has been turned for ever is a scene that is turned: gravity and direction. */
@@ -200,11 +193,7 @@ Test(prescribed, a_head_turned_for_ever_is_a_turned_scene) {
             cr_assert_float_eq(b[3], a[2], 1e-11, "%s: node %d", treatment_names[i], row);
             cr_assert_float_eq(b[4], a[4], 1e-11, "%s: node %d", treatment_names[i], row);
         }
-        lab_run_free(&one);
-        lab_run_free(&other);
     }
-    scene_free(plain);
-    scene_free(turned);
 }
 
 /* Two unlike methods agree on a head that shakes: the motion reaches every stage and its knots stop
@@ -224,7 +213,4 @@ Test(prescribed, methods_agree_on_a_head_that_shakes) {
             /* Runge-Kutta 4 at 10 kHz is good to some 1e-10 m on these scenes */
             cr_assert_float_eq(a, b, 1e-8, "node %d: %g", row, a - b);
         }
-    lab_run_free(&one);
-    lab_run_free(&other);
-    scene_free(scene);
 }

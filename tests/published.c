@@ -402,15 +402,12 @@ static int keep_position(void *ctx, const struct model *model, double t, const d
 static double run_vdpol(const struct stepper_method *method, double step,
                         struct run_result *result) {
     struct scene *scene = fixture_scene(0.5, 10, step);
-    struct settings settings;
-    char reason[REASON_SIZE];
     double q = NAN;
     fixture_start = (struct fixture_start){.make = make_vdpol, .q = 2};
     cr_assert(scene, "no memory");
     const struct run_request request = {.stepper = method->name, .step = step};
-    cr_assert_eq(settings_resolve(scene, &request, &settings, reason), 0, "%s", reason);
+    const struct settings settings = settings_of(scene, &request);
     simulate(scene, &settings, &(struct observer){keep_position, &q}, NULL, result);
-    scene_free(scene);
     return q;
 }
 

@@ -32,9 +32,6 @@ static struct body lab_body(const double around[3], unsigned *seed) {
 
 /* --- accelerations --- */
 
-/* In multiples of the sum of the absolute terms, as in wisp_kernel.c. */
-static const double twin_tolerance = 3e-13;
-
 struct crowd {
     struct wisp wisps[LAB_LANES];
     struct surroundings around;
@@ -89,22 +86,14 @@ static int count_pushed(int lane, enum wisp_treatment treatment, const double *a
 }
 
 static void check_crowd(int lanes, enum wisp_treatment treatment, double *worst, int *pushed) {
-    static struct wisp_twin twin;
-    static double A[LAB_LANES * LAB_SIZE], a[LAB_SIZE], expected[LAB_SIZE], scale[LAB_SIZE];
+    static double A[LAB_LANES * LAB_SIZE], a[LAB_SIZE];
     struct system *system = &crowd.part.system;
     cr_assert_eq(system_acceleration(system, 0.3, crowd.Q, crowd.V, A), 0, "%s", system->reason);
     for (int k = 0; k < lanes; k++) {
-        wisp_twin_init(&twin, &crowd.wisps[k], &crowd.around, treatment);
-        cr_assert_eq(wisp_twin_acceleration(&twin, 0.3, crowd.q[k], crowd.v[k], expected), 0);
-        wisp_twin_scale(&twin, 0.3, crowd.q[k], crowd.v[k], scale);
         lab_gather(&crowd.part, k, A, a);
         *pushed += count_pushed(k, treatment, a);
-        for (int i = 0; i < crowd.part.size; i++)
-            cr_assert(lab_close(a[i], expected[i], twin_tolerance * scale[i], worst),
-                      "%s, %d nodes, %d samples, lane %d of %d: unknown %d: %.17g, twin %.17g, "
-                      "difference %.1e of %.1e",
-                      treatment_names[treatment], crowd.wisps[k].nodes, crowd.wisps[k].samples, k,
-                      lanes, i, a[i], expected[i], fabs(a[i] - expected[i]), scale[i]);
+        lab_check_with_twin(&crowd.wisps[k], &crowd.around, treatment, 0.3, crowd.q[k], crowd.v[k],
+                            a, worst);
     }
 }
 
@@ -121,7 +110,6 @@ Test(push, accelerations_are_the_twins) {
                         make_crowd(&crowd, lanes, nodes, samples[s], (enum bending)law,
                                    STRETCH_SPRING, (enum wisp_treatment)treatment, &seed);
                         check_crowd(lanes, (enum wisp_treatment)treatment, &worst, &pushed);
-                        lab_part_free(&crowd.part);
                     }
     cr_assert_gt(pushed, 10000, "only %d unknowns were pushed", pushed);
     cr_log_info("largest difference: %.2g of the tolerance, of %d pushed", worst, pushed);
@@ -149,7 +137,6 @@ Test(push, rigid_segments_are_the_twins) {
             for (int i = 0; i < crowd.part.size; i++)
                 cr_assert(fabs(A[i] - a[i]) <= 1e-10 * most, "%s, %d nodes: %.17g, twin %.17g",
                           treatment_names[treatment], nodes, A[i], a[i]);
-            lab_part_free(&crowd.part);
         }
 }
 
@@ -173,9 +160,7 @@ Test(push, bits_do_not_depend_on_the_lane) {
                     cr_assert_eq(memcmp(a, alone, (size_t)part.size * sizeof *a), 0,
                                  "%s, %d nodes, %d samples: lane %d has other bits",
                                  treatment_names[treatment], nodes, samples, k);
-                    lab_part_free(&part);
                 }
-                lab_part_free(&crowd.part);
             }
 }
 
@@ -197,7 +182,6 @@ Test(push, accelerations_change_with_moving_bodies) {
                 head->time[1] = 1;
                 for (int k = 0; k < 3; k++)
                     head->rotation[1][k] = lab_between(&seed, -1, 1);
-                lab_part_free(&crowd.part);
                 lab_part_make(&crowd.part, 1, crowd.wisps, 1, &crowd.around,
                               (enum wisp_treatment)treatment);
             }
@@ -215,7 +199,6 @@ Test(push, accelerations_change_with_moving_bodies) {
             }
             system_acceleration(system, 0.3, crowd.Q, crowd.V, again);
             cr_assert_eq(memcmp(first, again, (size_t)crowd.part.size * sizeof *first), 0);
-            lab_part_free(&crowd.part);
         }
 }
 
@@ -284,7 +267,6 @@ Test(push, never_attracts) {
                       "it drives what slides");
         held += away > 0;
         free += !(away > 0);
-        lab_part_free(&single.part);
     }
     cr_assert(held > 10000 && free > 500, "%d pushed, %d not", held, free);
 }
@@ -313,7 +295,6 @@ Test(push, begins_continuously_at_the_surface) {
         cr_assert_eq(vector_length(a), 0, "%g m/s^2 outside", vector_length(a));
         acceleration_at(&single, 0, body.centre, v, a);
         cr_assert_eq(vector_length(a), 0, "%g m/s^2 at the centre", vector_length(a));
-        lab_part_free(&single.part);
     }
 }
 
@@ -342,7 +323,6 @@ Test(push, elastic_part_is_the_energys_gradient) {
             cr_assert(fabs(force - mass * a[k]) <= 1e-5 * mass * vector_length(a),
                       "%g N, the energy falls by %g J/m", mass * a[k], force);
         }
-        lab_part_free(&single.part);
     }
 }
 
@@ -413,7 +393,6 @@ Test(push, bodies_turn_with_the_head) {
         /* where neither a kink of s nor of max(0, .) is near */
         const double damper = 2 * body.damping_ratio * omega * share;
         if ((fabs(share - 1) < 1e-3 && 1 - sigma < 0.06) || (fabs(push) < 1 && push > 0)) {
-            lab_part_free(&single.part);
             continue;
         }
         const double mass = wisp_node_mass(&bare, 2), h = 1e-7;
@@ -438,7 +417,6 @@ Test(push, bodies_turn_with_the_head) {
                           difference, of);
             }
         }
-        lab_part_free(&single.part);
     }
 }
 
@@ -502,8 +480,7 @@ Test(push, a_sphere_is_an_oscillator_for_every_stepper) {
                 request.rtol = request.atol = 0;
             scene->duration = 0.5;
             scene->frame_rate = 100;
-            lab_run(scene, &request, &run);
-            cr_assert_eq(run.result.outcome, FINISHED, "%s: %s", method->name, run.result.reason);
+            lab_finish(scene, &request, &run);
             for (int f = 0; f < run.frames; f++) {
                 const double x = run.row[(f * run.rows + 2) * run.columns + 2];
                 const double depth = p->radius - (x - body.centre[0]);
@@ -516,8 +493,6 @@ Test(push, a_sphere_is_an_oscillator_for_every_stepper) {
             cr_assert_lt(worst, limit * fabs(p->start - p->rest), "%s, case %d: off by %g m of %g",
                          method->name, c, worst, fabs(p->start - p->rest));
             looked++;
-            lab_run_free(&run);
-            scene_free(scene);
         }
     cr_assert_gt(looked, 30);
 }
@@ -531,8 +506,7 @@ Test(push, a_sphere_is_an_oscillator_to_the_last_digits) {
         struct lab_run run;
         scene->duration = 1;
         scene->frame_rate = 10;
-        lab_run(scene, &request, &run);
-        cr_assert_eq(run.result.outcome, FINISHED, "%s", run.result.reason);
+        lab_finish(scene, &request, &run);
         for (int f = 0; f < run.frames; f++) {
             const double x = run.row[(f * run.rows + 2) * run.columns + 2];
             const double depth = pressed_cases[c].radius - (x - body.centre[0]);
@@ -540,8 +514,6 @@ Test(push, a_sphere_is_an_oscillator_to_the_last_digits) {
                       "case %d at %g s: %.15g m, not %.15g", c, run.t[f], depth,
                       depth_at(&pressed_cases[c], run.t[f]));
         }
-        lab_run_free(&run);
-        scene_free(scene);
     }
 }
 
@@ -570,7 +542,6 @@ Test(push, bodies_are_read) {
               scene->bodies[2].friction == 20);
     cr_assert(scene->bodies[3].frequency == 2 && scene->bodies[3].damping_ratio == 0 &&
               scene->bodies[3].velocity[0] == 1);
-    scene_free(scene);
 }
 
 Test(push, what_is_wrong_is_refused) {
@@ -599,14 +570,8 @@ Test(push, what_is_wrong_is_refused) {
          "response=\"soft\"; })",
          {"response", "penalty"}},
     };
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-        char reason[REASON_SIZE] = "";
-        struct scene *scene = scene_load("swing-envelope", &bad[i].set, 1, reason);
-        cr_assert_null(scene, "accepted: %s", bad[i].set);
-        for (int k = 0; k < 2; k++)
-            cr_assert(strstr(reason, bad[i].says[k]), "'%s' does not say %s", reason,
-                      bad[i].says[k]);
-    }
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        lab_refuse("swing-envelope", &bad[i].set, 1, bad[i].says, 2);
 }
 
 /* --- runs --- */
@@ -619,11 +584,9 @@ Test(push, what_is_wrong_is_refused) {
 
 static int has_warning(const struct scene *scene, const char *stepper, double step,
                        const char *part) {
-    struct settings settings;
-    char reason[REASON_SIZE];
     const struct run_request request = {.stepper = stepper, .step = step};
     int found = 0;
-    cr_assert_eq(settings_resolve(scene, &request, &settings, reason), 0, "%s", reason);
+    const struct settings settings = settings_of(scene, &request);
     json_t *warnings = scene_warnings(scene, &settings), *one;
     size_t i;
     json_array_foreach(warnings, i, one) found |= strstr(json_string_value(one), part) != NULL;
@@ -638,34 +601,25 @@ Test(push, steps_that_are_too_long_are_warned_of) {
     cr_assert(!has_warning(scene, "euler", 1e-2, "follows"));
     cr_assert(!has_warning(scene, "implicit-euler", 1e-1, "follows"));
     cr_assert(!has_warning(scene, "cvode", 0, "follows"));
-    scene_free(scene);
     scene = LAB_LOAD("swing", "body=(" PUSHER " damping_ratio=0; })");
     cr_assert(has_warning(scene, "euler", 1e-4, "no step of euler follows"));
     cr_assert(!has_warning(scene, "rk4", 1e-4, "follows"));
-    scene_free(scene);
     /* one that is small and fast, as MODEL's other warning is of */
     scene = LAB_LOAD("swing",
                      "body=({ name=\"pea\"; center=[0.0, -1.0, 0.0]; radii=[1e-3, 1e-3, 1e-3]; "
                      "velocity=[9, 0, 0]; friction=1; response=\"penalty\"; "
                      "frequency=30; })");
     cr_assert(!has_warning(scene, "rk4", 1e-4, "unseen"));
-    scene_free(scene);
 }
 
 /* Bodies by penalty make no ticks and no stops, and count nothing. */
 Test(push, there_are_no_ticks) {
     struct scene *scene = LAB_LOAD("swing", BALL_AHEAD);
-    struct model *model = wisp_problem.create(scene, WISP_GENERALISED, 4);
-    cr_assert(model);
+    struct model *model = lab_model(scene, WISP_GENERALISED, 4);
     cr_assert(model->collision_rate == 0 && model->interaction_rate == 0);
-    wisp_problem.free(model);
-    scene_free(scene);
     scene = LAB_LOAD("swing-envelope", BALL_AHEAD);
-    model = wisp_problem.create(scene, WISP_GENERALISED, 4);
-    cr_assert(model);
+    model = lab_model(scene, WISP_GENERALISED, 4);
     cr_assert(model->collision_rate == 300 && model->ticks_alone);
-    wisp_problem.free(model);
-    scene_free(scene);
 }
 
 /* Does it in every treatment, by every method of the registry that takes the scene, with springs
@@ -696,19 +650,13 @@ static void check_all_methods(const char *scene_name, const char *material, int 
                 request.step = 1e-4;
             if (settings_resolve(scene, &request, &settings, reason))
                 continue;
-            lab_run(scene, &request, &run);
-            cr_assert_eq(run.result.outcome, FINISHED, "%s: %s", method->name, run.result.reason);
+            lab_finish(scene, &request, &run);
             const double off = lab_distance(&run, &tight, 0, 2).rms;
             cr_assert_lt(off, 2e-3, "%s, %s, %s: %g m off", scene_name, method->name,
                          treatment_names[treatment], off);
             looked++;
-            lab_run_free(&run);
         }
         cr_assert_geq(looked, least, "only %d methods", looked);
-        lab_run_free(&tight);
-        lab_run_free(&alone);
-        scene_free(scene);
-        scene_free(free);
     }
 }
 
@@ -745,9 +693,7 @@ Test(push, stiff_bodies_belong_in_the_matrix) {
             cr_assert(run.result.outcome != FINISHED &&
                           strstr(run.result.reason, "bodies that push by penalty"),
                       "%s: %s", choices[i], run.result.reason);
-        lab_run_free(&run);
     }
-    scene_free(scene);
 }
 
 /* What a moving body puts in, and what it takes, is in the books: of rk4 they close to the works'
@@ -773,17 +719,11 @@ Test(push, the_books_close) {
                                                 .step = k ? 1. / 30000 : 1. / 15000,
                                                 .diagnostics = 1};
             struct residue residue = {0, 0};
-            struct settings settings;
-            struct run_result result;
-            char reason[REASON_SIZE];
-            cr_assert_eq(settings_resolve(scene, &request, &settings, reason), 0, "%s", reason);
-            simulate(scene, &settings, &(struct observer){keep_residue, &residue}, NULL, &result);
-            cr_assert_eq(result.outcome, FINISHED, "%s", result.reason);
+            run_finished(scene, &request, keep_residue, &residue);
             cr_assert_gt(residue.work, 1e-6);
             cr_assert_lt(residue.most, 1e-4 * residue.work, "%s: residual %g J of %g",
                          treatment_names[treatment], residue.most, residue.work);
             most[k] = residue.most;
-            scene_free(scene);
         }
         cr_assert_lt(most[1], 0.9 * most[0], "%s: residuals %g, %g J", treatment_names[treatment],
                      most[0], most[1]);
@@ -803,10 +743,6 @@ Test(push, a_body_is_where_the_clock_says) {
     for (int f = 0; f < run.frames; f++)
         run.t[f] = other.t[f];
     cr_assert_lt(lab_distance(&run, &other, 0, 0).largest, 1e-9);
-    lab_run_free(&run);
-    lab_run_free(&other);
-    scene_free(scene);
-    scene_free(shifted);
 }
 
 /* Wisps that split go on being pushed, in parts that are new and in lanes that are filled: bits do
@@ -816,17 +752,10 @@ Test(push, wisps_that_split_are_pushed) {
         "subdivision", "duration=1.2",
         "body=({ name=\"ball\"; center=[0.0, -0.1, 0.0]; radii=[0.05, 0.05, 0.05]; friction=20; "
         "response=\"penalty\"; frequency=20; })");
-    struct settings settings;
-    struct run_result one, other;
-    char reason[REASON_SIZE];
     struct run_request request = {.stepper = "rk4", .treatment = "generalised", .step = 2e-4};
-    cr_assert_eq(settings_resolve(scene, &request, &settings, reason), 0, "%s", reason);
-    simulate(scene, &settings, NULL, NULL, &one);
+    const struct run_result one = run_finished(scene, &request, NULL, NULL);
     request.threads = 2;
-    cr_assert_eq(settings_resolve(scene, &request, &settings, reason), 0, "%s", reason);
-    simulate(scene, &settings, NULL, NULL, &other);
-    cr_assert_eq(one.outcome, FINISHED, "%s", one.reason);
+    const struct run_result other = run_finished(scene, &request, NULL, NULL);
     cr_assert_gt(one.counters.splits, 0);
     cr_assert_eq(memcmp(&one.counters, &other.counters, sizeof one.counters), 0);
-    scene_free(scene);
 }

@@ -9,15 +9,10 @@
 
 static const char name[] = "rosenbrock-euler";
 static const struct launch walk = {.program = WISPLAB_WALK};
-static char folder[PATH_SIZE];
+static char *folder;
 
 static void set_up(void) {
-    folder_make(folder);
-}
-
-static void clean_up(void) {
-    gnuplot_stub_remove();
-    folder_remove(folder);
+    folder = folder_make();
 }
 
 /* Whether a table has a row in which all these are, as cells. */
@@ -33,28 +28,23 @@ static int has_row(const char *table, const char *const *cells) {
                 found |= strcmp(text.cell[i * text.column_count + k], *wanted) == 0;
         }
     }
-    text_table_free(&text);
     return found;
 }
 #define HAS_ROW(table, ...) has_row(table, (const char *const[]){name, __VA_ARGS__, NULL})
 
 /* Whether a chart names it in its legend, or says that it has more curves than it names. */
 static int is_drawn(const char *figure) {
-    char path[PATH_SIZE];
-    path_format(path, "%s/%s.svg", folder, figure);
-    char *text = file_read(path);
+    char *text = file_read(printed("%s/%s.svg", folder, figure));
     cr_assert(text, "no figure %s", figure);
-    const int found = strstr(text, name) != NULL || strstr(text, "more, see the table") != NULL;
-    free(text);
-    return found;
+    return strstr(text, name) != NULL || strstr(text, "more, see the table") != NULL;
 }
 
 /* The files that README tells to read first, in a list "1. `path`: ...", are there and not long. */
 Test(readme, the_ten_files_to_read_first_are_short) {
     enum { LINES_MOST = 300 };
-    char path[PATH_SIZE], listed[200];
+    char listed[200];
     int number, count = 0, at_list = 0;
-    path_format(path, "%s/../README.md", WISPLAB_TESTS_DIR);
+    const char *path = printed("%s/../README.md", WISPLAB_TESTS_DIR);
     char *readme = file_read(path), *left = readme;
     cr_assert(readme);
     for (char *line; (line = strsep(&left, "\n")) != NULL && count < 10;) {
@@ -62,52 +52,43 @@ Test(readme, the_ten_files_to_read_first_are_short) {
         if (!at_list || sscanf(line, "%d. `%199[^`]`", &number, listed) != 2)
             continue;
         cr_assert_eq(number, ++count, "%s", line);
-        path_format(path, "%s/../%s", WISPLAB_TESTS_DIR, listed);
+        path = printed("%s/../%s", WISPLAB_TESTS_DIR, listed);
         char *text = file_read(path);
         cr_assert(text, "%s is not there", listed);
         cr_expect_lt(count_lines(text), LINES_MOST, "%s", listed);
-        free(text);
     }
     cr_assert_eq(count, 10);
-    free(readme);
 }
 
-Test(readme, the_stepper_is_in_the_list_and_runs, .init = set_up, .fini = clean_up) {
-    static struct finished f;
-    PROGRAM(&f, &walk, "list", "steppers");
-    cr_assert(f.code == 0 && strstr(f.out, name), "%s%s", f.out, f.err);
-    const char *after = strstr(f.out, name);
-    cr_assert(strstr(f.out, "rk4\t") < after && after < strstr(f.out, "implicit-euler\t"),
-              "it is not where README puts it: %s", f.out);
-    PROGRAM(&f, &walk, "run", "swing", "--stepper", name, "--rate", "8000", "--duration", "0.1",
-            "--out", folder);
-    cr_assert(f.code == 0, "%s", f.err);
+Test(readme, the_stepper_is_in_the_list_and_runs, .init = set_up) {
+    struct finished *f = program_must(&walk, 0, NULL, WORDS("list", "steppers"));
+    cr_assert(strstr(f->out, name), "%s%s", f->out, f->err);
+    const char *after = strstr(f->out, name);
+    cr_assert(strstr(f->out, "rk4\t") < after && after < strstr(f->out, "implicit-euler\t"),
+              "it is not where README puts it: %s", f->out);
+    program_must(&walk, 0, NULL,
+                 WORDS("run", "swing", "--stepper", name, "--rate", "8000", "--duration", "0.1",
+                       "--out", folder));
 }
 
 /* It does not say STEPPER_PROJECTS, and so must not run where a projection belongs to every step.
  */
-Test(readme, it_is_refused_where_a_constraint_is_projected, .init = set_up, .fini = clean_up) {
-    static struct finished f;
-    PROGRAM(&f, &walk, "run", "circle", "--treatment", "projection", "--stepper", name, "--out",
-            folder);
-    cr_assert(f.code == 1 && count_lines(f.err) == 1 && strstr(f.err, name) &&
-                  strstr(f.err, "constraint"),
-              "%d: %s", f.code, f.err);
+Test(readme, it_is_refused_where_a_constraint_is_projected, .init = set_up) {
+    const struct finished *f = program_must(
+        &walk, 1, name,
+        WORDS("run", "circle", "--treatment", "projection", "--stepper", name, "--out", folder));
+    cr_assert(strstr(f->err, "constraint"), "%s", f->err);
 }
 
 /* --- the experiments: what is asked for is nothing, and it is there --- */
 
 static void experiment(const char *which, const char *scene) {
-    static struct finished f;
-    if (scene)
-        PROGRAM(&f, &walk, "experiment", which, "--quick", "--scene", scene, "--out", folder,
-                "--no-progress");
-    else
-        PROGRAM(&f, &walk, "experiment", which, "--quick", "--out", folder, "--no-progress");
-    cr_assert(f.code == 0, "%s: exit code %d: %s", which, f.code, f.err);
+    program_must(&walk, 0, NULL,
+                 WORDS("experiment", which, "--quick", "--out", folder, "--no-progress",
+                       scene ? "--scene" : NULL, scene));
 }
 
-#define IN_FOLDER .init = set_up, .fini = clean_up
+#define IN_FOLDER .init = set_up
 
 Test(readme, slow_it_is_in_the_chart_of_accuracy_and_cost, IN_FOLDER, .timeout = 300) {
     experiment("work-precision", "swing");

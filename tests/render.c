@@ -29,11 +29,9 @@ static struct scene *scene_of(const char *set) {
 
 /* What a run of that scene has in its run.json, as far as pictures want it. */
 static void write_run(const char *folder, const struct scene *scene, const char *status) {
-    char path[PATH_SIZE];
     json_t *json = json_pack("{s:s, s:{s:s, s:s}, s:O}", "status", status, "settings", "stepper",
                              "rk4", "treatment", "generalised", "scene", scene->source);
-    path_format(path, "%s/run.json", folder);
-    cr_assert_eq(json_dump_file(json, path, JSON_REAL_PRECISION(17)), 0);
+    cr_assert_eq(json_dump_file(json, printed("%s/run.json", folder), JSON_REAL_PRECISION(17)), 0);
     json_decref(json);
 }
 
@@ -55,9 +53,7 @@ static void write_wisp(FILE *file, double t, int index, int parent, const struct
 }
 
 static FILE *begin_states(const char *folder, int samples) {
-    char path[PATH_SIZE];
-    path_format(path, "%s/states.tsv", folder);
-    FILE *file = fopen(path, "w");
+    FILE *file = fopen(printed("%s/states.tsv", folder), "w");
     cr_assert(file);
     fputs("# states at the frames\nt\twisp\tnode\tx\ty\tz\tvx\tvy\tvz", file);
     for (int j = 0; j < samples; j++)
@@ -76,15 +72,17 @@ static void write_frames_of(const char *folder, const struct scene *scene, int c
     fclose(file);
 }
 
-static void write_frames(char *folder, const struct scene *scene, int count, double lean) {
-    folder_make(folder);
+/* The same in a folder of its own. */
+static const char *write_frames(const struct scene *scene, int count, double lean) {
+    const char *const folder = folder_make();
     write_frames_of(folder, scene, count, lean);
+    return folder;
 }
 
 static void open_frames(struct frames *frames, const char *folder) {
-    char path[PATH_SIZE], reason[REASON_SIZE];
-    path_format(path, "%s/states.tsv", folder);
-    cr_assert_eq(frames_open(frames, path, NULL, NULL, 0, reason), 0, "%s", reason);
+    char reason[REASON_SIZE];
+    cr_assert_eq(frames_open(frames, printed("%s/states.tsv", folder), NULL, NULL, 0, reason), 0,
+                 "%s", reason);
 }
 
 static struct camera camera_at(const struct scene *scene, double width, double height) {
@@ -98,43 +96,36 @@ static struct camera camera_at(const struct scene *scene, double width, double h
 /* --- reading --- */
 
 Test(render, frames_are_read_back_with_their_scene) {
-    char folder[PATH_SIZE];
     struct scene *scene = scene_of(two_wisps);
     struct frames frames;
-    write_frames(folder, scene, 3, 0.01);
+    const char *const folder = write_frames(scene, 3, 0.01);
     open_frames(&frames, folder);
     cr_expect_str_eq(frames.run, "rk4 generalised");
     cr_expect_str_eq(frames.scene->name, "swing-envelope");
     cr_assert_eq(frames.count, 3);
     cr_assert_eq(frames_wisps(&frames, 3), 2);
     cr_expect_eq(frames_time(&frames, 2), 1 / 30.);
-    struct strand *strand = strand_create(&frames.wisps[1], frames.treatment);
+    struct strand *strand = lab_strand(&frames.wisps[1], frames.treatment);
     frames_load(&frames, 3, 1, strand);
     cr_expect_eq(strand->p[4][1], -0.3);
     cr_expect_float_eq(strand->p[4][0], 0.1 + 2 * 0.01, 1e-15);
     cr_expect_eq(strand->v[4][2], 4);
     cr_expect_eq(strand->r[4 * 4 + 3], 0.02);
-    strand_free(strand);
     frames_close(&frames);
-    scene_free(scene);
-    folder_remove(folder);
 }
 
 /* A run of this program, every treatment: what was written is what is read. */
 Test(render, frames_of_a_run_are_its_states) {
     static const char *const treatments[] = {"projection", "penalty", "generalised"};
-    char folder[PATH_SIZE];
-    folder_make(folder);
+    const char *const folder = folder_make();
     for (int i = 0; i < 3; i++) {
-        struct finished f;
         struct frames frames;
-        PROGRAM(&f, NULL, "run", "swing-envelope", "--duration", "0.1", "--treatment",
-                treatments[i], "--out", folder);
-        cr_assert_eq(f.code, 0, "%s", f.err);
+        WORKS("run", "swing-envelope", "--duration", "0.1", "--treatment", treatments[i], "--out",
+              folder);
         open_frames(&frames, folder);
         cr_assert_eq(frames.count, 4);
         cr_expect_eq(frames.treatment == WISP_PENALTY, i == 1);
-        struct strand *strand = strand_create(&frames.wisps[0], frames.treatment);
+        struct strand *strand = lab_strand(&frames.wisps[0], frames.treatment);
         frames_load(&frames, 4, 0, strand);
         const int row = frames.states->table.row_count - 1;
         for (int k = 0; k < 3; k++)
@@ -149,10 +140,8 @@ Test(render, frames_of_a_run_are_its_states) {
                 i == 1 ? strand->r[40 + j] : table_value(&frames.states->table, row, 9 + 2 * j);
             cr_expect(fabs(vector_length(e) - r) < 1e-4 && r > 0.01, "sample %d: %g", j, r);
         }
-        strand_free(strand);
         frames_close(&frames);
     }
-    folder_remove(folder);
 }
 
 /* Text of a good states.tsv of four-node wisps, and what may be wrong with one. */
@@ -177,7 +166,7 @@ static const struct {
 /* Replaces the first `text`, or returns NULL. */
 static char *replace(const char *whole, const char *text, const char *instead) {
     const char *at = strstr(whole, text);
-    char *changed = malloc(strlen(whole) + strlen(instead) + 1);
+    char *changed = test_room(strlen(whole) + strlen(instead) + 1);
     if (!at || !changed)
         return NULL;
     sprintf(changed, "%.*s%s%s", (int)(at - whole), whole, instead, at + strlen(text));
@@ -186,79 +175,60 @@ static char *replace(const char *whole, const char *text, const char *instead) {
 
 /* The command refuses the folder's states in one line, and writes nothing. */
 static void refused(const char *folder, const char *says) {
-    char out[PATH_SIZE];
-    struct finished f;
     struct stat status;
-    path_format(out, "%s/out", folder);
+    const char *const out = printed("%s/out", folder);
     for (int i = 0; i < 2; i++) {
-        char states[PATH_SIZE];
-        path_format(states, "%s/states.tsv", folder);
         if (i == 0)
-            PROGRAM(&f, NULL, "render", folder, "--out", out);
+            FAILS(1, says, "render", folder, "--out", out);
         else
-            PROGRAM(&f, NULL, "export", states, "--vtk", out);
-        cr_expect(f.code == 1 && count_lines(f.err) == 1 && strstr(f.err, says),
-                  "exit code %d, not '%s': %s", f.code, says, f.err);
+            FAILS(1, says, "export", printed("%s/states.tsv", folder), "--vtk", out);
         cr_expect(stat(out, &status) != 0, "something was written");
     }
 }
 
 Test(render, states_that_are_not_right_are_refused_in_one_line) {
-    char folder[PATH_SIZE], path[PATH_SIZE];
     struct scene *scene = scene_of(two_wisps);
-    write_frames(folder, scene, 2, 0.01);
-    path_format(path, "%s/states.tsv", folder);
-    char *good = file_read(path);
+    const char *const folder = write_frames(scene, 2, 0.01);
+    char *good = file_read(printed("%s/states.tsv", folder));
     for (size_t i = 0; i < sizeof spoilt / sizeof *spoilt; i++) {
         char *bad = replace(good, spoilt[i].text, spoilt[i].instead);
         cr_assert(bad, "'%s' is not in the file", spoilt[i].text);
-        file_write(folder, "states.tsv", bad, NULL);
+        file_write(folder, "states.tsv", bad);
         refused(folder, spoilt[i].says);
-        free(bad);
     }
     char *cut = strrchr(good, '\t'); /* within the last line, and a line from the end */
     *cut = '\0';
-    file_write(folder, "states.tsv", good, NULL);
+    file_write(folder, "states.tsv", good);
     refused(folder, "the last line is not complete");
     strrchr(good, '\n')[1] = '\0';
-    file_write(folder, "states.tsv", good, NULL);
+    file_write(folder, "states.tsv", good);
     refused(folder, "frame 2, the last, is not complete");
-    free(good);
     write_frames_of(folder, scene, 1, 0);
     struct scene *other = scene_of("envelope={samples=3;}");
     write_run(folder, other, "finished");
-    scene_free(other);
     refused(folder, "has 17 columns besides parent; states of wisps with 3 samples have 15");
-    file_write(folder, "run.json", "{\"status\":\"finished\"}", NULL);
+    file_write(folder, "run.json", "{\"status\":\"finished\"}");
     refused(folder, "has no scene");
-    file_write(folder, "run.json", "{", NULL);
+    file_write(folder, "run.json", "{");
     refused(folder, "run.json: line");
-    path_format(path, "%s/run.json", folder);
-    unlink(path);
+    unlink(printed("%s/run.json", folder));
     refused(folder, "has no run.json beside it");
-    scene_free(scene);
-    folder_remove(folder);
 }
 
 /* A run that was ended in the middle of a frame: what is whole is drawn. */
 Test(render, the_whole_frames_of_a_failed_run_are_kept) {
-    char folder[PATH_SIZE], path[PATH_SIZE];
     struct scene *scene = scene_of(two_wisps);
     struct frames frames;
-    write_frames(folder, scene, 3, 0.01);
-    path_format(path, "%s/states.tsv", folder);
-    char *text = file_read(path);
+    const char *const folder = write_frames(scene, 3, 0.01);
+    char *text = file_read(printed("%s/states.tsv", folder));
     text[strlen(text) - 1] = '\0';
     strrchr(text, '\n')[1] = '\0';
-    file_write(folder, "states.tsv", text, NULL);
+    file_write(folder, "states.tsv", text);
     write_run(folder, scene, "out of time");
     open_frames(&frames, folder);
     cr_expect_eq(frames.count, 2);
     cr_expect_str_eq(frames.run, "rk4 generalised (out of time)");
     frames_close(&frames);
-    free(text);
-    scene_free(scene);
-    folder_remove(folder);
 }
 
 static const struct {
@@ -297,74 +267,50 @@ static const struct {
 
 /* And the size that is named fits. */
 Test(render, a_page_that_is_no_png_is_refused_with_what_would_do) {
-    char folder[PATH_SIZE], out[PATH_SIZE], size[32] = "8192x8192";
-    struct scene *scene = scene_of(two_wisps);
+    char size[32] = "8192x8192";
     struct stat status;
-    struct finished f;
-    write_frames(folder, scene, 6, 0.01);
-    path_format(out, "%s/out", folder);
-    PROGRAM(&f, NULL, "render", folder, "--strip", "--bodies", "--size", size, "--out", out);
-    cr_assert(f.code == 1 && count_lines(f.err) == 1 && strstr(f.err, "49188 x 8252 pixels"), "%s",
-              f.err);
+    const char *const folder = write_frames(scene_of(two_wisps), 6, 0.01);
+    const char *const out = printed("%s/out", folder);
+    const struct finished *f = FAILS(1, "49188 x 8252 pixels", "render", folder, "--strip",
+                                     "--bodies", "--size", size, "--out", out);
     cr_assert(stat(out, &status) != 0, "something was written");
-    const char *named = strstr(f.err, "--size ");
+    const char *named = strstr(f->err, "--size ");
     cr_assert(named && sscanf(named, "--size %31[0-9x]", size) == 1 &&
                   strcmp(size, "8192x8192") != 0,
-              "%s", f.err);
-    PROGRAM(&f, NULL, "render", folder, "--strip", "--bodies", "--frames", "1-6", "--size", size,
-            "--columns", "6", "--out", out);
-    cr_assert_eq(f.code, 0, "%s", f.err);
-    folder_remove(folder);
-    scene_free(scene);
+              "%s", f->err);
+    WORKS("render", folder, "--strip", "--bodies", "--frames", "1-6", "--size", size, "--columns",
+          "6", "--out", out);
 }
 
 Test(render, wrong_commands_are_refused_in_one_line) {
-    char folder[PATH_SIZE], out[PATH_SIZE];
     struct scene *scene = scene_of(two_wisps);
     struct stat status;
-    write_frames(folder, scene, 2, 0.01);
-    path_format(out, "%s/out", folder);
+    const char *const folder = write_frames(scene, 2, 0.01);
+    const char *const out = printed("%s/out", folder);
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         const char *words[20] = {"render", folder, "--out", out};
-        struct finished f;
         for (int k = 0; wrong[i].words[k]; k++)
             words[4 + k] = wrong[i].words[k];
-        const struct process process = program_start(NULL, words);
-        program_wait(&process, &f);
-        cr_expect(f.code == 1 && count_lines(f.err) == 1 && strstr(f.err, wrong[i].says),
-                  "%s %s: exit code %d, '%s'", wrong[i].words[0],
-                  wrong[i].words[1] ? wrong[i].words[1] : "", f.code, f.err);
+        program_must(NULL, 1, wrong[i].says, words);
         cr_expect(stat(out, &status) != 0, "%s: something was written", wrong[i].words[0]);
     }
-    struct finished f;
-    PROGRAM(&f, NULL, "render", "circle", "--out", out);
-    cr_expect(f.code == 1 && strstr(f.err, "no wisps"), "%s", f.err);
-    PROGRAM(&f, NULL, "export", "nowhere.tsv", "--vtk", out);
-    cr_expect(f.code == 1 && strstr(f.err, "nowhere.tsv: no such file"), "%s", f.err);
-    PROGRAM(&f, NULL, "export", folder);
-    cr_expect(f.code == 1 && strstr(f.err, "--vtk"), "%s", f.err);
-    PROGRAM(&f, NULL, "export", "circle", "--vtk", out);
-    cr_expect(f.code == 1 && strstr(f.err, "neither a file of states nor the folder"), "%s", f.err);
-    PROGRAM(&f, NULL, "export", folder, "--vtk", out);
-    cr_expect(f.code == 0 && count_files(out, ".pvd") == 3, "of a folder: %s", f.err);
-    scene_free(scene);
-    folder_remove(folder);
+    FAILS(1, "no wisps", "render", "circle", "--out", out);
+    FAILS(1, "nowhere.tsv: no such file", "export", "nowhere.tsv", "--vtk", out);
+    FAILS(1, "--vtk", "export", folder);
+    FAILS(1, "neither a file of states nor the folder", "export", "circle", "--vtk", out);
+    WORKS("export", folder, "--vtk", out);
+    cr_expect_eq(count_files(out, ".pvd"), 3, "of a folder");
 }
 
 /* Two pictures of one frame would be one file, by two threads. */
 Test(render, a_frame_is_drawn_once) {
-    char folder[PATH_SIZE], out[PATH_SIZE];
     struct scene *scene = scene_of(two_wisps);
-    struct finished f;
-    write_frames(folder, scene, 3, 0.01);
-    path_format(out, "%s/out", folder);
-    PROGRAM(&f, NULL, "render", folder, "--frames", "2,1-2,1,2-3", "--size", "64x64", "--threads",
-            "2", "--out", out);
-    cr_expect(f.code == 0 && strstr(f.out, "3 pictures"), "exit code %d: %s%s", f.code, f.out,
-              f.err);
+    const char *const folder = write_frames(scene, 3, 0.01);
+    const char *const out = printed("%s/out", folder);
+    struct finished *f = WORKS("render", folder, "--frames", "2,1-2,1,2-3", "--size", "64x64",
+                               "--threads", "2", "--out", out);
+    cr_assert(strstr(f->out, "3 pictures"), "%s%s", f->out, f->err);
     cr_expect_eq(count_files(out, ".png"), 3);
-    scene_free(scene);
-    folder_remove(folder);
 }
 
 /* --- making a picture --- */
@@ -386,11 +332,10 @@ static void draw(struct picture *picture, const struct frames *frames, unsigned 
 Test(render, children_have_their_parents_hair) {
     static const double lean[3][4] = {{0}, {0.02, -0.02}, {0.021, -0.02, 0.022, -0.021}};
     static const int parent[4] = {0, 0, 1, 0};
-    char folder[PATH_SIZE];
     struct scene *scene =
         scene_of("wisps=({root=[0.0,0.0,0.0];direction=[0.0,-1.0,0.0];length=0.3;nodes=4;})");
     struct frames frames;
-    folder_make(folder);
+    const char *const folder = folder_make();
     write_run(folder, scene, "finished");
     FILE *file = begin_states(folder, 4);
     for (int frame = 0; frame < 3; frame++)
@@ -426,19 +371,16 @@ Test(render, children_have_their_parents_hair) {
         }
     }
     frames_close(&frames);
-    scene_free(scene);
-    folder_remove(folder);
 }
 
 /* --- what is drawn --- */
 
 /* Frames in which nothing moves have the same hair, and all of it is there. */
 Test(render, still_hair_is_the_same_in_every_frame) {
-    char folder[PATH_SIZE];
     struct scene *scene = scene_of(two_wisps);
     struct frames frames;
     struct picture first, second;
-    write_frames(folder, scene, 2, 0);
+    const char *const folder = write_frames(scene, 2, 0);
     open_frames(&frames, folder);
     draw(&first, &frames, VIEW_HAIR, 1, 320, 240);
     draw(&second, &frames, VIEW_HAIR, 2, 320, 240);
@@ -450,19 +392,16 @@ Test(render, still_hair_is_the_same_in_every_frame) {
     picture_free(&first);
     picture_free(&second);
     frames_close(&frames);
-    scene_free(scene);
-    folder_remove(folder);
 }
 
 /* What a run that diverged leaves: what is near is drawn, and all numbers are such as gnuplot
  * reads. */
 Test(render, a_wisp_that_flew_apart_is_drawn_as_far_as_it_is_seen) {
-    char folder[PATH_SIZE];
     struct scene *scene = scene_of(two_wisps);
     for (int power = 3; power <= 300; power += 27) {
         struct frames frames;
         struct picture picture;
-        write_frames(folder, scene, 2, pow(10, power));
+        const char *const folder = write_frames(scene, 2, pow(10, power));
         open_frames(&frames, folder);
         struct render_settings *render = &frames.scene->render; /* across the way it flies */
         render->has_eye = render->has_target = 1;
@@ -478,21 +417,18 @@ Test(render, a_wisp_that_flew_apart_is_drawn_as_far_as_it_is_seen) {
             }
         picture_free(&picture);
         frames_close(&frames);
-        folder_remove(folder);
     }
-    scene_free(scene);
 }
 
 /* A ball before the first wisp hides it all, and nothing of the second; behind, nothing. */
 Test(render, hair_behind_a_body_is_not_drawn) {
     static const double depth[2] = {1, -1};
-    char folder[PATH_SIZE];
     struct scene *scene = scene_of(two_wisps);
     size_t count[3];
     for (int i = 0; i < 3; i++) {
         struct frames frames;
         struct picture picture;
-        write_frames(folder, scene, 1, 0);
+        const char *const folder = write_frames(scene, 1, 0);
         open_frames(&frames, folder);
         struct body ball = {.radii = {0.2, 0.2, 0.2}};
         const struct camera camera = camera_at(frames.scene, 320, 240);
@@ -508,26 +444,21 @@ Test(render, hair_behind_a_body_is_not_drawn) {
         count[i] = picture.layer[LAYER_HAIR].count;
         picture_free(&picture);
         frames_close(&frames);
-        folder_remove(folder);
     }
     cr_expect(count[2] > 1000 && count[1] == count[2], "behind: %zu of %zu", count[1], count[2]);
     cr_expect(count[0] < count[2], "before: %zu of %zu", count[0], count[2]);
-    scene_free(scene);
 }
 
 /* --- the style field --- */
 
 /* The arrows of a field; the caller frees the picture. */
 static const struct layer *arrows(struct picture *picture, const char *style) {
-    char folder[PATH_SIZE];
     struct scene *scene = scene_of(style);
     struct frames frames;
-    write_frames(folder, scene, 1, 0);
+    const char *const folder = write_frames(scene, 1, 0);
     open_frames(&frames, folder);
     draw(picture, &frames, VIEW_STYLE, 1, 320, 240);
     frames_close(&frames);
-    folder_remove(folder);
-    scene_free(scene);
     return &picture->layer[LAYER_STYLE];
 }
 
@@ -569,12 +500,11 @@ Test(render, arrows_of_a_parting_point_to_both_sides) {
 /* Of six samples the first is at half of its distance, and takes along what hairs have of it:
  * between lines at 60 degrees a place (x, y) has x - |y| / sqrt 3 of the middle one. */
 Test(render, a_plane_shows_samples_and_hairs) {
-    char folder[PATH_SIZE];
     struct scene *scene = scene_of("envelope={ samples=6; }");
     struct frames frames;
     struct drawing drawing;
     struct picture picture;
-    write_frames(folder, scene, 1, 0);
+    const char *const folder = write_frames(scene, 1, 0);
     open_frames(&frames, folder);
     frames.states->table.value[3 * frames.states->table.column_count + 9] = 0.01;
     drawing_create(&drawing, &frames, VIEW_PLANE);
@@ -605,19 +535,16 @@ Test(render, a_plane_shows_samples_and_hairs) {
     picture_free(&picture);
     drawing_free(&drawing);
     frames_close(&frames);
-    folder_remove(folder);
-    scene_free(scene);
 }
 
 /* With a reference colour is the distance from it: 0 at the root, all of it at the tip. */
 Test(render, the_error_is_the_distance_from_the_reference) {
-    char folder[PATH_SIZE], other[PATH_SIZE];
     struct scene *scene = scene_of(two_wisps);
     struct frames frames, reference;
     struct drawing drawing;
     struct picture picture;
-    write_frames(folder, scene, 2, 0);
-    write_frames(other, scene, 2, 0.006);
+    const char *const folder = write_frames(scene, 2, 0);
+    const char *const other = write_frames(scene, 2, 0.006);
     open_frames(&frames, folder);
     open_frames(&reference, other);
     drawing_create(&drawing, &frames, VIEW_SKELETON);
@@ -640,9 +567,6 @@ Test(render, the_error_is_the_distance_from_the_reference) {
     drawing_free(&drawing);
     frames_close(&frames);
     frames_close(&reference);
-    scene_free(scene);
-    folder_remove(folder);
-    folder_remove(other);
 }
 
 /* --- files --- */
@@ -660,108 +584,74 @@ static void png_size(const char *path, long size[2]) {
 }
 
 Test(render, pictures_have_the_size_that_was_asked_for) {
-    char folder[PATH_SIZE], out[PATH_SIZE], path[PATH_SIZE];
     struct scene *scene = scene_of(two_wisps);
-    struct finished f;
     long size[2];
-    write_frames(folder, scene, 3, 0.01);
-    path_format(out, "%s/out", folder);
-    PROGRAM(&f, NULL, "render", folder, "--frames", "1-2,3", "--size", "401x303", "--film", "--out",
-            out);
-    cr_assert_eq(f.code, 0, "%s", f.err);
-    path_format(path, "%s/swing-envelope-0003.png", out);
-    png_size(path, size);
+    const char *const folder = write_frames(scene, 3, 0.01);
+    const char *const out = printed("%s/out", folder);
+    WORKS("render", folder, "--frames", "1-2,3", "--size", "401x303", "--film", "--out", out);
+    png_size(printed("%s/swing-envelope-0003.png", out), size);
     cr_expect(size[0] == 401 && size[1] == 303, "%ld x %ld", size[0], size[1]);
-    path_format(path, "%s/swing-envelope.gif", out);
-    char *gif = file_read(path);
+    char *gif = file_read(printed("%s/swing-envelope.gif", out));
     cr_expect(gif && strncmp(gif, "GIF89a", 6) == 0);
-    free(gif);
     cr_expect_eq(count_files(out, "png"), 3);
     cr_expect_eq(count_files(out, "drawing"), 0, "something was left behind");
-    scene_free(scene);
-    folder_remove(folder);
 }
 
 /* Pictures that are there are whole, and nothing else is. */
 Test(render, an_interruption_leaves_whole_pictures) {
-    char folder[PATH_SIZE], out[PATH_SIZE];
     struct scene *scene = scene_of(two_wisps);
-    struct finished f;
-    write_frames(folder, scene, 300, 0.0001);
-    path_format(out, "%s/out", folder);
-    const char *const words[] = {"render",  folder,  "--frames", "all", "--size",
-                                 "900x600", "--out", out,        NULL};
-    const struct process process = program_start(NULL, words);
+    const char *const folder = write_frames(scene, 300, 0.0001);
+    const char *const out = printed("%s/out", folder);
+    const struct process process = program_start(
+        NULL, WORDS("render", folder, "--frames", "all", "--size", "900x600", "--out", out));
     for (int i = 0; i < 1000 && count_files(out, "-0001.png") < 1; i++)
-        usleep(10000);
+        wait_for(0.01);
     kill(process.pid, SIGTERM);
-    program_wait(&process, &f);
-    cr_expect(f.code == 3 && count_lines(f.err) == 1 && strstr(f.err, "interrupted"), "%d: %s",
-              f.code, f.err);
+    struct finished *f = program_wait(&process);
+    must_have_failed(f, 3, "interrupted");
     const int pictures = count_files(out, ".png");
     cr_expect(pictures > 0 && pictures < 300, "%d pictures", pictures);
     cr_expect_eq(count_files(out, ""), pictures, "something else was left");
-    scene_free(scene);
-    folder_remove(folder);
 }
 
 /* Rows, columns and a bar of colours, in the words of an svg. */
 Test(render, a_strip_says_what_it_shows) {
-    char folder[PATH_SIZE], other[PATH_SIZE], out[PATH_SIZE], path[PATH_SIZE];
     struct scene *scene = scene_of(two_wisps);
-    struct finished f;
     static const char *const says[] = {"swing-envelope", "rk4 generalised", "frame 1, 0.000 s",
                                        "frame 2, 0.033 s", "distance from the reference, m"};
-    write_frames(folder, scene, 2, 0.01);
-    write_frames(other, scene, 3, 0.02);
-    path_format(out, "%s/out", folder);
-    PROGRAM(&f, NULL, "render", folder, other, "--skeleton", "--frames", "1,2", "--format", "svg",
-            "--error", other, "--out", out);
-    cr_assert_eq(f.code, 0, "%s", f.err);
-    path_format(path, "%s/swing-envelope-strip.svg", out);
-    char *svg = file_read(path);
+    const char *const folder = write_frames(scene, 2, 0.01);
+    const char *const other = write_frames(scene, 3, 0.02);
+    const char *const out = printed("%s/out", folder);
+    WORKS("render", folder, other, "--skeleton", "--frames", "1,2", "--format", "svg", "--error",
+          other, "--out", out);
+    char *svg = file_read(printed("%s/swing-envelope-strip.svg", out));
     cr_assert(svg);
     for (size_t i = 0; i < sizeof says / sizeof *says; i++)
         cr_expect(strstr(svg, says[i]), "no '%s'", says[i]);
-    free(svg);
-    scene_free(scene);
-    folder_remove(folder);
-    folder_remove(other);
 }
 
 /* Runs beside each other have their names above them; a large frame has its own caption, and is not
  * among the others. */
 Test(render, a_strip_shows_runs_beside_each_other_and_one_frame_large) {
-    char folder[PATH_SIZE], other[PATH_SIZE], out[PATH_SIZE], path[PATH_SIZE];
     struct scene *scene = scene_of(two_wisps);
-    struct finished f;
-    write_frames(folder, scene, 3, 0.01);
-    write_frames(other, scene, 3, 0.02);
-    path_format(out, "%s/out", folder);
-    path_format(path, "%s/swing-envelope-strip.svg", out);
-    PROGRAM(&f, NULL, "render", folder, other, "--skeleton", "--frames", "1,2", "--format", "svg",
-            "--beside", "--out", out);
-    cr_assert_eq(f.code, 0, "%s", f.err);
+    const char *const folder = write_frames(scene, 3, 0.01);
+    const char *const other = write_frames(scene, 3, 0.02);
+    const char *const out = printed("%s/out", folder);
+    const char *const path = printed("%s/swing-envelope-strip.svg", out);
+    WORKS("render", folder, other, "--skeleton", "--frames", "1,2", "--format", "svg", "--beside",
+          "--out", out);
     char *svg = file_read(path);
     cr_expect_eq(count_of(svg, "rk4 generalised, 0.000 s"), 2);
     cr_expect_eq(count_of(svg, "rk4 generalised, 0.033 s"), 2);
-    free(svg);
-    PROGRAM(&f, NULL, "render", folder, "--skeleton", "--frames", "1,2", "--format", "svg",
-            "--large", "3", "--out", out);
-    cr_assert_eq(f.code, 0, "%s", f.err);
+    WORKS("render", folder, "--skeleton", "--frames", "1,2", "--format", "svg", "--large", "3",
+          "--out", out);
     svg = file_read(path);
     cr_expect(strstr(svg, "<svg width=\"1006\" height=\"566\"") != NULL, "%.300s", svg);
     cr_expect(strstr(svg, "<svg x=\"0\" y=\"54\" width=\"674\" height=\"506\"") != NULL,
               "what is large is not");
     cr_expect_eq(count_of(svg, "frame 3, 0.067 s"), 1);
     cr_expect_eq(count_of(svg, "frame 2, 0.033 s"), 1);
-    free(svg);
-    PROGRAM(&f, NULL, "render", folder, "--skeleton", "--large", "4", "--out", out);
-    cr_assert_eq(f.code, 1);
-    cr_assert(strstr(f.err, "there is no frame 4"), "%s", f.err);
-    scene_free(scene);
-    folder_remove(folder);
-    folder_remove(other);
+    FAILS(1, "there is no frame 4", "render", folder, "--skeleton", "--large", "4", "--out", out);
 }
 
 /* The scale of colours ends with the next power of ten, or where a run has diverged with what whole
@@ -773,56 +663,39 @@ Test(render, the_scale_of_errors_ends_with_a_power_of_ten) {
     } cases[] = {{0.002, "10⁻⁶", "10⁻²", "10⁻¹"}, {1e30, "10⁻⁴", "10⁰", "10³⁰"}};
     struct scene *scene = scene_of(two_wisps);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        char folder[PATH_SIZE], other[PATH_SIZE], path[PATH_SIZE];
-        struct finished f;
-        write_frames(folder, scene, 2, cases[i].tip);
-        write_frames(other, scene, 2, 0);
-        PROGRAM(&f, NULL, "render", folder, "--skeleton", "--frames", "1,2", "--strip", "--format",
-                "svg", "--error", other, "--out", folder);
-        cr_assert_eq(f.code, 0, "%s", f.err);
-        path_format(path, "%s/swing-envelope-strip.svg", folder);
-        char *svg = file_read(path);
+        const char *const folder = write_frames(scene, 2, cases[i].tip);
+        WORKS("render", folder, "--skeleton", "--frames", "1,2", "--strip", "--format", "svg",
+              "--error", write_frames(scene, 2, 0), "--out", folder);
+        const char *svg = file_of(folder, "swing-envelope-strip.svg");
         cr_expect(strstr(svg, cases[i].least) && strstr(svg, cases[i].most) &&
                       !strstr(svg, cases[i].beyond),
                   "not from %s to %s", cases[i].least, cases[i].most);
-        free(svg);
-        folder_remove(folder);
-        folder_remove(other);
     }
-    scene_free(scene);
 }
 
 /* The palest where the two are one, and what is far away darker. */
 Test(render, colour_tells_the_distance) {
-    char folder[PATH_SIZE], other[PATH_SIZE], out[PATH_SIZE], path[PATH_SIZE];
     struct scene *scene = scene_of(two_wisps);
-    struct finished f;
-    write_frames(folder, scene, 2, 0.08);
-    write_frames(other, scene, 2, 0);
-    path_format(out, "%s/out", folder);
-    PROGRAM(&f, NULL, "render", folder, "--skeleton", "--frames", "1,2", "--strip", "--format",
-            "svg", "--error", other, "--out", out);
-    cr_assert_eq(f.code, 0, "%s", f.err);
-    path_format(path, "%s/swing-envelope-strip.svg", out);
-    char *svg = file_read(path), *second = strstr(strstr(svg, "overflow") + 1, "overflow");
+    const char *const folder = write_frames(scene, 2, 0.08);
+    const char *const other = write_frames(scene, 2, 0);
+    const char *const out = printed("%s/out", folder);
+    WORKS("render", folder, "--skeleton", "--frames", "1,2", "--strip", "--format", "svg",
+          "--error", other, "--out", out);
+    char *svg = file_read(printed("%s/swing-envelope-strip.svg", out)),
+         *second = strstr(strstr(svg, "overflow") + 1, "overflow");
     cr_assert(second);
     cr_expect(strstr(svg, "stroke=\"#f2c14e\"") < second, "what is nowhere off is not pale");
     for (char *at = svg; (at = strstr(at, "stroke=\"#")) && at < second; at++)
         cr_expect_eq(strncmp(at, "stroke=\"#f2c14e", 15), 0, "frame 1: %.16s", at);
     cr_expect(strstr(second, "stroke=\"#18088a\"") != NULL, "no tip is as far off as it is");
-    free(svg);
-    scene_free(scene);
-    folder_remove(folder);
-    folder_remove(other);
 }
 
 /* --- other tools --- */
 
 /* The numbers of an array of a file, which stand behind their length where the document says. */
 static const char *appended(const char *file, const char *name) {
-    char mark[60];
-    snprintf(mark, sizeof mark, "Name=\"%s\"", name);
-    const char *array = strstr(file, mark), *data = strstr(file, "encoding=\"raw\"");
+    const char *array = strstr(file, printed("Name=\"%s\"", name)),
+               *data = strstr(file, "encoding=\"raw\"");
     cr_assert(array && data, "no %s", name);
     return strchr(data, '_') + 1 +
            strtol(strstr(array, "offset=\"") + strlen("offset=\""), NULL, 10);
@@ -830,14 +703,13 @@ static const char *appended(const char *file, const char *name) {
 
 /* Every state is in the files to the last bit. */
 Test(render, exported_frames_have_all_bits) {
-    char folder[PATH_SIZE], path[PATH_SIZE], reason[REASON_SIZE];
+    char reason[REASON_SIZE];
     struct scene *scene = scene_of(two_wisps);
     struct frames frames;
-    write_frames(folder, scene, 2, 0.0123456789012345);
+    const char *const folder = write_frames(scene, 2, 0.0123456789012345);
     open_frames(&frames, folder);
     cr_assert_eq(vtk_write(&frames, folder, "name", reason), 0, "%s", reason);
-    path_format(path, "%s/name-0002.vtp", folder);
-    char *text = file_read(path);
+    char *text = file_read(printed("%s/name-0002.vtp", folder));
     cr_assert(text);
     static const struct {
         const char *name;
@@ -855,15 +727,10 @@ Test(render, exported_frames_have_all_bits) {
                 cr_assert_eq(memcmp(at, &x, sizeof x), 0, "%s, row %d", arrays[a].name, row);
             }
     }
-    free(text);
-    path_format(path, "%s/name.pvd", folder);
-    text = file_read(path);
+    text = file_read(printed("%s/name.pvd", folder));
     cr_expect(text && strstr(text, "timestep=\"0.03333333333333333\"") &&
               strstr(text, "file=\"name-0002.vtp\""));
-    free(text);
     frames_close(&frames);
-    scene_free(scene);
-    folder_remove(folder);
 }
 
 /* VTK's own reader, where Debian's python3-vtk9 is installed, which is for Debian's python3. Bodies
@@ -952,30 +819,26 @@ static const char *const with_bodies[] = {
     "head={times=[0.0];positions=([0.0,0.0,0.0]);rotations=([0.3,0.2,0.7]);}"};
 
 Test(render, exported_frames_are_read_by_vtk) {
-    char folder[PATH_SIZE], script[PATH_SIZE], command[3 * PATH_SIZE], reason[REASON_SIZE];
+    char reason[REASON_SIZE];
     struct scene *scene = lab_load("swing-envelope", with_bodies, 3);
     struct frames frames;
-    write_frames(folder, scene, 2, 0.0625);
+    const char *const folder = write_frames(scene, 2, 0.0625);
     open_frames(&frames, folder);
     cr_assert_eq(vtk_write(&frames, folder, "name", reason), 0, "%s", reason);
-    file_write(folder, "reader.py", reader, script);
-    snprintf(command, sizeof command, "/usr/bin/python3 '%s' '%s' 2>&1", script, folder);
-    const int status = system(command);
+    const struct finished *f =
+        shell("/usr/bin/python3 '%s' '%s'", file_write(folder, "reader.py", reader), folder);
     frames_close(&frames);
-    scene_free(scene);
-    folder_remove(folder);
-    if (status == 127 << 8 || status == 42 << 8)
+    if (f->code == 127 || f->code == 42)
         skip_test("VTK's own reader, for there is no python3-vtk9");
-    cr_expect_eq(status, 0, "VTK reads something else");
+    cr_expect_eq(f->code, 0, "VTK reads something else: %s", f->out);
 }
 
 /* The numbers of an attribute at a frame; returns how many. */
 static int numbers_at(const char *layer, const char *attribute, int frame, double *number,
                       int most) {
-    char key[32];
     const char *at = strstr(layer, attribute);
     cr_assert(at, "no %s", attribute);
-    snprintf(key, sizeof key, "\n            %d: ", frame);
+    const char *const key = printed("\n            %d: ", frame);
     at = strstr(at, key);
     cr_assert(at, "no frame %d of %s", frame, attribute);
     at += strlen(key);
@@ -993,15 +856,14 @@ static int numbers_at(const char *layer, const char *attribute, int frame, doubl
 /* Curves go through the nodes and are as wide as envelopes; a row of 4 numbers, on the left of a
  * body's matrix, takes the ends of the unit sphere's axes to those of the body's. */
 Test(render, a_usd_layer_has_all_frames) {
-    char folder[PATH_SIZE], path[PATH_SIZE], reason[REASON_SIZE];
+    char reason[REASON_SIZE];
     struct scene *scene = lab_load("swing-envelope", with_bodies, 3);
     struct frames frames;
     double number[40];
-    write_frames(folder, scene, 2, 0.0123456789012345);
+    const char *const folder = write_frames(scene, 2, 0.0123456789012345);
     open_frames(&frames, folder);
     cr_assert_eq(usd_write(&frames, folder, "name", reason), 0, "%s", reason);
-    path_format(path, "%s/name.usda", folder);
-    char *layer = file_read(path);
+    char *layer = file_read(printed("%s/name.usda", folder));
     cr_assert(layer && strncmp(layer, "#usda 1.0\n", 10) == 0);
     cr_expect_eq(numbers_at(layer, "curveVertexCounts", 2, number, 40), 2);
     cr_expect(number[0] == 4 && number[1] == 5);
@@ -1023,8 +885,5 @@ Test(render, a_usd_layer_has_all_frames) {
             cr_expect_float_eq(number[12 + k] + number[4 * axis + k],
                                motion.centre[k] + body->radii[axis] * motion.axes[k][axis], 1e-15,
                                "axis %d, %c", axis, "xyz"[k]);
-    free(layer);
     frames_close(&frames);
-    scene_free(scene);
-    folder_remove(folder);
 }

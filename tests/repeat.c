@@ -14,8 +14,7 @@ struct repetition {
 
 static void check_twice(struct repetition *repetition, const struct variant *variant,
                         const char *linear) {
-    char *states[2] = {NULL, NULL}, path[PATH_SIZE];
-    struct finished f;
+    char *states[2] = {NULL, NULL};
     for (int i = 0; i < 2; i++) {
         int used = 10;
         const char *words[16] = {
@@ -30,14 +29,12 @@ static void check_twice(struct repetition *repetition, const struct variant *var
             words[used++] = "--linear";
             words[used++] = linear;
         }
-        const struct process process = program_start(NULL, words);
-        program_wait(&process, &f);
-        if (f.code == 1)
+        struct finished *f = program_done(NULL, words);
+        if (f->code == 1)
             return; /* refused by name: not supported */
-        cr_assert_eq(f.code, 0, "%s, %s: exit code %d, %s", variant->name, repetition->treatment,
-                     f.code, f.err);
-        path_format(path, "%s/states.tsv", repetition->folder);
-        states[i] = file_read(path);
+        cr_assert_eq(f->code, 0, "%s, %s: exit code %d, %s", variant->name, repetition->treatment,
+                     f->code, f->err);
+        states[i] = file_read(printed("%s/states.tsv", repetition->folder));
         cr_assert(states[i], "%s: no states", variant->name);
     }
     cr_assert(strcmp(states[0], states[1]) == 0, "%s, %s: two runs differ", variant->name,
@@ -45,8 +42,6 @@ static void check_twice(struct repetition *repetition, const struct variant *var
     cr_assert(count_lines(states[0]) > 10, "%s: nothing to compare", variant->name);
     repetition->compared += variant->method != repetition->last;
     repetition->last = variant->method;
-    free(states[0]);
-    free(states[1]);
 }
 
 static void check_variant(const struct variant *variant, void *ctx) {
@@ -59,9 +54,7 @@ static void check_variant(const struct variant *variant, void *ctx) {
 /* On each treatment of a scene every stepper is there, with each solver that takes its matrix. */
 static void check_scene(const char *scene, const char *duration, const char *folder) {
     struct repetition repetition = {.scene = scene, .duration = duration, .folder = folder};
-    char reason[REASON_SIZE];
-    struct scene *loaded = scene_load(scene, NULL, 0, reason);
-    cr_assert(loaded, "%s", reason);
+    struct scene *loaded = lab_load(scene, NULL, 0);
     for (int i = 0; loaded->problem->treatments[i].name; i++) {
         if (loaded->wisp_count > 0 && loaded->wisps->samples == 0 && i > 0)
             break; /* treatments are of samples */
@@ -79,14 +72,11 @@ static void check_scene(const char *scene, const char *duration, const char *fol
         cr_assert_eq(repetition.compared, steppers, "%s, %s: %d of %d steppers were compared",
                      scene, repetition.treatment, repetition.compared, steppers);
     }
-    scene_free(loaded);
 }
 
 Test(repeat, every_stepper_gives_the_same_bits_twice) {
-    char folder[PATH_SIZE];
-    folder_make(folder);
+    const char *const folder = folder_make();
     check_scene("circle", "40", folder);
     check_scene("swing", "0.04", folder);
     check_scene("swing-envelope", "0.04", folder);
-    folder_remove(folder);
 }

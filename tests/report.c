@@ -22,7 +22,7 @@ enum { DEPTH_MAX = 64, IDS_MAX = 16384 };
 
 struct page {
     char *text;
-    char *id[IDS_MAX]; /* owned */
+    char *id[IDS_MAX];
     int id_count;
     int figures, captions;
 };
@@ -57,7 +57,7 @@ static const char *read_attributes(struct page *page, const char *at, int *empty
             for (int i = 0; i < page->id_count; i++)
                 cr_assert(strcmp(page->id[i], value) != 0, "id %s is there twice", value);
             cr_assert(page->id_count < IDS_MAX);
-            page->id[page->id_count++] = strdup(value);
+            page->id[page->id_count++] = printed("%s", value);
         }
     }
 }
@@ -90,9 +90,8 @@ static void read_page(struct page *page) {
             continue;
         }
         const int closes = tag[1] == '/';
-        char name[32];
-        snprintf(name, sizeof name, "%.*s", (int)strcspn(tag + 1 + closes, " \t\n/>"),
-                 tag + 1 + closes);
+        const char *const name =
+            printed("%.*s", (int)strcspn(tag + 1 + closes, " \t\n/>"), tag + 1 + closes);
         cr_assert(isalpha((unsigned char)name[0]), "no tag: %.40s", tag);
         if (closes) {
             cr_assert(depth > 0 && strcmp(open[depth - 1], name) == 0, "</%s> closes <%s>", name,
@@ -123,12 +122,6 @@ static void references_are_there(const struct page *page, const char *mark, char
             found |= strlen(page->id[i]) == length && strncmp(page->id[i], at, length) == 0;
         cr_assert(found, "%s%.*s refers to nothing", mark, (int)length, at);
     }
-}
-
-static void page_free(struct page *page) {
-    for (int i = 0; i < page->id_count; i++)
-        free(page->id[i]);
-    free(page->text);
 }
 
 /* --- prepared folders --- */
@@ -174,42 +167,40 @@ static struct report_part *add_part(struct report *report, const char *name, cha
     return part;
 }
 
-static void prepare(struct report *report, char *root) {
+static void prepare(struct report *report) {
     char folder[PATH_SIZE];
-    folder_make(root);
+    const char *const root = folder_make();
     *report = (struct report){.root = root, .quick = 1};
     add_part(report, "circle", folder);
-    file_write(folder, "table.tsv", circle_table, NULL);
-    file_write(folder, "statements.tsv", circle_rows, NULL);
-    file_write(folder, "orbits-30s.tsv", "# lines\nx\ty\n0\t1\n1\t0\n", NULL);
-    file_write(folder, "orbits-160s.tsv", "# lines\nx\ty\n0\t1\n", NULL);
-    file_write(folder, "orbits-30s.svg", picture, NULL);
-    file_write(folder, "orbits-160s.svg", picture, NULL);
+    file_write(folder, "table.tsv", circle_table);
+    file_write(folder, "statements.tsv", circle_rows);
+    file_write(folder, "orbits-30s.tsv", "# lines\nx\ty\n0\t1\n1\t0\n");
+    file_write(folder, "orbits-160s.tsv", "# lines\nx\ty\n0\t1\n");
+    file_write(folder, "orbits-30s.svg", picture);
+    file_write(folder, "orbits-160s.svg", picture);
     add_part(report, "work-precision", folder);
-    file_write(folder, "scenes.tsv", "# scenes\nfile\tname\nswing\tswing\n", NULL);
-    file_write(folder, "swing.tsv", points, NULL);
-    file_write(folder, "swing-slopes.tsv", "# slopes\nmethod\tslope\n", NULL);
-    file_write(folder, "statements.tsv", race_rows, NULL);
-    file_write(folder, "swing.svg", picture, NULL);
+    file_write(folder, "scenes.tsv", "# scenes\nfile\tname\nswing\tswing\n");
+    file_write(folder, "swing.tsv", points);
+    file_write(folder, "swing-slopes.tsv", "# slopes\nmethod\tslope\n");
+    file_write(folder, "statements.tsv", race_rows);
+    file_write(folder, "swing.svg", picture);
     struct report_part *part = add_part(report, "horizon", folder);
     part->included = 0;
     snprintf(part->note, REASON_SIZE, "left out for want of time");
 }
 
 static void make_page(const struct report *report, struct page *page) {
-    char reason[REASON_SIZE], path[PATH_SIZE];
+    char reason[REASON_SIZE];
     *page = (struct page){.id_count = 0};
     cr_assert(report_write(report, reason) == 0, "%s", reason);
-    path_format(path, "%s/report.html", report->root);
-    page->text = file_read(path);
+    page->text = file_read(printed("%s/report.html", report->root));
     cr_assert(page->text);
 }
 
 Test(report, page_is_well_formed_and_stands_alone) {
     struct report report;
     struct page page;
-    char root[PATH_SIZE];
-    prepare(&report, root);
+    prepare(&report);
     make_page(&report, &page);
     read_page(&page);
     references_are_there(&page, "href=\"#", '"');
@@ -218,8 +209,6 @@ Test(report, page_is_well_formed_and_stands_alone) {
     cr_assert(!strstr(page.text, "src=") && !strstr(page.text, "<script") &&
                   !strstr(page.text, "<link") && !strstr(page.text, "href=\"http"),
               "it needs another file");
-    page_free(&page);
-    folder_remove(root);
 }
 
 /* The part of a text from one place to another. */
@@ -228,7 +217,7 @@ static char *part_of(const char *text, const char *from, const char *to) {
     cr_assert(start, "no %s", from);
     const char *end = strstr(start, to);
     cr_assert(end, "no %s after %s", to, from);
-    return strndup(start, (size_t)(end - start));
+    return printed("%.*s", (int)(end - start), start);
 }
 
 #define HAS(text, from, to, ...) must_have(text, from, to, (const char *const[]){__VA_ARGS__, NULL})
@@ -236,7 +225,6 @@ static void must_have(const char *text, const char *from, const char *to, const 
     char *part = part_of(text, from, to);
     for (; *says; says++)
         cr_assert(strstr(part, *says), "%s: no '%s' in %s", from, *says, part);
-    free(part);
 }
 
 /* Rows stand under their figure with their verdict, and where there is no such figure at the head
@@ -244,8 +232,7 @@ static void must_have(const char *text, const char *from, const char *to, const 
 Test(report, every_figure_has_its_statements_and_its_data) {
     struct report report;
     struct page page;
-    char root[PATH_SIZE];
-    prepare(&report, root);
+    prepare(&report);
     make_page(&report, &page);
     read_page(&page);
     cr_assert_eq(page.figures, 3);
@@ -269,9 +256,6 @@ Test(report, every_figure_has_its_statements_and_its_data) {
         "left &quot;the&quot; plane");
     char *swing = part_of(page.text, "<figure id=\"work-precision-swing\">", "</figcaption>");
     cr_assert(!strstr(swing, "swing-envelope.tsv"), "another figure's table");
-    free(swing);
-    page_free(&page);
-    folder_remove(root);
 }
 
 /* In the chapter of each question the rows that answer it, those that sum up first and the others
@@ -279,8 +263,7 @@ Test(report, every_figure_has_its_statements_and_its_data) {
 Test(report, answers_are_the_rows_of_their_question) {
     struct report report;
     struct page page;
-    char root[PATH_SIZE];
-    prepare(&report, root);
+    prepare(&report);
     make_page(&report, &page);
     char *targets = part_of(page.text, "What would one choose today", "<figure");
     const char *sum = strstr(targets, "In all rk4 is cheapest."),
@@ -295,9 +278,6 @@ Test(report, answers_are_the_rows_of_their_question) {
     HAS(page.text, "Where does each method fail?", "</section>", "On swing Euler fails.");
     HAS(page.text, "What does each scene need?", "</section>",
         "No experiment of this report answers it.");
-    free(targets);
-    page_free(&page);
-    folder_remove(root);
 }
 
 /* The page begins with the sentence of an experiment that its headline names, and links to its
@@ -305,20 +285,18 @@ Test(report, answers_are_the_rows_of_their_question) {
 Test(report, what_matters_most_comes_first_and_once) {
     struct report report;
     struct page page;
-    char root[PATH_SIZE], folder[PATH_SIZE];
-    prepare(&report, root);
+    char folder[PATH_SIZE];
+    prepare(&report);
     add_part(&report, "ladder", folder);
-    file_write(folder, "ladder.svg", picture, NULL);
+    file_write(folder, "ladder.svg", picture);
     file_write(folder, "statements.tsv",
                STATED "other\tladder\t-\tSomething else.\tholds\t1\t1\tours\t-\n"
-                      "price, default\tladder\t-\tA millimetre is cheap.\tholds\t1\t1\tours\t-\n",
-               NULL);
+                      "price, default\tladder\t-\tA millimetre is cheap.\tholds\t1\t1\tours\t-\n");
     add_part(&report, "stability", folder);
-    file_write(folder, "limits.svg", picture, NULL);
+    file_write(folder, "limits.svg", picture);
     file_write(folder, "statements.tsv",
                STATED "swing, longest steps\t-\t-\tSteps are long.\tholds\t1\tms\tours\t-\n"
-                      "one\tlimits\t-\tOne is.\tholds\t1\tms\tours\t-\n",
-               NULL);
+                      "one\tlimits\t-\tOne is.\tholds\t1\tms\tours\t-\n");
     make_page(&report, &page);
     read_page(&page);
     HAS(page.text, "<figure id=\"ladder-ladder\"", "</figure>",
@@ -331,17 +309,14 @@ Test(report, what_matters_most_comes_first_and_once) {
               !strstr(figure + 1, "<figure id=\"ladder-ladder\""));
     HAS(page.text, "<details class=\"part\" id=\"ladder\"", "</details>",
         "<a href=\"#ladder-ladder\">");
-    page_free(&page);
-    folder_remove(root);
 }
 
 /* Writes a picture of some pixels, all of one colour but for a line. */
 static void write_png(const char *folder, const char *name, int width, int height) {
-    char path[PATH_SIZE], reason[REASON_SIZE];
+    char reason[REASON_SIZE];
     struct canvas *canvas = canvas_create(width, height, 0);
     canvas_line(canvas, 1, 1, 5, 5, 0x8F6136);
-    path_format(path, "%s/%s", folder, name);
-    cr_assert_eq(canvas_write(canvas, path, reason), 0, "%s", reason);
+    cr_assert_eq(canvas_write(canvas, printed("%s/%s", folder, name), reason), 0, "%s", reason);
     canvas_free(canvas);
 }
 
@@ -363,16 +338,15 @@ static int webp_height(const char *page, int n) {
 Test(report, pictures_of_hair_and_films_are_in_the_page) {
     struct report report;
     struct page page;
-    char root[PATH_SIZE], folder[PATH_SIZE];
-    prepare(&report, root);
+    char folder[PATH_SIZE];
+    prepare(&report);
     add_part(&report, "wind", folder);
     write_png(folder, "hair.png", 64, 48);
     write_png(folder, "film.png", 64, 3 * 50);
-    file_write(folder, "film.tsv", "# frames\nframe\tt\n1\t0\n2\t1\n3\t2\n", NULL);
+    file_write(folder, "film.tsv", "# frames\nframe\tt\n1\t0\n2\t1\n3\t2\n");
     file_write(folder, "statements.tsv",
                STATED "hair\thair\t-\tAll is drawn.\tholds\t1\t1\tours\t-\n"
-                      "film\tfilm\t-\tIt moves.\tholds\t1\ts\tours\tfilm\n",
-               NULL);
+                      "film\tfilm\t-\tIt moves.\tholds\t1\ts\tours\tfilm\n");
     make_page(&report, &page);
     read_page(&page);
     cr_assert_eq(count_of(page.text, "<img "), 3);
@@ -389,31 +363,27 @@ Test(report, pictures_of_hair_and_films_are_in_the_page) {
     char *style = part_of(page.text, "<figure id=\"wind-film\">", "@media");
     cr_assert(!strstr(style, "animation:"), "it moves everywhere: %s", style);
     cr_assert(!strstr(page.text, "<script"));
-    free(style);
-    page_free(&page);
-    folder_remove(root);
 }
 
 /* What is no picture is said, and not put into the page. */
 Test(report, a_png_that_is_none_is_a_failure) {
     struct report report;
-    char root[PATH_SIZE], folder[PATH_SIZE], reason[REASON_SIZE];
-    prepare(&report, root);
+    char folder[PATH_SIZE], reason[REASON_SIZE];
+    prepare(&report);
     add_part(&report, "wind", folder);
-    file_write(folder, "hair.png", "half a", NULL);
+    file_write(folder, "hair.png", "half a");
     file_write(folder, "statements.tsv",
-               STATED "hair\thair\t-\tAll is drawn.\tholds\t1\t1\tours\t-\n", NULL);
+               STATED "hair\thair\t-\tAll is drawn.\tholds\t1\t1\tours\t-\n");
     cr_assert(report_write(&report, reason) != 0);
     cr_assert(strstr(reason, "hair.png: cannot be read"), "%s", reason);
-    folder_remove(root);
 }
 
 /* Every experiment has a chapter, the page every chapter. */
 Test(report, chapters_hold_their_experiments) {
     struct report report = {.quick = 1};
     struct page page;
-    char root[PATH_SIZE], folder[PATH_SIZE];
-    folder_make(root);
+    char folder[PATH_SIZE];
+    const char *const root = folder_make();
     report.root = root;
     for (int i = 0; experiments[i]; i++) {
         add_part(&report, experiments[i]->name, folder);
@@ -430,13 +400,9 @@ Test(report, chapters_hold_their_experiments) {
 #undef X
         };
         char *chapter = part_of(page.text, anchors[experiments[i]->chapter], "</section>");
-        char id[128];
-        snprintf(id, sizeof id, "id=\"%s\"", experiments[i]->name);
-        cr_assert(strstr(chapter, id), "%s", experiments[i]->name);
-        free(chapter);
+        cr_assert(strstr(chapter, printed("id=\"%s\"", experiments[i]->name)), "%s",
+                  experiments[i]->name);
     }
-    page_free(&page);
-    folder_remove(root);
 }
 
 /* --- pictures for the page --- */
@@ -546,13 +512,11 @@ Test(report, long_lines_end_where_they_ended) {
 Test(report, what_is_missing_is_said_with_its_reason) {
     struct report report;
     struct page page;
-    char root[PATH_SIZE];
-    prepare(&report, root);
+    prepare(&report);
     make_page(&report, &page);
     HAS(page.text, "<section id=\"stable\">", "</section>",
         "Not in this report: ", "left out for want of time.");
     HAS(page.text, "<ol", "<nav>", "What was not tried", "<a href=\"#horizon\">");
-    page_free(&page);
     report.parts[1].included = 0;
     snprintf(report.parts[1].note, REASON_SIZE, "failed: disk & all");
     make_page(&report, &page);
@@ -560,31 +524,26 @@ Test(report, what_is_missing_is_said_with_its_reason) {
     HAS(page.text, "<section id=\"accuracy\">", "</section>",
         "Not in this report: ", "failed: disk &amp; all.");
     cr_assert(strstr(page.text, "No experiment of this report answers it."));
-    page_free(&page);
-    folder_remove(root);
 }
 
 /* --- what must not be shown --- */
 
 static void must_fail(const struct report *report, int code, const char *const *says) {
-    char reason[REASON_SIZE], path[PATH_SIZE];
+    char reason[REASON_SIZE];
     cr_assert_eq(report_write(report, reason), code);
     for (int i = 0; says[i]; i++)
         cr_assert(strstr(reason, says[i]), "'%s' does not say %s", reason, says[i]);
-    path_format(path, "%s/report.html", report->root);
-    cr_assert(!file_exists(path) && count_files(report->root, ".part") == 0,
+    cr_assert(!file_exists(printed("%s/report.html", report->root)) &&
+                  count_files(report->root, ".part") == 0,
               "half a report is there");
 }
 
 /* The page of circle with that table in its folder. */
 static void table_must_fail(const char *name, const char *text, const char *const *says) {
     struct report report;
-    char root[PATH_SIZE], folder[PATH_SIZE];
-    prepare(&report, root);
-    path_format(folder, "%s/circle", root);
-    file_write(folder, name, text, NULL);
+    prepare(&report);
+    file_write(printed("%s/circle", report.root), name, text);
     must_fail(&report, 1, says);
-    folder_remove(root);
 }
 
 Test(report, an_empty_cell_without_a_reason_is_a_failure) {
@@ -600,45 +559,37 @@ Test(report, tables_that_no_figure_shows_are_checked_too) {
 
 Test(report, half_a_picture_and_none_are_failures) {
     struct report report;
-    char root[PATH_SIZE], folder[PATH_SIZE];
-    prepare(&report, root);
-    path_format(folder, "%s/circle", root);
-    file_write(folder, "orbits-30s.svg", "<svg width=\"1\"><g>", NULL);
+    prepare(&report);
+    const char *const folder = printed("%s/circle", report.root);
+    file_write(folder, "orbits-30s.svg", "<svg width=\"1\"><g>");
     must_fail(&report, -1, (const char *const[]){"orbits-30s.svg", "not a whole picture", NULL});
-    add_part(&report, "ladder", folder);
-    file_write(folder, "statements.tsv", STATED, NULL);
+    char ladder[PATH_SIZE];
+    add_part(&report, "ladder", ladder);
+    file_write(ladder, "statements.tsv", STATED);
     report.parts[0].included = 0;
     must_fail(&report, -1, (const char *const[]){"ladder", "no figure", NULL});
-    folder_remove(root);
 }
 
 /* A picture of which nothing is stated says nothing. */
 Test(report, a_figure_without_a_statement_is_a_failure) {
     struct report report;
-    char root[PATH_SIZE], folder[PATH_SIZE];
-    prepare(&report, root);
-    path_format(folder, "%s/circle", root);
-    file_write(folder, "error-time.svg", picture, NULL);
+    prepare(&report);
+    file_write(printed("%s/circle", report.root), "error-time.svg", picture);
     must_fail(&report, -1, (const char *const[]){"error-time.svg", "nothing is stated", NULL});
-    folder_remove(root);
 }
 
 /* Figures and tables of an earlier report in the same folder are not this one's. */
 Test(report, older_files_are_not_shown) {
     struct report report;
     struct page page;
-    char root[PATH_SIZE], folder[PATH_SIZE], path[PATH_SIZE], command[2 * PATH_SIZE];
-    prepare(&report, root);
-    path_format(folder, "%s/circle", root);
-    file_write(folder, "error-time.svg", picture, path);
-    snprintf(command, sizeof command, "touch -d @1000 %s", path);
-    cr_assert_eq(system(command), 0);
+    prepare(&report);
+    const char *const path =
+        file_write(printed("%s/circle", report.root), "error-time.svg", picture);
+    SHELL("touch -d @1000 %s", path);
     report.parts[0].since = 2000;
     make_page(&report, &page);
     cr_assert(strstr(page.text, "id=\"circle-orbits-30s\"") &&
               !strstr(page.text, "id=\"circle-error-time\""));
-    page_free(&page);
-    folder_remove(root);
 }
 
 static const struct {
@@ -660,40 +611,35 @@ static const struct {
 };
 
 Test(report, gaps_need_their_reason_in_their_row) {
-    char folder[PATH_SIZE], path[PATH_SIZE], reason[REASON_SIZE];
-    folder_make(folder);
+    char reason[REASON_SIZE];
+    const char *const folder = folder_make();
     for (size_t i = 0; i < sizeof gaps / sizeof *gaps; i++) {
         struct text_table table;
-        file_write(folder, "gap.tsv", gaps[i].text, path);
+        const char *const path = file_write(folder, "gap.tsv", gaps[i].text);
         cr_assert(text_table_read(&table, path, reason) == 0, "%s", reason);
         cr_assert_eq(text_table_check(&table, path, reason) == 0, gaps[i].good, "table %zu", i);
-        text_table_free(&table);
     }
-    folder_remove(folder);
 }
 
 Test(report, tables_that_are_none_are_refused_in_one_line) {
     static const char *const texts[] = {"", "# only a comment\n", "a\tb\n1\n"};
-    char folder[PATH_SIZE], path[PATH_SIZE], reason[REASON_SIZE];
+    char reason[REASON_SIZE];
     struct text_table table;
-    folder_make(folder);
+    const char *const folder = folder_make();
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
-        file_write(folder, "none.tsv", texts[i], path);
-        cr_assert(text_table_read(&table, path, reason) == -1 && strstr(reason, "none.tsv"),
+        cr_assert(text_table_read(&table, file_write(folder, "none.tsv", texts[i]), reason) == -1 &&
+                      strstr(reason, "none.tsv"),
                   "text %zu", i);
     }
-    path_format(path, "%s/nowhere.tsv", folder);
-    cr_assert(text_table_read(&table, path, reason) == -1 && strstr(reason, "cannot be read"));
-    folder_remove(folder);
+    cr_assert(text_table_read(&table, printed("%s/nowhere.tsv", folder), reason) == -1 &&
+              strstr(reason, "cannot be read"));
 }
 
 /* --- the command --- */
 
 /* Where a part begins on the page. */
 static const char *part_at(const struct page *page, const struct experiment *experiment) {
-    char id[128];
-    snprintf(id, sizeof id, "id=\"%s\">", experiment->name);
-    return strstr(page->text, id);
+    return strstr(page->text, printed("id=\"%s\">", experiment->name));
 }
 
 /* Every experiment has a place of its own, from 1 on; of those of a chapter that are there, the
@@ -721,14 +667,10 @@ static void parts_must_be_in_place(const struct page *page) {
 
 /* Runs that get no time fail, and with them what compares with their best: that is a report too. */
 Test(report, slow_failures_are_reported_as_results) {
-    char folder[PATH_SIZE], path[PATH_SIZE];
-    struct finished f;
     struct page page = {.id_count = 0};
-    folder_make(folder);
-    PROGRAM(&f, NULL, "report", "--quick", "--time-limit", "0.003", "--no-progress", "--out",
-            folder);
-    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
-    path_format(path, "%s/report.html", folder);
+    const char *const folder = folder_make();
+    WORKS("report", "--quick", "--time-limit", "0.003", "--no-progress", "--out", folder);
+    const char *path = printed("%s/report.html", folder);
     page.text = file_read(path);
     cr_assert(page.text);
     read_page(&page);
@@ -741,41 +683,34 @@ Test(report, slow_failures_are_reported_as_results) {
         "<td>date</td>");
     parts_must_be_in_place(&page);
     for (int i = 0; experiments[i]; i++) {
-        path_format(path, "%s/%s/statements.tsv", folder, experiments[i]->name);
+        path = printed("%s/%s/statements.tsv", folder, experiments[i]->name);
         if (!file_exists(path))
             continue;
         *strrchr(path, '/') = '\0';
         statements_must_be_whole(path);
     }
-    page_free(&page);
-    folder_remove(folder);
 }
 
 /* Each point of a chart, here two of each run, says its row and leads to the run's record. */
 Test(report, slow_points_of_a_chart_tell_their_runs) {
-    char folder[PATH_SIZE], path[PATH_SIZE], reason[REASON_SIZE], link[512];
-    struct finished f;
     struct text_table rows;
-    folder_make(folder);
-    PROGRAM(&f, NULL, "experiment", "work-precision", "--quick", "--scene", "swing", "--stepper",
-            "rk4", "--no-progress", "--out", folder);
-    cr_assert_eq(f.code, 0, "%s", f.err);
-    path_format(path, "%s/work-precision/swing.tsv", folder);
-    cr_assert_eq(text_table_read(&rows, path, reason), 0, "%s", reason);
-    path_format(path, "%s/work-precision/swing.svg", folder);
-    char *drawn = file_read(path);
+    const char *const folder = folder_make();
+    WORKS("experiment", "work-precision", "--quick", "--scene", "swing", "--stepper", "rk4",
+          "--no-progress", "--out", folder);
+    table_must_be_read(&rows, folder, "work-precision/swing");
+    const char *path, *const drawn = file_of(folder, "work-precision/swing.svg");
     int shown = 0, failed = 0;
     for (int row = 0; row < rows.row_count; row++) {
         const char *status = text_table_cell(&rows, row, "status"),
                    *run = text_table_cell(&rows, row, "run");
         if (strcmp(status, "finished") != 0 && strcmp(status, "diverged") != 0)
             continue;
-        snprintf(link, sizeof link,
-                 "<a xlink:href=\"../runs/%s/run.json\"><title>rk4\ntreatment generalised\n"
-                 "setting ",
-                 run);
+        const char *const link =
+            printed("<a xlink:href=\"../runs/%s/run.json\"><title>rk4\ntreatment generalised\n"
+                    "setting ",
+                    run);
         cr_assert_eq(count_of(drawn, link), 2, "%s", link);
-        path_format(path, "%s/runs/%s/run.json", folder, run);
+        path = printed("%s/runs/%s/run.json", folder, run);
         cr_assert(file_exists(path), "%s", path);
         shown++;
         failed += strcmp(status, "diverged") == 0;
@@ -783,26 +718,19 @@ Test(report, slow_points_of_a_chart_tell_their_runs) {
     cr_assert(shown > failed && failed > 0, "%d, of which %d failed", shown, failed);
     cr_assert_eq(count_of(drawn, "<title>rk4\n"), 2 * shown);
     cr_assert_eq(count_of(drawn, "\nstatus diverged\n"), 2 * failed);
-    free(drawn);
-    text_table_free(&rows);
-    folder_remove(folder);
 }
 
 /* Ctrl-C ends the report, not one experiment of it. */
 Test(report, an_interrupted_report_ends) {
-    char folder[PATH_SIZE], path[PATH_SIZE];
-    struct finished f;
-    folder_make(folder);
+    const char *const folder = folder_make();
     const char *const words[] = {"report", "--quick", "--no-progress", "--out", folder, NULL};
     const struct process process = program_start(NULL, words);
-    path_format(path, "%s/runs", folder);
+    const char *path = printed("%s/runs", folder);
     for (int i = 0; i < 2000 && !file_exists(path); i++) /* until it is at its runs */
-        nanosleep(&(struct timespec){.tv_nsec = 5000000}, NULL);
+        wait_for(5e-3);
     kill(process.pid, SIGINT);
-    program_wait(&process, &f);
-    cr_assert_eq(f.code, 3, "exit code %d", f.code);
-    cr_assert(strstr(f.err, "interrupted") && count_lines(f.err) == 1, "%s", f.err);
-    path_format(path, "%s/report.html", folder);
+    struct finished *f = program_wait(&process);
+    must_have_failed(f, 3, "interrupted");
+    path = printed("%s/report.html", folder);
     cr_assert(!file_exists(path));
-    folder_remove(folder);
 }

@@ -11,13 +11,6 @@
 #include <time.h>
 #include <unistd.h>
 
-/* "circle: 62 runs, 40 of them new" */
-static void read_counts(const struct finished *f, int *runs, int *new) {
-    const char *line = strstr(f->out, "circle: ");
-    cr_assert(line && sscanf(line, "circle: %d runs, %d of them new", runs, new) == 2,
-              "exit code %d, no count of runs in '%s', '%s'", f->code, f->out, f->err);
-}
-
 enum { RUNS_MAX = 200 };
 
 /* The run.json files of a folder: their inodes change when they are written again. */
@@ -54,96 +47,76 @@ static int kept(const struct inventory *before, const struct inventory *after) {
     return same;
 }
 
-static void nap(long milliseconds) {
-    nanosleep(&(struct timespec){.tv_nsec = 1000000 * milliseconds}, NULL);
-}
-
-Test(resume, slow_an_experiment_goes_on_after_kill_9, .init = gnuplot_stub_quiet,
-     .fini = gnuplot_stub_remove) {
-    char folder[PATH_SIZE];
+Test(resume, slow_an_experiment_goes_on_after_kill_9, .init = gnuplot_stub_quiet) {
+    const char *const folder = folder_make();
     const char *const words[] = {"experiment", "circle", "--quick", "--out", folder, NULL};
-    struct finished f;
-    int runs = 0, new = 0, killed_between = 0;
+    int runs = 0, killed_between = 0;
     struct inventory before = {0};
-    folder_make(folder);
     for (int round = 1; round <= 2; round++) {
         const struct process process = program_start(NULL, words);
         while (look(folder).count < 10 * round && kill(process.pid, 0) == 0)
-            nap(1);
+            wait_for(1e-3);
         kill(process.pid, SIGKILL);
-        program_wait(&process, &f);
-        nap(100); /* its children die with it, but not before it */
+        const struct finished *f = program_wait(&process);
+        wait_for(0.1); /* its children die with it, but not before it */
         const struct inventory now = look(folder);
         cr_assert_eq(kept(&before, &now), before.count, "a complete run was done again");
         before = now;
-        killed_between += f.code == -SIGKILL;
+        killed_between += f->code == -SIGKILL;
     }
     cr_assert_eq(killed_between, 2, "it was over before it could be killed");
-    const struct process process = program_start(NULL, words);
-    program_wait(&process, &f);
+    const int new = new_runs(program_must(NULL, 0, NULL, words), &runs);
     const struct inventory after = look(folder);
-    read_counts(&f, &runs, &new);
-    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
     cr_assert_eq(after.count, runs, "%d of %d runs are there", after.count, runs);
     cr_assert_eq(new, runs - before.count, "%d new runs where %d of %d were there", new,
                  before.count, runs);
     cr_assert_eq(kept(&before, &after), before.count, "a complete run was done again");
-    folder_remove(folder);
 }
 
 /* Two processes on one folder, at once: together they do each run once. */
 static int share(void) {
-    char folder[PATH_SIZE];
-    struct finished f[2];
-    int runs[2], new[2];
-    folder_make(folder);
+    int runs, new[2];
+    const char *const folder = folder_make();
     const char *const words[] = {"experiment", "circle", "--quick", "--out", folder, NULL};
     const struct process first = program_start(NULL, words), second = program_start(NULL, words);
-    program_wait(&first, &f[0]);
-    program_wait(&second, &f[1]);
     for (int i = 0; i < 2; i++) {
-        cr_assert_eq(f[i].code, 0, "exit code %d: %s", f[i].code, f[i].err);
-        read_counts(&f[i], &runs[i], &new[i]);
+        const struct finished *f = program_wait(i == 0 ? &first : &second);
+        cr_assert_eq(f->code, 0, "exit code %d: %s", f->code, f->err);
+        new[i] = new_runs(f, &runs);
     }
-    cr_assert_eq(new[0] + new[1], runs[0], "%d + %d new runs for %d", new[0], new[1], runs[0]);
-    cr_assert_eq(look(folder).count, runs[0], "%d runs are there", look(folder).count);
-    folder_remove(folder);
+    cr_assert_eq(new[0] + new[1], runs, "%d + %d new runs for %d", new[0], new[1], runs);
+    cr_assert_eq(look(folder).count, runs, "%d runs are there", look(folder).count);
     return new[0] > 0 && new[1] > 0;
 }
 
 /* On a busy machine one may have done all before the other begins: that is no test. */
-Test(resume, slow_two_processes_share_a_folder, .init = gnuplot_stub_quiet,
-     .fini = gnuplot_stub_remove) {
+Test(resume, slow_two_processes_share_a_folder, .init = gnuplot_stub_quiet) {
     int shared = 0;
     for (int i = 0; i < 5 && !shared; i++)
         shared = share();
     cr_assert(shared, "one did all the runs every time");
 }
 
-Test(resume, slow_fresh_keeps_nothing, .init = gnuplot_stub_quiet, .fini = gnuplot_stub_remove) {
-    char folder[PATH_SIZE];
-    struct finished f;
-    int runs, new;
+Test(resume, slow_fresh_keeps_nothing, .init = gnuplot_stub_quiet) {
+    int runs;
     struct inventory before = {0};
-    folder_make(folder);
+    const char *const folder = folder_make();
     for (int round = 0; round < 3; round++) {
-        PROGRAM(&f, NULL, "experiment", "circle", "--quick", "--stepper", "rk4", "--stepper",
-                "euler", "--out", folder, round == 2 ? "--fresh" : NULL);
-        cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
-        read_counts(&f, &runs, &new);
+        const int new =
+            new_runs(WORKS("experiment", "circle", "--quick", "--stepper", "rk4", "--stepper",
+                           "euler", "--out", folder, round == 2 ? "--fresh" : NULL),
+                     &runs);
         cr_assert_eq(new, round == 1 ? 0 : runs, "round %d: %d new runs", round, new);
         const struct inventory after = look(folder);
         cr_assert_eq(kept(&before, &after), round == 1 ? runs : 0, "round %d", round);
         before = after;
     }
-    folder_remove(folder);
 }
 
 /* Kills the children that a process has now. */
 static void kill_children(pid_t parent) {
-    char path[64];
     long pid;
-    snprintf(path, sizeof path, "/proc/%ld/task/%ld/children", (long)parent, (long)parent);
+    const char *const path = printed("/proc/%ld/task/%ld/children", (long)parent, (long)parent);
     FILE *file = fopen(path, "r");
     while (file && fscanf(file, "%ld", &pid) == 1)
         kill((pid_t)pid, SIGKILL);
@@ -152,50 +125,37 @@ static void kill_children(pid_t parent) {
 }
 
 /* What is killed again and again is left out, and that is said; then the same command does it. */
-Test(resume, slow_runs_that_are_killed_are_missed, .init = gnuplot_stub_quiet,
-     .fini = gnuplot_stub_remove) {
-    char folder[PATH_SIZE];
+Test(resume, slow_runs_that_are_killed_are_missed, .init = gnuplot_stub_quiet) {
+    const char *const folder = folder_make();
     const char *const words[] = {"experiment", "circle", "--quick", "--stepper",
                                  "reference",  "--out",  folder,    NULL};
-    struct finished f;
-    folder_make(folder);
     const struct process process = program_start(NULL, words);
     for (siginfo_t info = {0};
          waitid(P_PID, (id_t)process.pid, &info, WEXITED | WNOWAIT | WNOHANG) == 0 &&
          info.si_pid == 0;)
         kill_children(process.pid);
-    program_wait(&process, &f);
-    cr_assert_eq(f.code, 2, "exit code %d: %s", f.code, f.err);
-    cr_assert(strstr(f.err, "killed from outside and are left out"), "'%s'", f.err);
+    struct finished *f = program_wait(&process);
+    must_have_failed(f, 2, "killed from outside and are left out");
     cr_assert_eq(count_files(folder, "statements.tsv"), 0, "a table is made of what there is");
-    const struct process again = program_start(NULL, words);
-    program_wait(&again, &f);
-    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
-    folder_remove(folder);
+    program_must(NULL, 0, NULL, words);
 }
 
 /* Figures from run folders alone. */
 Test(resume, slow_figures_are_drawn_again_without_runs) {
-    char folder[PATH_SIZE], *path = strdup(getenv("PATH"));
-    struct finished f;
-    folder_make(folder);
+    const char *const path = printed("%s", getenv("PATH"));
+    const char *const folder = folder_make();
     gnuplot_stub_quiet();
-    PROGRAM(&f, NULL, "experiment", "circle", "--quick", "--out", folder);
-    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
+    WORKS("experiment", "circle", "--quick", "--out", folder);
     cr_assert_eq(count_files(folder, "orbits-30s.svg"), 0, "figures without gnuplot");
     const struct inventory before = look(folder);
-    gnuplot_stub_remove();
     setenv("PATH", path, 1);
-    PROGRAM(&f, NULL, "plot", "circle", "--out", folder);
-    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
+    WORKS("plot", "circle", "--out", folder);
     const int svg = count_files(folder, ".svg"), png = count_files(folder, ".png");
     cr_assert_eq(count_files(folder, "orbits-30s.svg"), 1);
     cr_assert(svg > 0 && svg == png, "%d svg and %d png files", svg, png);
     const struct inventory after = look(folder);
     cr_assert(kept(&before, &after) == before.count && before.count == after.count,
               "plot touches runs");
-    folder_remove(folder);
-    free(path);
 }
 
 /* A gnuplot that fails or writes nothing into a figure: exit code 2, in one line, no half figure.
@@ -209,21 +169,15 @@ Test(resume, a_gnuplot_that_fails_exits_2) {
         /* the folder to draw into is in the variables, which are of gnuplot's language */
         {"d=${3#*out=\\'}; : >\"${d%%\\'*}/half.svg\"", "drawn no png"},
     };
-    char folder[PATH_SIZE], *path = strdup(getenv("PATH"));
-    struct finished f;
-    folder_make(folder);
+    const char *const path = printed("%s", getenv("PATH"));
+    const char *const folder = folder_make();
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         setenv("PATH", path, 1);
         gnuplot_stub(cases[i].action);
-        PROGRAM(&f, NULL, "experiment", "circle", "--quick", "--stepper", "rk4", "--out", folder);
-        cr_assert_eq(f.code, 2, "%s: exit code %d, %s", cases[i].action, f.code, f.err);
-        cr_assert(count_lines(f.err) == 1 && strstr(f.err, cases[i].says), "%s: '%s'",
-                  cases[i].action, f.err);
+        FAILS(2, cases[i].says, "experiment", "circle", "--quick", "--stepper", "rk4", "--out",
+              folder);
         cr_assert_eq(count_files(folder, ".svg"), 0, "%s: half a figure is left", cases[i].action);
-        gnuplot_stub_remove();
     }
-    folder_remove(folder);
-    free(path);
 }
 
 /* A run that finished has all its frames, whatever befell its files since. */
@@ -252,18 +206,17 @@ Test(resume, what_is_left_of_a_run_is_no_run) {
         {"", whole, "run.json:1: "},
     };
     for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
-        char folder[PATH_SIZE], reason[REASON_SIZE] = "";
+        char reason[REASON_SIZE] = "";
         struct run_files run;
-        folder_make(folder);
-        file_write(folder, "run.json", files[i].json, NULL);
+        const char *const folder = folder_make();
+        file_write(folder, "run.json", files[i].json);
         if (files[i].states)
-            file_write(folder, "states.tsv", files[i].states, NULL);
+            file_write(folder, "states.tsv", files[i].states);
         const int code = run_read_states(&run, folder, NULL, reason);
         cr_expect_eq(code, files[i].says ? -1 : 0, "row %d: '%s'", (int)i, reason);
         cr_expect(!files[i].says || strstr(reason, files[i].says), "row %d: '%s'", (int)i, reason);
         if (!code)
             run_free(&run);
-        folder_remove(folder);
     }
 }
 
@@ -301,41 +254,31 @@ static void damage(const char *path, int how) {
     cr_assert(file && (how != 2 || digit));
     fwrite(text, 1, how == 0 ? 0 : how == 1 ? length / 2 : length, file);
     fclose(file);
-    free(text);
 }
 
 /* What is damaged is set aside and done again; everything else stays, and all tables appear as they
  * were. */
-Test(resume, slow_damage_is_local, .init = gnuplot_stub_quiet, .fini = gnuplot_stub_remove) {
-    char folder[PATH_SIZE], table[PATH_SIZE];
+Test(resume, slow_damage_is_local, .init = gnuplot_stub_quiet) {
     struct victims victims = {0};
-    struct finished f;
-    int runs, new;
-    folder_make(folder);
-    path_format(table, "%s/circle/radius.tsv", folder);
+    const char *const folder = folder_make();
+    const char *const table = printed("%s/circle/radius.tsv", folder);
     const char *const words[] = {"experiment", "circle", "--quick", "--stepper", "rk4",
                                  "--stepper",  "euler",  "--out",   folder,      NULL};
-    struct process process = program_start(NULL, words);
-    program_wait(&process, &f);
+    program_must(NULL, 0, NULL, words);
     char *before = file_read(table);
     const struct inventory all = look(folder);
     each_file(folder, add_victim, &victims);
-    cr_assert(f.code == 0 && before && victims.count == DAMAGES, "%d: %s", f.code, f.err);
+    cr_assert(before && victims.count == DAMAGES);
     for (int i = 0; i < DAMAGES; i++)
         damage(victims.path[i], i % 3);
     for (int again = 0; again < 2; again++) {
-        process = program_start(NULL, words);
-        program_wait(&process, &f);
-        read_counts(&f, &runs, &new);
-        cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
+        const struct finished *f = program_must(NULL, 0, NULL, words);
+        const int new = new_runs(f, NULL);
         cr_assert_eq(new, again ? 0 : DAMAGES, "%d runs are done again", new);
-        cr_assert_eq(count_of(f.err, "it is set aside as"), new, "%s", f.err);
+        cr_assert_eq(count_of(f->err, "it is set aside as"), new, "%s", f->err);
     }
     const struct inventory after = look(folder);
     cr_expect_geq(kept(&all, &after), all.count - DAMAGES);
     char *now = file_read(table);
     cr_expect(now && strcmp(now, before) == 0, "the table is another one");
-    free(now);
-    free(before);
-    folder_remove(folder);
 }

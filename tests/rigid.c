@@ -20,54 +20,15 @@ static struct wisp rigid_wisp(int nodes, int samples, enum bending law, unsigned
 
 /* --- accelerations --- */
 
-/* The tensions of a chain wander through all of it: a rounding anywhere shows everywhere, and more
- * so the longer the chain is. So errors are measured by the largest acceleration, with or without
- * tensions, of the wisp. */
-static void compare_with_twin(const struct wisp *wisp, const struct surroundings *around,
-                              enum wisp_treatment treatment, double t, const double *q,
-                              const double *v, const double *a, double *worst) {
-    static struct wisp_twin twin;
-    static double expected[LAB_SIZE], scale[LAB_SIZE];
-    double most = 0;
-    cr_assert_eq(wisp_twin_init(&twin, wisp, around, treatment), 0, "no twin");
-    cr_assert_eq(wisp_twin_acceleration(&twin, t, q, v, expected), 0, "the twin fails");
-    wisp_twin_scale(&twin, t, q, v, scale);
-    for (int i = 0; i < wisp_twin_size(&twin); i++)
-        most = fmax(most, fmax(fabs(expected[i]), scale[i]));
-    for (int i = 0; i < wisp_twin_size(&twin); i++)
-        cr_assert(lab_close(a[i], expected[i], 3e-14 * wisp->nodes * most, worst),
-                  "%s, bending %s, %d nodes, %d samples: unknown %d: %.17g, twin %.17g, "
-                  "difference %.1e of %.1e",
-                  treatment_names[treatment], law_names[wisp->bending], wisp->nodes, wisp->samples,
-                  i, a[i], expected[i], fabs(a[i] - expected[i]), most);
-}
-
 static void check_part(int lanes, int nodes, int samples, enum bending law,
                        enum wisp_treatment treatment, unsigned *seed, double *worst) {
-    static double q[LAB_LANES][LAB_SIZE], v[LAB_LANES][LAB_SIZE], a[LAB_SIZE];
-    static double Q[LAB_LANES * LAB_SIZE], V[LAB_LANES * LAB_SIZE], A[LAB_LANES * LAB_SIZE];
     const struct surroundings around =
         lab_surroundings((enum wind_kind)((nodes + samples) % WINDS), seed);
     const double t = lab_between(seed, 0, 1);
     struct wisp wisps[LAB_LANES];
-    struct lab_part part;
     for (int k = 0; k < lanes; k++)
         wisps[k] = rigid_wisp(nodes, samples, law, seed);
-    lab_part_make(&part, lanes, wisps, lanes, &around, treatment);
-    for (int k = 0; k < lanes; k++) {
-        lab_state(&wisps[k], treatment, (enum lab_state)((k + nodes) % STATES), 0, seed, q[k],
-                  v[k]);
-        lab_place(&part, k, q[k], Q);
-        lab_gather(&part, k, Q, q[k]); /* from the root, and so is the twin's below */
-        memset(wisps[k].root, 0, sizeof wisps[k].root);
-        lab_scatter(&part, k, v[k], V);
-    }
-    cr_assert_eq(system_acceleration(&part.system, t, Q, V, A), 0, "%s", part.system.reason);
-    for (int k = 0; k < lanes; k++) {
-        lab_gather(&part, k, A, a);
-        compare_with_twin(&wisps[k], &around, treatment, t, q[k], v[k], a, worst);
-    }
-    lab_part_free(&part);
+    lab_check_with_twins(lanes, wisps, &around, treatment, t, seed, worst);
 }
 
 /* Also where lengths are not kept, and velocities stretch them. */
@@ -126,8 +87,6 @@ Test(rigid, tensions_keep_linear_and_angular_momentum) {
         cr_assert_leq(vector_length(turned) / vector_length(along), 1e-12 * terms,
                       "%d nodes: the head is pulled across the first segment", nodes);
         cr_assert_leq(vector_length(moment), 1e-12 * terms, "%d nodes: a moment", nodes);
-        lab_part_free(&part);
-        lab_part_free(&free_part);
     }
 }
 
@@ -285,7 +244,6 @@ static void check_projection(int lanes, int nodes, int samples, enum wisp_treatm
                      after = wisp_twin_energy(&twin, 0, q1, v1);
         cr_assert_lt(after, before, "%s: energy is gained", treatment_names[treatment]);
     }
-    lab_part_free(&part);
 }
 
 Test(rigid, projection_moves_by_forces_along_segments_to_the_lengths) {
@@ -315,7 +273,6 @@ Test(rigid, what_is_far_off_is_put_back_too) {
             cr_assert_eq(system_project(&part.system, 0.1, q, v), 0, "%s", part.system.reason);
             const double off = off_length(&wisp, part.node_unknowns, q);
             cr_assert_leq(off, 1.2e-13, "off by %.2e", off);
-            lab_part_free(&part);
         }
 }
 
@@ -357,7 +314,6 @@ Test(rigid, bits_are_those_of_a_wisp_alone) {
                               "%s, lanes %x: wisp %d, unknown %d: %.17g %.17g alone %.17g %.17g",
                               treatment_names[treatment], asked, k, i, q1[i], v1[i], one_q[i],
                               one_v[i]);
-                lab_part_free(&alone);
             }
         }
         for (int k = 0; k < LAB_LANES; k++) { /* and of accelerations */
@@ -371,9 +327,7 @@ Test(rigid, bits_are_those_of_a_wisp_alone) {
             lab_gather(&part, k, A, v1);
             cr_assert_eq(memcmp(one_v, v1, (size_t)part.size * sizeof *v1), 0, "%s: wisp %d",
                          treatment_names[treatment], k);
-            lab_part_free(&alone);
         }
-        lab_part_free(&part);
     }
 }
 
@@ -406,5 +360,4 @@ Test(rigid, what_is_too_far_is_left_as_it_is) {
     memcpy(Q, kept, sizeof kept);
     Q[3 * LAB_LANES] = NAN;
     cr_assert_eq(system_project(&part.system, 0, Q, V), NOT_FINITE);
-    lab_part_free(&part);
 }

@@ -130,8 +130,7 @@ Test(ros2, has_order_2_on_small_problems) {
 static int swing(const struct variant *variant, int treatment, double to, int steps, double *q) {
     const struct stepper_settings settings = variant_settings(variant, 1e-13, 1e-14);
     struct scene *scene = LAB_LOAD("swing-envelope", "seed=1");
-    struct model *model = wisp_problem.create(scene, treatment, 1);
-    cr_assert(model, "no memory for a model");
+    struct model *model = lab_model(scene, treatment, 1);
     struct part *part = &model->parts[0];
     const int size = part->system.size;
     struct stepper *stepper = stepper_create(variant->method, &settings, &part->system);
@@ -140,8 +139,6 @@ static int swing(const struct variant *variant, int treatment, double to, int st
                  treatment_names[treatment], part->system.reason);
     memcpy(q, part->q, (size_t)size * sizeof *q);
     variant->method->free(stepper);
-    wisp_problem.free(model);
-    scene_free(scene);
     return size;
 }
 

@@ -24,26 +24,14 @@ enum { SHAPES = sizeof shapes / sizeof *shapes };
 static const double crowns[][3] = {{0, 1, -1}, {0, 0, 1}, {1, 0, 0}, {0.3, -0.7, 0.2}};
 enum { CROWNS = sizeof crowns / sizeof *crowns };
 
-static double (*points)[3], (*normals)[3];
+static double points[MOST][3], normals[MOST][3];
 
 static void place(const struct body *body, const double crown[3], int count) {
     cr_assert_eq(scalp_points(body, crown, count, points, normals), 0, "no memory");
 }
 
-static void make_room(void) {
-    points = malloc(MOST * sizeof *points);
-    normals = malloc(MOST * sizeof *normals);
-    cr_assert(points && normals, "no memory");
-}
-
-static void give_back(void) {
-    free(points);
-    free(normals);
-}
-
 /* x / R^2 is along the normal, and the surface is `offset` below the point. */
-Test(scalp, points_are_outside_at_the_offset_along_the_normal, .init = make_room,
-     .fini = give_back) {
+Test(scalp, points_are_outside_at_the_offset_along_the_normal) {
     for (int s = 0; s < SHAPES; s++)
         for (int c = 0; c < CROWNS; c++) {
             const struct body *b = &shapes[s];
@@ -93,7 +81,7 @@ static double area_share(const struct body *b, const double crown[3], const doub
 }
 
 /* As many points are beyond a plane as area is. */
-Test(scalp, every_point_has_as_much_area, .init = make_room, .fini = give_back) {
+Test(scalp, every_point_has_as_much_area) {
     unsigned seed = 17;
     for (int s = 0; s < SHAPES; s++)
         for (int c = 0; c < CROWNS; c++) {
@@ -127,7 +115,7 @@ static double scalp_area(const double r[3]) {
 }
 
 /* In a hexagonal pattern each point is 1.07 sqrt(area each) from its neighbours. */
-Test(scalp, neighbours_are_evenly_far, .init = make_room, .fini = give_back) {
+Test(scalp, neighbours_are_evenly_far) {
     static const int counts[] = {30, 100, 400};
     for (int s = 0; s < SHAPES; s++)
         for (int n = 0; n < 3; n++) {
@@ -152,9 +140,9 @@ Test(scalp, neighbours_are_evenly_far, .init = make_room, .fini = give_back) {
         }
 }
 
-Test(scalp, the_same_arguments_give_the_same_points, .init = make_room, .fini = give_back) {
+Test(scalp, the_same_arguments_give_the_same_points) {
     place(&shapes[1], crowns[3], 200);
-    double(*again)[3] = malloc(400 * sizeof *again);
+    double(*again)[3] = test_room(400 * sizeof *again);
     const double longer[3] = {30, -70, 20};
     cr_assert(again);
     memcpy(again, points, 200 * sizeof *again);
@@ -166,7 +154,6 @@ Test(scalp, the_same_arguments_give_the_same_points, .init = make_room, .fini = 
     for (int i = 0; i < 200; i++)
         for (int k = 0; k < 3; k++)
             cr_assert(fabs(points[i][k] - again[i][k]) <= 1e-14);
-    free(again);
 }
 
 /* --- in scenes --- */
@@ -196,8 +183,6 @@ Test(scalp, wisps_of_a_scene) {
                 cr_assert(!ellipsoid_contains(scene->bodies[b].radii, x), "wisp %d is inside", i);
             }
     }
-    scene_free(scene);
-    scene_free(other);
 }
 
 Test(scalp, what_is_wrong_is_refused) {
@@ -229,18 +214,8 @@ Test(scalp, what_is_wrong_is_refused) {
         {ON_HEAD, {"wisp 1 of 50 starts in the body 'ball'", "crown"}},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-        char wisps[300], reason[REASON_SIZE] = "";
-        snprintf(wisps, sizeof wisps, "wisps=(%s)", bad[i].entry);
-        const char *sets[] = {"body=(" HEAD ")", wisps};
-        struct scene *scene = scene_load("swing-envelope", sets, 2, reason);
-        cr_expect_null(scene, "%s is taken", bad[i].entry);
-        scene_free(scene);
-        for (int k = 0; k < 2; k++)
-            cr_expect(strstr(reason, bad[i].says[k]), "%s: does not say '%s': '%s'", bad[i].entry,
-                      bad[i].says[k], reason);
+        const char *sets[] = {"body=(" HEAD ")", printed("wisps=(%s)", bad[i].entry)};
+        lab_refuse("swing-envelope", sets, 2, bad[i].says, 2);
     }
-    const char *alone = "wisps=(" ON_HEAD ")";
-    char reason[REASON_SIZE] = "";
-    cr_expect_null(scene_load("swing-envelope", &alone, 1, reason), "a scalp of nobody");
-    cr_expect(strstr(reason, "none, add body"), "'%s'", reason);
+    LAB_REFUSE("swing-envelope", "wisps=(" ON_HEAD ")", "none, add body"); /* a scalp of nobody */
 }

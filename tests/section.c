@@ -15,8 +15,7 @@ enum { NODES = 5 };
 static struct strand *bent(struct wisp *wisp, int samples, double turn, double widest,
                            unsigned *seed) {
     *wisp = lab_wisp(NODES, samples, BENDING_NONE, seed);
-    struct strand *s = strand_create(wisp, WISP_GENERALISED);
-    cr_assert(s, "no memory");
+    struct strand *s = lab_strand(wisp, WISP_GENERALISED);
     double along[3];
     memcpy(along, wisp->direction, sizeof along);
     for (int i = 0; i < NODES; i++) {
@@ -188,7 +187,6 @@ Test(section, agrees_with_one_and_only_one_of_two_triangles) {
                     bent_over += in && turns_both_ways(&flat);
                 }
             }
-            strand_free(s);
         }
         cr_assert(inside > 3000 && outside > 3000 && bent_over > 100,
                   "M = %d: %d inside, %d outside, %d concave or crossed", samples, inside, outside,
@@ -200,7 +198,7 @@ Test(section, agrees_with_one_and_only_one_of_two_triangles) {
 static void check_straight(int samples, double theta, double rho, const double *r) {
     struct wisp wisp = {
         .nodes = 4, .samples = samples, .length = 3, .radius = 0.5, .direction = {1, 0, 0}};
-    struct strand *s = strand_create(&wisp, WISP_GENERALISED);
+    struct strand *s = lab_strand(&wisp, WISP_GENERALISED);
     struct section section;
     struct section_place place;
     for (int i = 0; i < 4; i++) {
@@ -220,7 +218,6 @@ static void check_straight(int samples, double theta, double rho, const double *
                       (fabs(place.x - 0.3) < 1e-15 && fabs(vector_dot(place.q, x) - y) < 1e-14),
                   "the place is wrong");
     }
-    strand_free(s);
 }
 
 Test(section, four_samples_are_quarters_of_ellipses) {
@@ -242,7 +239,7 @@ Test(section, the_rim_goes_through_every_sample) {
 Test(section, a_point_on_the_axis_is_in_one_section_only) {
     struct wisp wisp = {
         .nodes = 6, .samples = 4, .length = 5, .radius = 0.5, .direction = {0, 0, 1}};
-    struct strand *s = strand_create(&wisp, WISP_GENERALISED);
+    struct strand *s = lab_strand(&wisp, WISP_GENERALISED);
     for (int i = 0; i < 6; i++)
         s->p[i][2] = i;
     for (int i = 0; i < 24; i++)
@@ -264,7 +261,6 @@ Test(section, a_point_on_the_axis_is_in_one_section_only) {
         }
         cr_assert_eq(in, z >= 1 && z < 5, "%d sections have z = %g", in, z);
     }
-    strand_free(s);
 }
 
 /* Whatever is asked beside them: points are looked at several at a time. */
@@ -272,7 +268,7 @@ Test(section, what_is_no_number_or_far_is_in_none) {
     static const double far[] = {NAN, INFINITY, -INFINITY, 1e300, -1e160};
     struct wisp wisp = {
         .nodes = 5, .samples = 5, .length = 4, .radius = 0.5, .direction = {1, 0, 0}};
-    struct strand *s = strand_create(&wisp, WISP_GENERALISED);
+    struct strand *s = lab_strand(&wisp, WISP_GENERALISED);
     for (int i = 0; i < 5; i++)
         s->p[i][0] = i;
     for (int i = 0; i < 25; i++)
@@ -295,7 +291,6 @@ Test(section, what_is_no_number_or_far_is_in_none) {
             cr_assert_eq(section_find(&section, points, &places), expected, "%g along axis %d",
                          far[c], k);
         }
-    strand_free(s);
 }
 
 /* Sections that lean on a plane, have no length, or are far out: nothing in them, all finite. */
@@ -312,7 +307,7 @@ Test(section, sections_without_a_shape_contain_nothing) {
         {{1e-200, 0, 0}, {2e-200, 0, 0}, {0, 3e-320, 0}},
     };
     for (size_t c = 0; c < sizeof tails / sizeof *tails; c++) {
-        struct strand *s = strand_create(&wisp, WISP_GENERALISED);
+        struct strand *s = lab_strand(&wisp, WISP_GENERALISED);
         s->p[1][0] = 1;
         memcpy(s->p[2], tails[c], sizeof tails[c]);
         for (int i = 0; i < 25; i++)
@@ -336,6 +331,5 @@ Test(section, sections_without_a_shape_contain_nothing) {
             if (!sound)
                 cr_assert_not(section_contains(&section, s->p[i], &place));
         }
-        strand_free(s);
     }
 }

@@ -36,7 +36,7 @@ static void check_orders(const char *name, int treatment, double tolerance, doub
                                       .treatment = treatment_names[treatment],
                                       .rtol = 1e-13,
                                       .atol = 1e-14};
-    struct lab_run exact, run;
+    struct lab_run exact;
     lab_run(scene, &tight, &exact);
     for (size_t i = 0; i < sizeof methods / sizeof *methods; i++) {
         double error[3];
@@ -46,22 +46,12 @@ static void check_orders(const char *name, int treatment, double tolerance, doub
                                                 .step = 1 / methods[i].rates[k],
                                                 .options = &methods[i].option,
                                                 .option_count = methods[i].option != NULL};
-            lab_run(scene, &request, &run);
-            cr_assert_eq(run.result.outcome, FINISHED, "%s", run.result.reason);
-            error[k] = lab_distance(&run, &exact, 1, 2).rms;
-            lab_run_free(&run);
+            error[k] = lab_error(scene, &request, &exact);
         }
-        for (int k = 0; k < 2; k++) {
-            const double order = log2(error[k] / error[k + 1]);
-            cr_expect(order >= methods[i].order - tolerance && order <= methods[i].order + more,
-                      "%s, %s, %s %s: errors %.2e, %.2e: order %.3f, not %g", name,
-                      treatment_names[treatment], methods[i].stepper,
-                      methods[i].option ? methods[i].option : "", error[k], error[k + 1], order,
-                      methods[i].order);
-        }
+        lab_check_order(printed("%s, %s, %s %s", name, treatment_names[treatment],
+                                methods[i].stepper, methods[i].option ? methods[i].option : ""),
+                        error, methods[i].order, tolerance, more);
     }
-    lab_run_free(&exact);
-    scene_free(scene);
 }
 
 Test(semi_implicit, methods_have_their_order_on_the_swing) {
@@ -184,19 +174,25 @@ static unsigned beginning(int step) {
     return step == 6 ? 0x42 : step == 7 ? 4 : step == 13 ? 0x85 : step == 20 ? 0xff : 0;
 }
 
-static void step_on(struct lab_part *part, const struct stepper_method *method, int lane,
-                    const char *option, double *Q, double *V) {
-    const struct stepper_settings settings = {.options = {&option, option != NULL}};
+struct choice {
+    const struct stepper_method *method;
+    const char *option;
+};
+
+static void step_on(struct lab_part *part, int place, double *q, double *v, void *ctx) {
+    const struct choice *choice = ctx;
+    const struct stepper_method *method = choice->method;
+    const struct stepper_settings settings = {.options = {&choice->option, choice->option != NULL}};
     part->system.force_parts = (1u << FORCE_PARTS) - 1;
     part->system.stiff_part = FORCES_AXIAL;
     struct stepper *stepper = stepper_create(method, &settings, &part->system);
     cr_assert(stepper, "no memory");
     for (int k = 0; k < STEPS; k++) {
         const double h = k < 10 ? 1e-4 : 7e-5;
-        const unsigned lanes = lane < 0 ? beginning(k) : beginning(k) >> lane & 1;
+        const unsigned lanes = place < 0 ? beginning(k) : beginning(k) >> place & 1;
         if (lanes && method->reset)
             method->reset(stepper, lanes);
-        cr_assert_eq(method->step(stepper, k * 1e-4, h, Q, V), 0, "%s", part->system.reason);
+        cr_assert_eq(method->step(stepper, k * 1e-4, h, q, v), 0, "%s", part->system.reason);
     }
     method->free(stepper);
 }
@@ -204,42 +200,16 @@ static void step_on(struct lab_part *part, const struct stepper_method *method, 
 /* A wisp's bits are those that it has alone, whoever beside it begins anew, and when. */
 static void check_lanes(int lanes, const struct stepper_method *method, const char *option,
                         enum wisp_treatment treatment) {
-    static double q[LAB_LANES][LAB_SIZE], v[LAB_LANES][LAB_SIZE], alone[2][LAB_SIZE];
-    static double Q[LAB_LANES * LAB_SIZE], V[LAB_LANES * LAB_SIZE], got[LAB_SIZE];
     unsigned seed = 31;
-    struct lab_part part;
-    struct wisp wisps[LAB_LANES];
     const struct surroundings around = lab_surroundings(WIND_STEADY, &seed);
-    for (int k = 0; k < lanes; k++) {
-        wisps[k] = lab_wisp(6, 4, BENDING_SKIP, &seed);
-        lab_state(&wisps[k], treatment, STATE_REST, 0, &seed, q[k], v[k]);
-    }
-    lab_part_make(&part, lanes, wisps, lanes, &around, treatment);
-    for (int k = 0; k < lanes; k++) {
-        lab_place(&part, k, q[k], Q);
-        lab_scatter(&part, k, v[k], V);
-    }
-    step_on(&part, method, -1, option, Q, V);
-    cr_assert_eq(part.system.counters.restarts,
+    const long long restarts = lab_company(lanes, BENDING_SKIP, treatment, &around, &seed, step_on,
+                                           &(struct choice){method, option})
+                                   .together.restarts;
+    cr_assert_eq(restarts,
                  !method->reset ? 0
                  : lanes == 4   ? 8
                                 : 14,
-                 "%s: %lld restarts", method->name, part.system.counters.restarts);
-    for (int k = 0; k < lanes; k++) {
-        struct lab_part one;
-        lab_part_make(&one, 1, &wisps[k], 1, &around, treatment);
-        lab_place(&one, 0, q[k], alone[0]);
-        lab_scatter(&one, 0, v[k], alone[1]);
-        step_on(&one, method, k, option, alone[0], alone[1]);
-        lab_gather(&part, k, Q, got);
-        cr_assert_eq(memcmp(got, alone[0], (size_t)one.size * sizeof *got), 0,
-                     "%s, %s: lane %d has other bits in company", method->name, option, k);
-        lab_gather(&part, k, V, got);
-        cr_assert_eq(memcmp(got, alone[1], (size_t)one.size * sizeof *got), 0,
-                     "%s, %s: lane %d has other bits in company", method->name, option, k);
-        lab_part_free(&one);
-    }
-    lab_part_free(&part);
+                 "%s, %s: %lld restarts", method->name, option, restarts);
 }
 
 Test(semi_implicit, lanes_begin_anew_by_themselves) {
@@ -314,24 +284,17 @@ Test(semi_implicit, steps_do_not_feel_the_stiffness_of_stretching) {
                                             "material.stretch_stiffness=16800",
                                             "material.stretch_stiffness=1.68e6"};
     struct scene *soft = LAB_LOAD("swing", "duration=0.4", stiffness[0]);
-    struct lab_run exact, run;
+    struct lab_run exact;
     lab_run(soft, &(struct run_request){.stepper = "reference", .rtol = 1e-9, .atol = 1e-9},
             &exact);
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
         for (int k = 0; k < 3; k++) {
             struct scene *scene = LAB_LOAD("swing", "duration=0.4", stiffness[k]);
-            lab_run(scene,
-                    &(struct run_request){.stepper = rows[i].stepper, .step = 1 / rows[i].rate},
-                    &run);
-            cr_assert_eq(run.result.outcome, FINISHED, "%s, %s: %s", rows[i].stepper, stiffness[k],
-                         run.result.reason);
-            const double error = lab_distance(&run, &exact, 1, 2).rms;
+            const struct run_request request = {.stepper = rows[i].stepper,
+                                                .step = 1 / rows[i].rate};
+            const double error = lab_error(scene, &request, &exact);
             cr_assert(error < rows[i].most, "%s, %s: %.2e m", rows[i].stepper, stiffness[k], error);
-            lab_run_free(&run);
-            scene_free(scene);
         }
-    lab_run_free(&exact);
-    scene_free(soft);
 }
 
 /* --- what is too stiff --- */
@@ -357,7 +320,5 @@ Test(semi_implicit, a_matrix_without_stiff_bending_says_why_it_fails) {
                           run.result.reason);
             else
                 cr_assert_eq(run.result.outcome, FINISHED, "%s: %s", names[i], run.result.reason);
-            lab_run_free(&run);
         }
-    scene_free(scene);
 }

@@ -19,8 +19,7 @@ static int is_scene(const struct dirent *entry) {
 
 /* The names of all; returns their number. */
 static int shipped(struct dirent ***entries) {
-    char folder[PATH_SIZE];
-    path_format(folder, "%s/experiments", data_folder());
+    const char *const folder = printed("%s/experiments", data_folder());
     const int count = scandir(folder, entries, is_scene, alphasort);
     cr_assert_gt(count, 8, "%d scenes in %s", count, folder);
     for (int i = 0; i < count; i++)
@@ -39,14 +38,10 @@ Test(shipped, every_scene_runs_with_every_stepper) {
                                                 .step = usual_step(scene, stepper_methods[m]),
                                                 .threads = 2};
             struct lab_run run;
-            lab_run(scene, &request, &run);
-            cr_assert_eq(run.result.outcome, FINISHED, "%s with %s: %s", name, request.stepper,
-                         run.result.reason);
+            lab_finish(scene, &request, &run);
             cr_assert_eq(run.result.counters.nodes_left_inside, 0, "%s with %s: nodes inside", name,
                          request.stepper);
-            lab_run_free(&run);
         }
-        scene_free(scene);
         free(entries[i]);
     }
     free(entries);
@@ -57,9 +52,7 @@ Test(shipped, every_scene_runs_with_every_stepper) {
 static void run_scene(const struct scene *scene, const char *stepper, double rate,
                       struct lab_run *run) {
     const struct run_request request = {.stepper = stepper, .step = 1 / rate, .threads = 2};
-    lab_run(scene, &request, run);
-    cr_assert_eq(run->result.outcome, FINISHED, "%s, %s: %s", scene->name, stepper,
-                 run->result.reason);
+    lab_finish(scene, &request, run);
     cr_assert_eq(run->result.counters.nodes_left_inside, 0, "%s, %s: nodes inside", scene->name,
                  stepper);
 }
@@ -120,14 +113,12 @@ static int contacts_of(const struct lab_run *run, const struct scene *scene) {
     int contacts = 0;
     cr_assert(interaction && scene->wisp_count <= 16);
     for (int w = 0; w < scene->wisp_count; w++)
-        cr_assert(strands[w] = strand_create(&scene->wisps[w], WISP_GENERALISED));
+        strands[w] = lab_strand(&scene->wisps[w], WISP_GENERALISED);
     for (int f = 0; f < run->frames; f++) {
         for (int w = 0; w < scene->wisp_count; w++)
             strand_load(strands[w], root_of(run, scene->wisps->nodes, f, w) + 2, run->columns);
         contacts += interaction_find(interaction, strands, scene->wisp_count);
     }
-    for (int w = 0; w < scene->wisp_count; w++)
-        strand_free(strands[w]);
     interaction_free(interaction);
     return contacts;
 }
@@ -151,8 +142,6 @@ Test(shipped, slow_radii_shows_what_it_says) {
         contacts[i] = contacts_of(&run, scene);
         cr_log_info("%s: %g degrees, %d contacts", radii[i], most, contacts[i]);
         cr_assert(fabs(most - expected[i]) <= 0.1, "%s: %g degrees", radii[i], most);
-        lab_run_free(&run);
-        scene_free(scene);
     }
     cr_assert(contacts[1] > 2 * contacts[0] && 2 * contacts[2] > 3 * contacts[1],
               "%d, %d, %d contacts", contacts[0], contacts[1], contacts[2]);
@@ -173,8 +162,6 @@ Test(shipped, slow_wind_shows_what_it_says) {
               "leans by %g, %g, %g, %g degrees", start, laid, last, end);
     cr_assert(left > 0.2 && back < -0.02, "reaches %g, then %g m to the left", left, back);
     cr_assert_lt(largest_strain(&run, scene), 0.035);
-    lab_run_free(&run);
-    scene_free(scene);
     scene = LAB_LOAD("wind", "wind.velocity=[0.0, 0.0, 0.0]", "duration=0.3");
     run_scene(scene, "rk4", 4000, &run);
     double moved = 0;
@@ -183,8 +170,6 @@ Test(shipped, slow_wind_shows_what_it_says) {
             moved = fmax(moved, fabs(run.row[i * run.columns + k] -
                                      run.row[((run.frames - 1) * run.rows + i) * run.columns + k]));
     cr_assert_lt(moved, 3e-3, "a node moves by %g m without wind", moved);
-    lab_run_free(&run);
-    scene_free(scene);
 }
 
 /* That in experiments/shake.cfg. */
@@ -202,8 +187,6 @@ Test(shipped, slow_shake_shows_what_it_says) {
     const double hangs = inclination(&run, 11, 45, &most), end = inclination(&run, 11, 90, &most);
     cr_assert(hangs < 31 && fabs(end - 28.6) < 0.5, "%g, %g degrees", hangs, end);
     cr_assert_lt(largest_strain(&run, scene), 0.035);
-    lab_run_free(&run);
-    scene_free(scene);
 }
 
 /* The start of a scene is another's end, to what trembles on the figure. */
@@ -220,8 +203,6 @@ static void start_is_the_end_of(const char *combed, const char *blown, struct la
         }
     cr_assert_lt(sqrt(sum / run.rows), 2e-3, "rms distance %g m", sqrt(sum / run.rows));
     *end = run;
-    scene_free(settle);
-    scene_free(wind);
 }
 
 /* Wisps with a node before the face, seen from the front, at a frame. */
@@ -259,6 +240,4 @@ Test(shipped, slow_starts_of_wind_are_ends_of_what_combs) {
     cr_expect_lt(parted_by(&back, 11, 30), 0.05, "parted by %g m", parted_by(&back, 11, 30));
     cr_expect_eq(before_the_face(&parted, 11, 180), 0);
     cr_expect_gt(before_the_face(&back, 11, 180), 1, "%d", before_the_face(&back, 11, 180));
-    lab_run_free(&back);
-    lab_run_free(&parted);
 }

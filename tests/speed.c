@@ -20,15 +20,12 @@ static const char scene_text[] =
     ");\n"
     "run = { step = 1.0e-4; rtol = 1.0e-6; atol = 1.0e-9; };\n";
 
-static char folder[PATH_SIZE], scene_path[PATH_SIZE];
+static char *folder;
+static const char *scene_path;
 
 static void set_up(void) {
-    folder_make(folder);
-    file_write(folder, "short.cfg", scene_text, scene_path);
-}
-
-static void clean_up(void) {
-    folder_remove(folder);
+    folder = folder_make();
+    scene_path = file_write(folder, "short.cfg", scene_text);
 }
 
 /* rms over free nodes and all frames of a run against the reference, done again. */
@@ -43,9 +40,6 @@ static double error_of(const char *stepper, const char *treatment, double settin
     lab_run(scene, &request, &run);
     const double error =
         run.result.outcome == FINISHED ? lab_distance(&run, &tight, 0, 2).rms : INFINITY;
-    lab_run_free(&run);
-    lab_run_free(&tight);
-    scene_free(scene);
     return error;
 }
 
@@ -81,8 +75,6 @@ static void check_choices(void) {
         }
         cr_assert(cost == least, "%s costs %g, another one %g", method, cost, least);
     }
-    text_table_free(&choices);
-    text_table_free(&attempts);
 }
 
 /* Whoever is within the target is there with its error; and the program's own cheapest has 1. */
@@ -99,21 +91,17 @@ static void check_peers(void) {
         ones += text_table_number(&peers, row, "over_own") == 1;
     }
     cr_assert(peers.row_count > 10 && ones >= 2, "%d rows, %d of them 1", peers.row_count, ones);
-    text_table_free(&peers);
 }
 
-Test(speed, slow_choices_are_exact_enough_and_all_is_measured, .init = set_up, .fini = clean_up,
-     .timeout = 400) {
-    static struct finished f;
-    char path[PATH_SIZE];
-    PROGRAM(&f, NULL, "experiment", "speed", "--quick", "--scene", scene_path, "--out", folder);
-    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
+Test(speed, slow_choices_are_exact_enough_and_all_is_measured, .init = set_up, .timeout = 400) {
+    struct finished *f =
+        WORKS("experiment", "speed", "--quick", "--scene", scene_path, "--out", folder);
     check_choices();
     check_peers();
-    path_format(path, "%s/speed", folder);
+    const char *const path = printed("%s/speed", folder);
     statements_must_be_whole(path);
     cr_assert_eq(count_files(path, "speed.svg"), 1, "no figure");
-    cr_assert(strstr(f.out, "times as fast as real time on one thread"), "%s", f.out);
-    PROGRAM(&f, NULL, "experiment", "speed", "--quick", "--scene", scene_path, "--out", folder);
-    cr_assert(f.code == 0 && strstr(f.out, "are there already"), "%d: %s", f.code, f.out);
+    cr_assert(strstr(f->out, "times as fast as real time on one thread"), "%s", f->out);
+    f = WORKS("experiment", "speed", "--quick", "--scene", scene_path, "--out", folder);
+    cr_assert(strstr(f->out, "are there already"), "%s%s", f->out, f->err);
 }

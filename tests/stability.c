@@ -207,7 +207,6 @@ Test(stability, modes_of_a_wisp_come_from_its_jacobians) {
               longest);
     cr_assert_float_eq(stable_step(stepper_find("euler"), modes, count), 1.2e-4, 1e-6);
     free(modes);
-    scene_free(scene);
 }
 
 static int keep_history(struct stepper *stepper, unsigned lanes) {
@@ -379,30 +378,21 @@ struct limit_row {
 };
 enum { ROWS_MAX = 64 };
 
-static char folder[PATH_SIZE];
+static char *folder;
 
 static void set_up(void) {
-    folder_make(folder);
+    folder = folder_make();
     gnuplot_stub_quiet();
 }
 
-static void clean_up(void) {
-    gnuplot_stub_remove();
-    folder_remove(folder);
-}
-
 static char *read_table(const char *name) {
-    char path[PATH_SIZE];
-    path_format(path, "%s/stability/%s.tsv", folder, name);
-    char *text = file_read(path);
+    char *text = file_read(printed("%s/stability/%s.tsv", folder, name));
     cr_assert(text, "no table %s", name);
     return text;
 }
 
 static void stated(void) {
-    char path[PATH_SIZE];
-    path_format(path, "%s/stability", folder);
-    statements_must_be_whole(path);
+    statements_must_be_whole(printed("%s/stability", folder));
 }
 
 static int read_limits(struct limit_row *row) {
@@ -426,7 +416,6 @@ static int read_limits(struct limit_row *row) {
         snprintf(r->stepper, sizeof r->stepper, "%s", text_table_cell(&text, i, "stepper"));
         snprintf(r->kind, sizeof r->kind, "%s", text_table_cell(&text, i, "kind"));
     }
-    text_table_free(&text);
     return count;
 }
 
@@ -440,9 +429,7 @@ static double error_at(const struct scene *scene, const struct limit_row *row, d
     struct lab_run run;
     lab_run(scene, &request, &run);
     *outcome = run.result.outcome;
-    const double error = *outcome == FINISHED ? lab_distance(&run, tight, 0, 2).rms : NAN;
-    lab_run_free(&run);
-    return error;
+    return *outcome == FINISHED ? lab_distance(&run, tight, 0, 2).rms : NAN;
 }
 
 /* The step of a row is stable, the next is not, in the way that it says; both again here. The
@@ -464,36 +451,32 @@ static void check_row(const struct scene *scene, const struct limit_row *row, do
               "%s: %g, and predicted %g", row->stepper, row->step, row->predicted);
     cr_assert(row->time > 0 && row->time <= scene->duration, "%s: at %g s", row->stepper,
               row->time);
-    lab_run_free(&tight);
 }
 
 /* Measured on `swing`: Euler at 9000 Hz is right, at 8000 finite and wrong;
  * Runge-Kutta 4 at 4000 Hz is right, at 3000 stretches too far after 0.04 s, and would be wrong by
  * decimetres. */
-Test(stability, swing_fails_as_it_was_measured_before, .init = set_up, .fini = clean_up) {
+Test(stability, swing_fails_as_it_was_measured_before, .init = set_up) {
     static const char *const known[] = {
         "euler\t0.000111111111\t9000\tstable\tnan\tyes", "euler\t0.000125\t8000\tdiverged\t",
         "rk4\t0.00025\t4000\tstable\tnan\tyes",
         "rk4\t0.000333333333\t3000\tdiverged\t0.0386666667\tyes\t2.3"};
-    static struct finished f;
     static struct limit_row row[ROWS_MAX];
-    PROGRAM(&f, NULL, "experiment", "stability", "--quick", "--scene", "swing", "--stepper",
-            "euler", "--stepper", "rk4", "--out", folder);
-    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
-    cr_assert(strstr(f.out, "On swing explicit methods fail beyond steps of 0.119 ms (euler) to "
-                            "0.309 ms (rk4), and rk4 stays within a millimetre with steps of 0.309 "
-                            "ms."),
-              "%s", f.out);
+    struct finished *f = WORKS("experiment", "stability", "--quick", "--scene", "swing",
+                               "--stepper", "euler", "--stepper", "rk4", "--out", folder);
+    cr_assert(strstr(f->out,
+                     "On swing explicit methods fail beyond steps of 0.119 ms (euler) to "
+                     "0.309 ms (rk4), and rk4 stays within a millimetre with steps of 0.309 "
+                     "ms."),
+              "%s", f->out);
     char *text = read_table("failures");
     for (size_t i = 0; i < sizeof known / sizeof *known; i++)
         cr_assert(strstr(text, known[i]), "not '%s' in %s", known[i], text);
-    free(text);
     struct scene *scene = LAB_LOAD("swing", "duration=0.5");
     const int rows = read_limits(row);
     cr_assert_eq(rows, 2, "%d rows", rows);
     for (int i = 0; i < rows; i++)
         check_row(scene, &row[i], 0.03);
-    scene_free(scene);
 }
 
 #define SCENE                                                                                      \
@@ -507,16 +490,12 @@ Test(stability, swing_fails_as_it_was_measured_before, .init = set_up, .fini = c
 /* Stable is not good: what a step errs is a column of its own, and so is whether the method's order
  * still holds. In one frame an instability has no time to be seen in a length, and implicit Euler
  * is stable at every step. */
-Test(stability, how_wrong_a_stable_step_is_has_columns_of_its_own, .init = set_up,
-     .fini = clean_up) {
-    static struct finished f;
+Test(stability, how_wrong_a_stable_step_is_has_columns_of_its_own, .init = set_up) {
     static struct limit_row row[ROWS_MAX];
-    char path[PATH_SIZE];
     int order_lost = 0;
-    file_write(folder, "short.cfg", SCENE, path);
-    PROGRAM(&f, NULL, "experiment", "stability", "--quick", "--scene", path, "--stepper",
-            "implicit-euler", "--stepper", "euler", "--stepper", "rk4", "--out", folder);
-    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
+    const char *const path = file_write(folder, "short.cfg", SCENE);
+    WORKS("experiment", "stability", "--quick", "--scene", path, "--stepper", "implicit-euler",
+          "--stepper", "euler", "--stepper", "rk4", "--out", folder);
     struct scene *scene = lab_load(path, NULL, 0);
     struct lab_run tight;
     lab_run(scene, &(struct run_request){.stepper = "reference"}, &tight);
@@ -534,19 +513,14 @@ Test(stability, how_wrong_a_stable_step_is_has_columns_of_its_own, .init = set_u
     for (int i = 0; i < rows; i++)
         if (strcmp(row[i].stepper, "implicit-euler") == 0)
             cr_expect(strcmp(row[i].kind, "none") == 0 && row[i].mm < row[i].step);
-    lab_run_free(&tight);
-    scene_free(scene);
 }
 
 /* The whole of it: every stepper is in the tables, and nothing is left to do the second time. */
-Test(stability, slow_quick_run_has_every_table_and_figure, .init = set_up, .fini = clean_up) {
-    static struct finished f;
+Test(stability, slow_quick_run_has_every_table_and_figure, .init = set_up) {
     static const char *const figures[] = {"regions.svg", "oscillator.svg", "limits.svg",
                                           "damping.svg"};
-    gnuplot_stub_remove();
-    PROGRAM(&f, NULL, "experiment", "stability", "--quick", "--out", folder);
-    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
-    cr_assert(strstr(f.out, "left out of --quick"), "it does not say what it leaves out");
+    struct finished *f = WORKS("experiment", "stability", "--quick", "--out", folder);
+    cr_assert(strstr(f->out, "left out of --quick"), "it does not say what it leaves out");
     stated();
     for (int k = 0; k < 4; k++)
         cr_assert_eq(count_files(folder, figures[k]), 1, "no figure %s", figures[k]);
@@ -556,29 +530,21 @@ Test(stability, slow_quick_run_has_every_table_and_figure, .init = set_up, .fini
                       (strstr(regions, stepper_methods[i]->name) &&
                        strstr(largest, stepper_methods[i]->name)),
                   "%s is missing", stepper_methods[i]->name);
-    free(regions);
-    free(largest);
     gnuplot_stub_quiet();
-    PROGRAM(&f, NULL, "experiment", "stability", "--quick", "--out", folder);
-    cr_assert(strstr(f.out, " 0 of them new"), "a complete search does more: %s", f.out);
+    f = PROGRAM(NULL, "experiment", "stability", "--quick", "--out", folder);
+    cr_assert(strstr(f->out, " 0 of them new"), "a complete search does more: %s", f->out);
 }
 
-Test(stability, without_a_reference_solution_rows_say_why, .init = set_up, .fini = clean_up) {
-    static struct finished f;
-    PROGRAM(&f, NULL, "experiment", "stability", "--quick", "--scene", "swing", "--stepper", "rk4",
-            "--out", folder, "--time-limit", "0.0001");
-    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
+Test(stability, without_a_reference_solution_rows_say_why, .init = set_up) {
+    WORKS("experiment", "stability", "--quick", "--scene", "swing", "--stepper", "rk4", "--out",
+          folder, "--time-limit", "0.0001");
     char *text = read_table("largest-step");
     cr_assert(strstr(text, "no reference solution: out of time"), "%s", text);
-    free(text);
     stated();
 }
 
-Test(stability, is_of_wisps, .init = set_up, .fini = clean_up) {
-    static struct finished f;
-    PROGRAM(&f, NULL, "experiment", "stability", "--scene", "circle", "--out", folder);
-    cr_assert(f.code == 1 && count_lines(f.err) == 1 && strstr(f.err, "of wisps"), "%d: '%s'",
-              f.code, f.err);
+Test(stability, is_of_wisps, .init = set_up) {
+    FAILS(1, "of wisps", "experiment", "stability", "--scene", "circle", "--out", folder);
 }
 
 /* --- what is said of a trial --- */
@@ -591,16 +557,15 @@ static void trial_says(const struct cell *cell, const struct trial *trial, const
     cr_assert_eq(statements_open(&statements, folder, NULL, NULL, reason), 0, "%s", reason);
     limits_state_trial(&statements, cell, trial, ANSWERS_FAILURES);
     cr_assert_eq(statements_close(&statements, 0, reason), 0, "%s", reason);
-    cr_assert_eq(statements_read(&rows, folder, reason), 0, "%s", reason);
+    statements_must_be_read(&rows, folder);
     const char *sentence = text_table_cell(&rows, 0, "statement");
     cr_assert(strstr(sentence, says), "'%s' does not say '%s'", sentence, says);
     cr_assert_str_eq(text_table_cell(&rows, 0, "verdict"), verdict, "%s", sentence);
     cr_assert_str_eq(text_table_cell(&rows, 0, "question"), "failures");
-    text_table_free(&rows);
 }
 
 /* The sentence and its verdict follow what the runs have shown. */
-Test(stability, a_trial_is_told_as_it_went, .init = set_up, .fini = clean_up) {
+Test(stability, a_trial_is_told_as_it_went, .init = set_up) {
     const struct configuration euler = {.name = "euler", .method = stepper_find("euler")},
                                cvode = {.name = "cvode", .method = stepper_find("cvode")};
     struct scene *scene = lab_load("swing", NULL, 0);
@@ -636,5 +601,4 @@ Test(stability, a_trial_is_told_as_it_went, .init = set_up, .fini = clean_up) {
                "and has no longest one.");
     adaptive.cost.outcome = OUT_OF_TIME;
     trial_says(&cell, &adaptive, "not reached", "did not reach its end: out of time.");
-    scene_free(scene);
 }

@@ -15,8 +15,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static char folder[PATH_SIZE], scene_path[PATH_SIZE], state_path[PATH_SIZE];
-static struct finished finished;
+static char *folder;
+static const char *scene_path, *state_path;
 
 /* Hair of unlike lengths on a head that is turned, falling over itself. */
 static const char scene_text[] =
@@ -31,19 +31,14 @@ static const char scene_text[] =
     "head = { times = [0.0]; positions = ([0.1, 0.2, 0.3]); rotations = ([0.5, -0.4, 0.8]); };\n";
 
 static void open_folder(void) {
-    folder_make(folder);
-    file_write(folder, "hair.cfg", scene_text, scene_path);
-    path_format(state_path, "%s/state.tsv", folder);
-}
-
-static void close_folder(void) {
-    folder_remove(folder);
+    folder = folder_make();
+    scene_path = file_write(folder, "hair.cfg", scene_text);
+    state_path = printed("%s/state.tsv", folder);
 }
 
 static void save_state(const char *treatment) {
-    PROGRAM(&finished, NULL, "run", scene_path, "--treatment", treatment, "--out", folder, "--save",
-            state_path, "--no-progress");
-    cr_assert_eq(finished.code, 0, "%s: %s", treatment, finished.err);
+    WORKS("run", scene_path, "--treatment", treatment, "--out", folder, "--save", state_path,
+          "--no-progress");
 }
 
 /* What a model of a treatment starts with. */
@@ -56,19 +51,11 @@ struct rows {
 
 static void start_of(enum wisp_treatment treatment, int lanes, struct rows *rows) {
     rows->scene = LAB_LOAD(scene_path, "start=state.tsv");
-    rows->model = wisp_problem.create(rows->scene, (int)treatment, lanes);
-    cr_assert(rows->model, "no memory");
+    rows->model = lab_model(rows->scene, (int)treatment, lanes);
     rows->count = rows->model->row_count;
     rows->columns = rows->model->column_count;
-    rows->row = malloc((size_t)(rows->count * rows->columns) * sizeof *rows->row);
-    cr_assert(rows->row, "no memory");
+    rows->row = test_room((size_t)(rows->count * rows->columns) * sizeof *rows->row);
     wisp_problem.sample(rows->model, rows->row);
-}
-
-static void free_rows(struct rows *rows) {
-    wisp_problem.free(rows->model);
-    scene_free(rows->scene);
-    free(rows->row);
 }
 
 /* The last frame of the file, as numbers. */
@@ -109,8 +96,7 @@ static void check_on_lines(const struct rows *rows, const struct table *saved) {
     head_placement(&rows->scene->around.head, 0, &head);
     for (int w = 0, first = 0; w < rows->scene->wisp_count; w++) {
         const struct wisp *wisp = &rows->scene->wisps[w];
-        struct strand *s = strand_create(wisp, WISP_PENALTY);
-        cr_assert(s, "no memory");
+        struct strand *s = lab_strand(wisp, WISP_PENALTY);
         strand_turn(s, &head);
         strand_load(s, rows->row + first * rows->columns + 2, rows->columns);
         for (int at = 8; at < 4 * wisp->nodes; at++) {
@@ -118,14 +104,13 @@ static void check_on_lines(const struct rows *rows, const struct table *saved) {
             cr_assert(fabs(s->r[at] - r) <= 1e-15, "wisp %d, sample %d: %g, not %g", w, at,
                       s->r[at], r);
         }
-        strand_free(s);
         first += wisp->nodes;
     }
 }
 
 /* What a run has left is what the next one starts with, to the bit; the free nodes, that is, in
  * parts of any size. */
-Test(start, the_same_columns_give_the_same_bits, .init = open_folder, .fini = close_folder) {
+Test(start, the_same_columns_give_the_same_bits, .init = open_folder) {
     static const int pairs[][2] = {{WISP_PROJECTION, WISP_PROJECTION},
                                    {WISP_PROJECTION, WISP_GENERALISED},
                                    {WISP_GENERALISED, WISP_PROJECTION},
@@ -149,12 +134,11 @@ Test(start, the_same_columns_give_the_same_bits, .init = open_folder, .fini = cl
                 }
             cr_assert_gt(moved, 0.1, "nothing moves: no state worth saving");
             table_free(&saved);
-            free_rows(&rows);
         }
 }
 
 /* Distances become particles that far away, which become the same distances. */
-Test(start, distances_and_particles_are_converted, .init = open_folder, .fini = close_folder) {
+Test(start, distances_and_particles_are_converted, .init = open_folder) {
     for (int treatment = WISP_PROJECTION; treatment <= WISP_GENERALISED; treatment += 2) {
         struct rows particles, back;
         struct table saved;
@@ -183,14 +167,12 @@ Test(start, distances_and_particles_are_converted, .init = open_folder, .fini = 
             }
         }
         table_free(&saved);
-        free_rows(&particles);
-        free_rows(&back);
     }
 }
 
 /* Nothing but the clock's times differs: ticks and frames of the second piece fall on those of the
  * whole. */
-Test(start, a_run_in_two_pieces_is_the_run, .init = open_folder, .fini = close_folder) {
+Test(start, a_run_in_two_pieces_is_the_run, .init = open_folder) {
     for (int treatment = 0; treatment < TREATMENTS; treatment++) {
         const struct run_request request = {.stepper = "rk4",
                                             .treatment = treatment_names[treatment]};
@@ -198,17 +180,13 @@ Test(start, a_run_in_two_pieces_is_the_run, .init = open_folder, .fini = close_f
         struct lab_run whole, piece;
         double worst = 0;
         lab_run(scene, &request, &whole);
-        scene_free(scene);
         save_state(treatment_names[treatment]);
         scene = LAB_LOAD(scene_path, "start=state.tsv");
         lab_run(scene, &request, &piece);
-        scene_free(scene);
         cr_assert(whole.frames == 7 && piece.frames == 4);
         for (int i = 0; i < 4 * piece.rows * piece.columns; i++)
             worst = fmax(worst, fabs(piece.row[i] - whole.row[i + 3 * piece.rows * piece.columns]));
         cr_assert_leq(worst, 1e-10, "%s: %g", treatment_names[treatment], worst);
-        lab_run_free(&whole);
-        lab_run_free(&piece);
     }
 }
 
@@ -217,74 +195,57 @@ Test(start, a_run_in_two_pieces_is_the_run, .init = open_folder, .fini = close_f
 static void hash_of(const char *path, char hash[HASH_SIZE]) {
     struct scene *scene = LAB_LOAD(path, "start=state.tsv");
     scene_hash(scene, hash);
-    scene_free(scene);
 }
 
-Test(start, the_content_is_in_the_hash, .init = open_folder, .fini = close_folder) {
-    char hash[4][HASH_SIZE], elsewhere[PATH_SIZE], other[PATH_SIZE];
+Test(start, the_content_is_in_the_hash, .init = open_folder) {
+    char hash[4][HASH_SIZE];
     struct scene *without = lab_load(scene_path, NULL, 0);
     scene_hash(without, hash[0]);
-    scene_free(without);
     save_state("generalised");
     hash_of(scene_path, hash[1]);
-    folder_make(elsewhere);
+    const char *const elsewhere = folder_make();
     char *text = file_read(state_path);
-    file_write(elsewhere, "hair.cfg", scene_text, other);
-    file_write(elsewhere, "state.tsv", text, NULL);
+    const char *const other = file_write(elsewhere, "hair.cfg", scene_text);
+    file_write(elsewhere, "state.tsv", text);
     hash_of(other, hash[2]);
     char *digit = strrchr(text, '.') + 1; /* of the last number */
     *digit = *digit == '3' ? '4' : '3';
-    file_write(elsewhere, "state.tsv", text, NULL);
+    file_write(elsewhere, "state.tsv", text);
     hash_of(other, hash[3]);
     cr_assert_str_neq(hash[0], hash[1], "without a start it is the same scene");
     cr_assert_str_eq(hash[1], hash[2], "the folder is in the hash");
     cr_assert_str_neq(hash[1], hash[3], "the content is not in the hash");
-    free(text);
-    folder_remove(elsewhere);
 }
 
 /* --- saving --- */
 
-Test(start, save_is_the_last_frame_of_a_finished_run, .init = open_folder, .fini = close_folder) {
-    char path[PATH_SIZE];
+Test(start, save_is_the_last_frame_of_a_finished_run, .init = open_folder) {
     save_state("generalised");
-    path_format(path, "%s/states.tsv", folder);
-    char *saved = file_read(state_path), *states = file_read(path);
+    char *saved = file_read(state_path), *states = file_read(printed("%s/states.tsv", folder));
     const char *rows = strstr(saved, "\n0.1");
     cr_assert(saved && states && rows);
     const size_t frame = strlen(rows), all = strlen(states), head = strlen(saved) - frame;
     cr_assert_str_eq(rows, states + all - frame, "not the last frame");
     cr_assert_eq(strncmp(saved, states, head), 0, "not the table's head");
     cr_assert_eq(count_lines(strstr(saved, "\nt\t") + 1), 1 + 5 * 7 + 5, "not one frame");
-    free(saved);
-    free(states);
     cr_assert_eq(count_files(folder, ".part"), 0, "a temporary file is left");
     remove(state_path);
-    PROGRAM(&finished, NULL, "run", scene_path, "--stepper", "euler", "--rate", "1000", "--out",
-            folder, "--save", state_path, "--no-progress");
-    cr_assert(finished.code == 3 && !file_exists(state_path), "a run that failed is saved");
-    path_format(path, "%s/no/such/folder.tsv", folder);
-    PROGRAM(&finished, NULL, "run", scene_path, "--out", folder, "--save", path, "--no-progress");
-    cr_assert(finished.code == 2 && strstr(finished.err, "folder.tsv"), "%d: %s", finished.code,
-              finished.err);
-    PROGRAM(&finished, NULL, "run", scene_path, "--out", folder, "--save", "", "--no-progress");
-    cr_assert(finished.code == 1 && strstr(finished.err, "--save"), "%s", finished.err);
+    FAILS(3, "", "run", scene_path, "--stepper", "euler", "--rate", "1000", "--out", folder,
+          "--save", state_path, "--no-progress");
+    cr_assert(!file_exists(state_path), "a run that failed is saved");
+    FAILS(2, "folder.tsv", "run", scene_path, "--out", folder, "--save",
+          printed("%s/no/such/folder.tsv", folder), "--no-progress");
+    FAILS(1, "--save", "run", scene_path, "--out", folder, "--save", "", "--no-progress");
 }
 
 /* --- what is wrong --- */
 
 static void refuse(const char *text, const char *set, const char *says) {
     const char *sets[] = {"start=state.tsv", set ? set : "seed=1"};
-    char reason[REASON_SIZE] = "", place[PATH_SIZE + 16];
     if (text)
-        file_write(folder, "state.tsv", text, NULL);
-    struct scene *scene = scene_load(scene_path, sets, 2, reason);
-    snprintf(place, sizeof place, "%s: --set: start: ", scene_path);
-    cr_expect_null(scene, "%s: taken", says);
-    cr_expect(strncmp(reason, place, strlen(place)) == 0 && strstr(reason, says) &&
-                  !strchr(reason, '\n'),
-              "does not say '%s': '%s'", says, reason);
-    scene_free(scene);
+        file_write(folder, "state.tsv", text);
+    lab_refuse(scene_path, sets, 2,
+               (const char *[]){printed("%s: --set: start: ", scene_path), says}, 2);
 }
 
 /* The text with `word` in place of field `field` of row `row`, counted from the end. */
@@ -294,13 +255,10 @@ static char *with(const char *text, int row, int field, const char *word) {
         at--;
     for (int i = 0; i < field; i++)
         at = strchr(at, '\t') + 1;
-    char *made = malloc(strlen(text) + strlen(word) + 1);
-    cr_assert(made);
-    sprintf(made, "%.*s%s%s", (int)(at - text), text, word, at + strcspn(at, "\t\n"));
-    return made;
+    return printed("%.*s%s%s", (int)(at - text), text, word, at + strcspn(at, "\t\n"));
 }
 
-Test(start, states_of_something_else_are_refused, .init = open_folder, .fini = close_folder) {
+Test(start, states_of_something_else_are_refused, .init = open_folder) {
     static const struct {
         int row, field;
         const char *word, *says;
@@ -321,7 +279,6 @@ Test(start, states_of_something_else_are_refused, .init = open_folder, .fini = c
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         char *text = with(good, wrong[i].row, wrong[i].field, wrong[i].word);
         refuse(text, NULL, wrong[i].says);
-        free(text);
     }
     good[strlen(good) - 1] = '\0';
     refuse(good, NULL, "not complete");
@@ -329,7 +286,6 @@ Test(start, states_of_something_else_are_refused, .init = open_folder, .fini = c
     refuse(good, NULL, "has 39 rows");
     strstr(strstr(good, "\nt\t"), "vx")[0] = 'w';
     refuse(good, NULL, "no column 'vx'");
-    free(good);
     save_state("generalised");
     refuse(NULL, "wisps.[0].count=4", "rows");
     refuse(NULL, "wisps.[1].nodes=4", "wisp");
@@ -338,10 +294,7 @@ Test(start, states_of_something_else_are_refused, .init = open_folder, .fini = c
     refuse(NULL, "head.rotations=([0.5, -0.4, 0.81])", "head has it at t = 0");
     refuse(NULL, "body.[0].radii=[0.075, 0.115, 0.096]", "head has it at t = 0");
     /* of nine digits the head's nodes are near enough */
-    struct scene *scene = LAB_LOAD(scene_path, "start=state.tsv");
-    struct scene *moved =
-        LAB_LOAD(scene_path, "start=state.tsv", "head.positions=([0.1000001, 0.2, 0.3])");
-    scene_free(scene);
-    scene_free(moved);
+    LAB_LOAD(scene_path, "start=state.tsv");
+    LAB_LOAD(scene_path, "start=state.tsv", "head.positions=([0.1000001, 0.2, 0.3])");
     refuse(NULL, "head.positions=([0.10001, 0.2, 0.3])", "head has it at t = 0");
 }

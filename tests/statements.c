@@ -12,14 +12,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-static char folder[PATH_SIZE];
+static char *folder;
 
 static void set_up(void) {
-    folder_make(folder);
-}
-
-static void clean_up(void) {
-    folder_remove(folder);
+    folder = folder_make();
 }
 
 /* Writes one row and reads it back. */
@@ -29,7 +25,7 @@ static void write_and_read(struct statement row, const char *sentence, struct te
     cr_assert_eq(statements_open(&statements, folder, NULL, NULL, reason), 0, "%s", reason);
     statements_add(&statements, row, "%s", sentence);
     cr_assert_eq(statements_close(&statements, 0, reason), 0, "%s", reason);
-    cr_assert_eq(statements_read(rows, folder, reason), 0, "%s", reason);
+    statements_must_be_read(rows, folder);
     cr_assert_eq(rows->row_count, 1);
 }
 
@@ -37,7 +33,7 @@ static void cell_is(const struct text_table *rows, const char *column, const cha
     cr_assert_str_eq(text_table_cell(rows, 0, column), text, "%s", column);
 }
 
-Test(statements, a_row_is_read_as_it_was_written, .init = set_up, .fini = clean_up) {
+Test(statements, a_row_is_read_as_it_was_written, .init = set_up) {
     struct text_table rows;
     write_and_read((struct statement){.key = "far",
                                       .figure = "orbits",
@@ -57,11 +53,10 @@ Test(statements, a_row_is_read_as_it_was_written, .init = set_up, .fini = clean_
     cell_is(&rows, "unit", "mm");
     cell_is(&rows, "by", "thesis");
     cell_is(&rows, "tables", "table orbits");
-    text_table_free(&rows);
 }
 
 /* What a user's names and libraries' messages may hold; and what a row leaves out. */
-Test(statements, no_text_breaks_a_row_and_no_cell_is_empty, .init = set_up, .fini = clean_up) {
+Test(statements, no_text_breaks_a_row_and_no_cell_is_empty, .init = set_up) {
     struct text_table rows;
     write_and_read((struct statement){.key = "a\tkey", .value = NAN, .unit = "mm"},
                    "Two\nlines\tand a tab.", &rows);
@@ -72,12 +67,11 @@ Test(statements, no_text_breaks_a_row_and_no_cell_is_empty, .init = set_up, .fin
     static const char *const nothing[] = {"figure", "question", "value", "unit", "tables"};
     for (int i = 0; i < 5; i++)
         cell_is(&rows, nothing[i], "-");
-    text_table_free(&rows);
 }
 
 #define HEAD "key\tfigure\tquestion\tstatement\tverdict\tvalue\tunit\tby\ttables\n"
 
-Test(statements, what_is_no_row_is_refused_in_one_line, .init = set_up, .fini = clean_up) {
+Test(statements, what_is_no_row_is_refused_in_one_line, .init = set_up) {
     static const struct {
         const char *text, *says;
     } wrong[] = {
@@ -90,14 +84,14 @@ Test(statements, what_is_no_row_is_refused_in_one_line, .init = set_up, .fini = 
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         struct text_table rows;
         char reason[REASON_SIZE];
-        file_write(folder, "statements.tsv", wrong[i].text, NULL);
+        file_write(folder, "statements.tsv", wrong[i].text);
         cr_assert_eq(statements_read(&rows, folder, reason), -1, "text %zu", i);
         cr_assert(strstr(reason, "statements.tsv: row 1") && strstr(reason, wrong[i].says), "%s",
                   reason);
     }
 }
 
-Test(statements, what_failed_leaves_no_table, .init = set_up, .fini = clean_up) {
+Test(statements, what_failed_leaves_no_table, .init = set_up) {
     struct statements statements;
     char reason[REASON_SIZE];
     cr_assert_eq(statements_open(&statements, folder, NULL, NULL, reason), 0, "%s", reason);
@@ -124,11 +118,10 @@ static void escape(const char *text, char escaped[2048]) {
 /* The page of one experiment's folder. */
 static char *page_of(const char *name) {
     struct report report = {.root = folder, .quick = 1, .part_count = 1};
-    char reason[REASON_SIZE], path[PATH_SIZE];
+    char reason[REASON_SIZE];
     report.parts[0] = (struct report_part){.experiment = experiment_find(name), .included = 1};
     cr_assert_eq(report_write(&report, reason), 0, "%s", reason);
-    path_format(path, "%s/report.html", folder);
-    return file_read(path);
+    return file_read(printed("%s/report.html", folder));
 }
 
 /* Whether a row's figure is a link on the page, with its sentences beside it. */
@@ -139,7 +132,7 @@ static int is_linked(const struct text_table *rows, int row) {
 
 /* A row as the page has it: of the thesis's claims a row of a table, with what was found and the
  * verdict, which are those of the row; else an item of a list. */
-static void item_of(const struct text_table *rows, int row, char item[4096]) {
+static const char *item_of(const struct text_table *rows, int row) {
     const char *sentence = text_table_cell(rows, row, "statement"),
                *verdict = text_table_cell(rows, row, "verdict"),
                *finding = statement_finding(sentence);
@@ -148,36 +141,31 @@ static void item_of(const struct text_table *rows, int row, char item[4096]) {
         escape(sentence, claim);
         *strstr(claim, ": ") = '\0';
         escape(finding, text);
-        snprintf(item, 4096,
-                 "<tr><td>%s</td><td>%s</td><td><span class=\"verdict%s\">%s</span></td></tr>",
-                 claim, text, strcmp(verdict, "does not hold") == 0 ? " fails" : "", verdict);
-        return;
+        return printed(
+            "<tr><td>%s</td><td>%s</td><td><span class=\"verdict%s\">%s</span></td></tr>", claim,
+            text, strcmp(verdict, "does not hold") == 0 ? " fails" : "", verdict);
     }
     escape(sentence, text);
     if (strcmp(verdict, "holds") == 0 || strcmp(verdict, "does not hold") == 0)
-        snprintf(item, 4096, "<li>%s</li>", text);
-    else
-        snprintf(item, 4096, "<li><span class=\"verdict\">%s</span> %s</li>", verdict, text);
+        return printed("<li>%s</li>", text);
+    return printed("<li><span class=\"verdict\">%s</span> %s</li>", verdict, text);
 }
 
 /* How often a row is the title of a figure. */
 static int titles_of(const char *page, const struct text_table *rows, int row) {
-    char text[2048], title[4096];
+    char text[2048];
     escape(text_table_cell(rows, row, "statement"), text);
-    snprintf(title, sizeof title, "<p class=\"claim\">%.*s <a", (int)strlen(text) - 1, text);
+    const char *const title = printed("<p class=\"claim\">%.*s <a", (int)strlen(text) - 1, text);
     return count_of(page, title);
 }
 
 /* The lines of an experiment on the terminal are the rows of its table, one by one, and so are the
  * titles of figures, items and claims of its part of the report, and those of the answers. */
-Test(statements, slow_terminal_captions_and_report_say_the_same, .init = set_up, .fini = clean_up) {
-    static struct finished f;
+Test(statements, slow_terminal_captions_and_report_say_the_same, .init = set_up) {
     struct text_table rows;
-    char path[PATH_SIZE], reason[REASON_SIZE], item[4096];
-    PROGRAM(&f, NULL, "experiment", "viscosity", "--quick", "--no-progress", "--out", folder);
-    cr_assert_eq(f.code, 0, "%s", f.err);
-    path_format(path, "%s/viscosity", folder);
-    cr_assert_eq(statements_read(&rows, path, reason), 0, "%s", reason);
+    struct finished *f =
+        WORKS("experiment", "viscosity", "--quick", "--no-progress", "--out", folder);
+    statements_must_be_read(&rows, printed("%s/viscosity", folder));
     char *page = page_of("viscosity");
     int asked = 0;
     for (int row = 0; row < rows.row_count; row++) {
@@ -186,42 +174,33 @@ Test(statements, slow_terminal_captions_and_report_say_the_same, .init = set_up,
                    *by = text_table_cell(&rows, row, "by");
         const int answer = strcmp(text_table_cell(&rows, row, "question"), "-") != 0;
         asked += answer;
-        snprintf(item, sizeof item, "  %-13s  %-6s  %s\n", verdict, by, sentence);
-        cr_assert_eq(count_of(f.out, item), 1, "the terminal has not once: %s", item);
-        item_of(&rows, row, item);
+        const char *item = printed("  %-13s  %-6s  %s\n", verdict, by, sentence);
+        cr_assert_eq(count_of(f->out, item), 1, "the terminal has not once: %s", item);
+        item = item_of(&rows, row);
         cr_assert_eq(count_of(page, item) + titles_of(page, &rows, row),
                      is_linked(&rows, row) ? 0 : 1 + answer, "the page has not: %s", item);
     }
     cr_assert_gt(asked, 0, "nothing answers a question of the report");
-    cr_assert_eq(count_of(f.out, "\n  "), rows.row_count, "the terminal says more: %s", f.out);
-    text_table_free(&rows);
-    free(page);
+    cr_assert_eq(count_of(f->out, "\n  "), rows.row_count, "the terminal says more: %s", f->out);
 }
 
 /* --- the circle's claims --- */
 
 static void circle_says(const char *key, const char *verdict, double value) {
     struct text_table rows;
-    char path[PATH_SIZE], reason[REASON_SIZE];
-    path_format(path, "%s/circle", folder);
-    cr_assert_eq(statements_read(&rows, path, reason), 0, "%s", reason);
-    const int row = text_table_find(&rows, key, NULL);
-    cr_assert(row >= 0, "no row %s", key);
-    cr_assert_str_eq(text_table_cell(&rows, row, "verdict"), verdict, "%s", key);
-    const double is = text_table_number(&rows, row, "value");
+    statements_must_be_read(&rows, printed("%s/circle", folder));
+    must_state(&rows, key, verdict, NULL);
+    const double is = text_table_number(&rows, the_row(&rows, key), "value");
     cr_assert(isnan(value) ? isnan(is) : fabs(is / value - 1) < 1e-3, "%s: %g, not %g", key, is,
               value);
-    text_table_free(&rows);
 }
 
 /* What was not asked for and what no run reached are no verdicts on the thesis; what there is has
  * the numbers that were worked out by hand. */
-Test(statements, claims_on_the_circle_follow_its_runs, .init = set_up, .fini = clean_up) {
-    static struct finished f;
+Test(statements, claims_on_the_circle_follow_its_runs, .init = set_up) {
     gnuplot_stub_quiet();
-    PROGRAM(&f, NULL, "experiment", "circle", "--quick", "--stepper", "rk4", "--stepper", "euler",
-            "--out", folder, "--no-progress");
-    cr_assert_eq(f.code, 0, "%s", f.err);
+    WORKS("experiment", "circle", "--quick", "--stepper", "rk4", "--stepper", "euler", "--out",
+          folder, "--no-progress");
     circle_says("explicit Euler", "holds", 20.211);
     circle_says("Runge-Kutta 4", "holds", 0.03710);
     circle_says("Runge-Kutta 4, not at all", "does not hold", 0.06646);
@@ -231,31 +210,28 @@ Test(statements, claims_on_the_circle_follow_its_runs, .init = set_up, .fini = c
     circle_says("explicit Euler, projected, gap", "holds", 0.32901);
     circle_says("explicit Euler, fine", "holds", 0.04556);
     circle_says("midpoint", "not asked", NAN);
-    PROGRAM(&f, NULL, "experiment", "circle", "--quick", "--fresh", "--stepper", "rk4", "--out",
-            folder, "--no-progress", "--time-limit", "0.0001");
-    cr_assert_eq(f.code, 0, "%s", f.err);
+    WORKS("experiment", "circle", "--quick", "--fresh", "--stepper", "rk4", "--out", folder,
+          "--no-progress", "--time-limit", "0.0001");
     circle_says("Runge-Kutta 4", "not reached", NAN);
     circle_says("explicit Euler", "not asked", NAN);
-    gnuplot_stub_remove();
 }
 
 /* --- what is written --- */
 
 static int is_there(const char *name) {
-    char path[PATH_SIZE];
-    path_format(path, "%s/%s.tsv", folder, name);
-    return file_exists(path);
+    return file_exists(printed("%s/%s.tsv", folder, name));
 }
 
 /* Tables and statements get their names together: none where something failed, and the tables alone
  * where there is nothing to state. */
-Test(statements, what_is_written_appears_together, .init = set_up, .fini = clean_up) {
+Test(statements, what_is_written_appears_together) {
     static const struct column columns[] = {{"x", "1", "a number"}, {0}};
     static const struct {
         int code, tables, statements;
     } ends[] = {{-1, 0, 0}, {1, 1, 0}, {0, 1, 1}};
     char reason[REASON_SIZE];
     for (size_t i = 0; i < sizeof ends / sizeof *ends; i++) {
+        folder = folder_make();
         struct output output = {.folder = folder, .reason = reason};
         cr_assert(output_table(&output, "one", "numbers", NULL, columns), "%s", reason);
         cr_assert(output_table(&output, "other", "numbers", NULL, columns), "%s", reason);
@@ -265,7 +241,5 @@ Test(statements, what_is_written_appears_together, .init = set_up, .fini = clean
         cr_expect_eq(is_there("one"), ends[i].tables, "%d", ends[i].code);
         cr_expect_eq(is_there("other"), ends[i].tables, "%d", ends[i].code);
         cr_expect_eq(is_there("statements"), ends[i].statements, "%d", ends[i].code);
-        folder_remove(folder);
-        folder_make(folder);
     }
 }

@@ -17,15 +17,13 @@
 #include <string.h>
 #include <unistd.h>
 
-static char folder[PATH_SIZE], path[PATH_SIZE], reason[REASON_SIZE];
+static char *folder;
+static const char *path;
+static char reason[REASON_SIZE];
 
 static void open_folder(void) {
-    folder_make(folder);
-    path_format(path, "%s/states.npy", folder);
-}
-
-static void close_folder(void) {
-    folder_remove(folder);
+    folder = folder_make();
+    path = printed("%s/states.npy", folder);
 }
 
 /* --- the file --- */
@@ -53,7 +51,7 @@ static void check_rows(int rows) {
     table_free(&table);
 }
 
-Test(states, a_numpy_file_has_every_bit, .init = open_folder, .fini = close_folder) {
+Test(states, a_numpy_file_has_every_bit, .init = open_folder) {
     write_file(names, 3);
     check_rows(3);
     FILE *file = fopen(path, "r");
@@ -63,7 +61,7 @@ Test(states, a_numpy_file_has_every_bit, .init = open_folder, .fini = close_fold
 }
 
 /* A version, a header of so many letters, and rows: as numpy.save writes the same. */
-Test(states, a_file_of_numpys_own_is_read, .init = open_folder, .fini = close_folder) {
+Test(states, a_file_of_numpys_own_is_read, .init = open_folder) {
     static const char header[] = "{'descr': [('t', '<f8'), ('wisp', '<f8'), ('node', '<f8')], "
                                  "'fortran_order': False, 'shape': (3,), }";
     FILE *file = fopen(path, "w");
@@ -75,7 +73,7 @@ Test(states, a_file_of_numpys_own_is_read, .init = open_folder, .fini = close_fo
 }
 
 /* What a killed run has written: whole rows are kept, and counted. */
-Test(states, a_cut_file_is_mended, .init = open_folder, .fini = close_folder) {
+Test(states, a_cut_file_is_mended, .init = open_folder) {
     for (int rest = 0; rest < 3; rest++) {
         write_file(names, 0);
         FILE *file = fopen(path, "r+");
@@ -86,7 +84,7 @@ Test(states, a_cut_file_is_mended, .init = open_folder, .fini = close_folder) {
         fclose(file);
         check_rows(2);
     }
-    file_write(folder, "states.npy", "\x93NUM", path);
+    path = file_write(folder, "states.npy", "\x93NUM");
     FILE *file = fopen(path, "r+");
     cr_assert_eq(npy_mend(file), -1, "there is no header");
     fclose(file);
@@ -98,7 +96,7 @@ static void check_refused(const char *why) {
     cr_assert(strstr(reason, "states.npy: ") && strstr(reason, why), "'%s', not '%s'", reason, why);
 }
 
-Test(states, a_wrong_numpy_file_is_refused, .init = open_folder, .fini = close_folder) {
+Test(states, a_wrong_numpy_file_is_refused, .init = open_folder) {
     static const char *const headers[] = {
         "{'descr': '<f8', 'shape': (9,), }", "{'descr': [('t', '<f4')], 'shape': (9,), }",
         "{'descr': [], 'shape': (9,), }", "{'descr': [('t', '<f8'", "{'shape': (9,), }"};
@@ -108,7 +106,7 @@ Test(states, a_wrong_numpy_file_is_refused, .init = open_folder, .fini = close_f
     check_refused("has not as many rows as it says");
     write_file(names, -1);
     check_refused("has no rows of numbers");
-    file_write(folder, "states.npy", "\x93NUMPY\x02", path);
+    path = file_write(folder, "states.npy", "\x93NUMPY\x02");
     check_refused("has no header");
     for (size_t i = 0; i < sizeof headers / sizeof *headers; i++) {
         FILE *file = fopen(path, "w");
@@ -125,8 +123,7 @@ Test(states, a_wrong_numpy_file_is_refused, .init = open_folder, .fini = close_f
 /* Nothing has its name before all is on the disk, run.json too, whatever the run still does after
  * its last frame, as the cross-check of a reference; and what is hashed on the way is what is
  * there. */
-Test(states, have_their_names_when_all_of_the_run_is_there, .init = open_folder,
-     .fini = close_folder) {
+Test(states, have_their_names_when_all_of_the_run_is_there, .init = open_folder) {
     static const struct {
         struct run_request request;
         const char *done;
@@ -137,9 +134,7 @@ Test(states, have_their_names_when_all_of_the_run_is_there, .init = open_folder,
                  {{.stepper = "reference"}, "ffrrd"}};
     struct scene *scene = LAB_LOAD("swing", "duration=0.1");
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        struct settings settings;
-        cr_assert_eq(settings_resolve(scene, &cases[i].request, &settings, reason), 0, "%s",
-                     reason);
+        const struct settings settings = settings_of(scene, &cases[i].request);
         memset(disk_done, 0, sizeof disk_done);
         disk_noting = 1;
         cr_assert_eq(record_run(scene, &settings, folder, NULL, NULL, reason), FINISHED, "%s",
@@ -150,26 +145,21 @@ Test(states, have_their_names_when_all_of_the_run_is_there, .init = open_folder,
         cr_expect_eq(count_files(folder, ".part"), 0);
         run_remove(folder);
     }
-    scene_free(scene);
 }
 
 /* Who dies between two names has no half run either. */
-Test(states, of_a_run_that_died_at_its_names_are_sealed, .init = open_folder,
-     .fini = close_folder) {
+Test(states, of_a_run_that_died_at_its_names_are_sealed, .init = open_folder) {
     const struct run_request request = {0};
     struct scene *scene = LAB_LOAD("swing", "duration=0.1");
-    struct settings settings;
-    cr_assert_eq(settings_resolve(scene, &request, &settings, reason), 0, "%s", reason);
+    const struct settings settings = settings_of(scene, &request);
     cr_assert_eq(record_run(scene, &settings, folder, NULL, NULL, reason), FINISHED, "%s", reason);
-    path_format(path, "%s/run.json", folder);
+    path = printed("%s/run.json", folder);
     cr_assert_eq(unlink(path), 0);
     cr_assert_eq(record_death(scene, &settings, folder, CRASHED, "it died", 0.1, reason), 0, "%s",
                  reason);
     cr_assert(seal_holds(folder, reason), "%s", reason);
-    char *json = file_read(path);
-    cr_assert(json && strstr(json, "\"states.tsv\": \""), "%s", json);
-    free(json);
-    scene_free(scene);
+    const char *json = file_of(folder, "run.json");
+    cr_assert(strstr(json, "\"states.tsv\": \""), "%s", json);
 }
 
 /* What nothing here reads back is said before it is written. */
@@ -185,48 +175,32 @@ Test(states, that_are_too_large_are_warned_of) {
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const struct run_request request = {.states = cases[i].format};
         struct scene *scene = LAB_LOAD("swing", cases[i].rate);
-        struct settings settings;
-        cr_assert_eq(settings_resolve(scene, &request, &settings, reason), 0, "%s", reason);
+        const struct settings settings = settings_of(scene, &request);
         json_t *warnings = scene_warnings(scene, &settings);
         const char *one = json_string_value(json_array_get(warnings, 0));
         cr_expect_eq(one && strstr(one, "gibibyte"), cases[i].warned, "%zu: %s", i, one);
         json_decref(warnings);
-        scene_free(scene);
     }
 }
 
 /* --- runs --- */
 
 static void run(const char *format, const char *name) {
-    struct finished f;
-    char out[PATH_SIZE];
-    path_format(out, "%s/%s", folder, name);
-    PROGRAM(&f, NULL, "run", "swing-envelope", "--duration", "0.2", "--states", format, "--out",
-            out, "--diagnostics", "--no-progress");
-    cr_assert_eq(f.code, 0, "%s", f.err);
+    WORKS("run", "swing-envelope", "--duration", "0.2", "--states", format, "--out",
+          printed("%s/%s", folder, name), "--diagnostics", "--no-progress");
 }
 
-static char *text_of(const char *name, const char *file) {
-    char where[PATH_SIZE];
-    path_format(where, "%s/%s/%s", folder, name, file);
-    char *text = file_read(where);
-    cr_assert(text, "no %s", where);
-    return text;
-}
-
-Test(states, binary_ones_are_the_numbers_of_the_text, .init = open_folder, .fini = close_folder) {
+Test(states, binary_ones_are_the_numbers_of_the_text, .init = open_folder) {
     struct trajectory text, binary;
     char where[PATH_SIZE];
     run("text", "a");
     run("binary", "b");
-    path_format(where, "%s/a", folder);
-    cr_assert_eq(trajectory_path(where, path), 0);
-    cr_assert(strstr(path, "states.tsv"));
-    cr_assert_eq(trajectory_read(&text, path, reason), 0, "%s", reason);
-    path_format(where, "%s/b", folder);
-    cr_assert_eq(trajectory_path(where, path), 0);
-    cr_assert(strstr(path, "states.npy"));
-    cr_assert_eq(trajectory_read(&binary, path, reason), 0, "%s", reason);
+    cr_assert_eq(trajectory_path(printed("%s/a", folder), where), 0);
+    cr_assert(strstr(where, "states.tsv"));
+    cr_assert_eq(trajectory_read(&text, where, reason), 0, "%s", reason);
+    cr_assert_eq(trajectory_path(printed("%s/b", folder), where), 0);
+    cr_assert(strstr(where, "states.npy"));
+    cr_assert_eq(trajectory_read(&binary, where, reason), 0, "%s", reason);
     cr_assert(text.frame_count == 7 && binary.frame_count == 7);
     cr_assert_eq(text.table.column_count, binary.table.column_count);
     cr_assert_eq(memcmp(text.table.value, binary.table.value,
@@ -239,54 +213,37 @@ Test(states, binary_ones_are_the_numbers_of_the_text, .init = open_folder, .fini
 }
 
 /* Pictures, exports, starts and evaluations. */
-Test(states, binary_ones_are_read_where_text_is, .init = open_folder, .fini = close_folder) {
+Test(states, binary_ones_are_read_where_text_is, .init = open_folder) {
     static const char *const files[] = {"a/states.tsv", "b/states.npy"};
-    struct finished f[2];
+    const char *accelerations[2];
     run("text", "a");
     run("binary", "b");
     for (int i = 0; i < 2; i++) {
-        char out[PATH_SIZE], start[PATH_SIZE + 16];
-        path_format(path, "%s/%s", folder, files[i]);
-        PROGRAM(&f[i], NULL, "eval", "swing-envelope", "--treatment", "generalised", "--state",
-                path);
-        cr_assert_eq(f[i].code, 0, "%s", f[i].err);
-        snprintf(start, sizeof start, "start=\"%s\"", path);
-        path_format(out, "%s/go-on", folder);
-        struct finished other;
-        PROGRAM(&other, NULL, "run", "swing-envelope", "--duration", "0.1", "--set", start, "--out",
-                out, "--no-progress");
-        cr_assert_eq(other.code, 0, "%s", other.err);
-        path_format(out, "%s/vtk-%d", folder, i);
-        path_format(path, "%s/%c", folder, "ab"[i]);
-        PROGRAM(&other, NULL, "export", path, "--vtk", out);
-        cr_assert(other.code == 0 && count_files(out, ".vtp") == 3 * 7, "%s", other.err);
+        path = printed("%s/%s", folder, files[i]);
+        accelerations[i] =
+            WORKS("eval", "swing-envelope", "--treatment", "generalised", "--state", path)->out;
+        WORKS("run", "swing-envelope", "--duration", "0.1", "--set", printed("start=\"%s\"", path),
+              "--out", printed("%s/go-on", folder), "--no-progress");
+        const char *const out = printed("%s/vtk-%d", folder, i);
+        WORKS("export", printed("%s/%c", folder, "ab"[i]), "--vtk", out);
+        cr_assert_eq(count_files(out, ".vtp"), 3 * 7);
     }
-    cr_assert_str_eq(f[0].out, f[1].out);
-    path_format(path, "%s/b/states.npy", folder);
+    cr_assert_str_eq(accelerations[0], accelerations[1]);
+    path = printed("%s/b/states.npy", folder);
     cr_assert_eq(truncate(path, 1000), 0);
-    char start[PATH_SIZE + 16];
-    snprintf(start, sizeof start, "start=\"%s\"", path);
-    PROGRAM(&f[0], NULL, "run", "swing-envelope", "--set", start, "--out", folder);
-    cr_assert(f[0].code == 1 && strstr(f[0].err, "has not as many rows"), "%s", f[0].err);
+    FAILS(1, "has not as many rows", "run", "swing-envelope", "--set",
+          printed("start=\"%s\"", path), "--out", folder);
 }
 
-Test(states, none_are_left_and_the_rest_is_the_same, .init = open_folder, .fini = close_folder) {
-    struct finished f;
+Test(states, none_are_left_and_the_rest_is_the_same, .init = open_folder) {
     run("text", "a");
     run("text", "n"); /* whose file must not stay */
     run("none", "n");
-    char *with = text_of("a", "diagnostics.tsv"), *without = text_of("n", "diagnostics.tsv");
-    cr_assert_str_eq(with, without);
-    free(with);
-    free(without);
-    path_format(path, "%s/n", folder);
+    cr_assert_str_eq(file_of(folder, "a/diagnostics.tsv"), file_of(folder, "n/diagnostics.tsv"));
+    path = printed("%s/n", folder);
     cr_assert_eq(count_files(path, ""), 2, "more than run.json and diagnostics.tsv");
-    PROGRAM(&f, NULL, "export", path, "--vtk", path);
-    cr_assert(f.code == 1 && strstr(f.err, "--states none"), "%s", f.err);
-    PROGRAM(&f, NULL, "render", path, "--out", path);
-    cr_assert(f.code == 1 && strstr(f.err, "--states none"), "%s", f.err);
-    PROGRAM(&f, NULL, "run", "swing-envelope", "--states", "none", "--save", path);
-    cr_assert(f.code == 1 && strstr(f.err, "--save"), "%s", f.err);
-    PROGRAM(&f, NULL, "run", "swing-envelope", "--states", "hdf5");
-    cr_assert(f.code == 1 && strstr(f.err, "text, binary or none"), "%s", f.err);
+    FAILS(1, "--states none", "export", path, "--vtk", path);
+    FAILS(1, "--states none", "render", path, "--out", path);
+    FAILS(1, "--save", "run", "swing-envelope", "--states", "none", "--save", path);
+    FAILS(1, "text, binary or none", "run", "swing-envelope", "--states", "hdf5");
 }

@@ -52,7 +52,7 @@ static void put_strand(struct flock *f, int wisp, const struct strand *strand) {
 
 /* The model's wisp as a strand; strand_free it. `like` has its numbers. */
 static struct strand *strand_of(struct flock *f, int wisp, const struct wisp *like) {
-    struct strand *strand = strand_create(like, f->treatment);
+    struct strand *strand = lab_strand(like, f->treatment);
     struct placement head;
     cr_assert(strand, "no memory");
     head_placement(&f->scene->around.head, f->model->t, &head);
@@ -82,13 +82,6 @@ static void press(struct strand *s, int node, int sample, double share) {
     strand_set_sample(s, node, other, share * s->wisp->radius, 0);
 }
 
-static void flock_free(struct flock *f) {
-    for (int i = 0; i < f->scene->wisp_count; i++)
-        strand_free(f->before[i]);
-    f->scene->problem->free(f->model);
-    scene_free(f->scene);
-}
-
 /* `count` wisps of `nodes` or, every third one, a node less, near each other under a head that
  * moves, shaken by `seed`. flock_put what is done to `before`, flock_free it. */
 static void flock_make(struct flock *f, int count, int nodes, int samples, int lanes, int treatment,
@@ -106,8 +99,7 @@ static void flock_make(struct flock *f, int count, int nodes, int samples, int l
     f->scene = lab_scene(wisps, count, &around);
     f->scene->subdivision = *rule;
     f->scene->interaction = (struct interaction_settings){.rate = 90};
-    f->model = f->scene->problem->create(f->scene, treatment, lanes);
-    cr_assert(f->model, "no memory");
+    f->model = lab_model(f->scene, treatment, lanes);
     f->model->t = 0.17;
     take_rows(f);
     for (int i = 0; i < count; i++) {
@@ -174,7 +166,6 @@ Test(subdivision, a_wisp_splits_below_the_ratio_at_its_flattest_node) {
         rule.ratio = nextafter(ratio, 1);
         cr_assert(subdivision_due(&rule, s, &at), "%g does not split", ratio);
         cr_assert(at.node == flattest && at.ratio == ratio, "node %d, %g", at.node, at.ratio);
-        flock_free(&f);
     }
 }
 
@@ -195,7 +186,6 @@ Test(subdivision, ties_go_to_the_first) {
     press(f.before[0], 6, 2, 1.5);
     cr_assert(subdivision_due(&usual, f.before[0], &at));
     cr_assert(at.node == 6 && at.longest == 2, "node %d, sample %d", at.node, at.longest);
-    flock_free(&f);
 }
 
 /* --- the children's state --- */
@@ -294,11 +284,7 @@ Test(subdivision, children_go_the_ways_of_the_text) {
             struct strand *other = strand_of(&f, i, f.before[i]->wisp);
             cr_assert(i == which || memcmp(other->v[0], f.before[i]->v[0],
                                            sizeof other->v[0] * (size_t)other->wisp->nodes) == 0);
-            strand_free(other);
         }
-        strand_free(plus);
-        strand_free(minus);
-        flock_free(&f);
     }
 }
 
@@ -336,7 +322,6 @@ Test(subdivision, velocities_with_no_way_to_turn) {
                     cr_assert_leq(fabs(vector_length(s->v[3]) - vector_length(v)),
                                   1e-14 * vector_length(v), "speed %g is not kept", speeds[i]);
             }
-        flock_free(&f);
     }
 }
 
@@ -357,7 +342,6 @@ Test(subdivision, velocities_are_those_against_the_head) {
     strand_half_line(s, 3, at.longest, d);
     for (int k = 0; k < 3; k++)
         cr_assert_leq(fabs(s->v[3][k] - v[k] - 1e-3 * d[k]), 1e-8, "%g", s->v[3][k] - v[k]);
-    flock_free(&f);
 }
 
 /* --- the children's numbers --- */
@@ -398,7 +382,6 @@ Test(subdivision, children_have_half_of_everything) {
         cr_assert(child.hair_count == parent->hair_count / 2 && child.splits == 1 &&
                   child.radius == parent->radius && child.mass_fraction == parent->mass_fraction);
         cr_assert_eq(2 * wisp_node_mass(&child, 3), wisp_node_mass(parent, 3));
-        flock_free(&f);
     }
 }
 
@@ -446,9 +429,7 @@ Test(subdivision, children_move_as_the_twin_of_half_a_wisp) {
                         rate[(2 + at / unknowns) * f.model->rate_column_count + 2 + at % unknowns],
                         a[at], 1e-13 * scale[at], NULL),
                     "wisp %d, unknown %d", wisp, at);
-            strand_free(s);
         }
-        flock_free(&f);
     }
 }
 
@@ -491,8 +472,6 @@ Test(subdivision, packing_does_not_matter_and_other_parts_stay) {
         cr_assert_leq(fabs(energy(&f[1]) - whole), 1e-12 * fabs(whole), "energy of wider parts");
         for (int i = 0; i < count; i++) /* part i of one lane is wisp i */
             cr_assert_eq(f[0].changed[i], i % (1 + trial % 3) == 0, "wisp %d", i);
-        flock_free(&f[0]);
-        flock_free(&f[1]);
     }
 }
 
@@ -516,7 +495,6 @@ Test(subdivision, the_limit_goes_by_index) {
             cr_assert_eq(f.model->parent[i], parents[i - 5], "child %d is of %d", i,
                          f.model->parent[i]);
         }
-        flock_free(&f);
     }
 }
 
@@ -534,8 +512,8 @@ Test(subdivision, twins_are_separated_farther_than_the_separation) {
     const struct wisp wisp = {.direction = {1, 0, 0}, .length = 0.25, .nodes = 4};
     for (int i = 0; i < 2; i++) {
         const struct subdivision rule = {.ratio = 0.5, .separation = separation[i], .limit = 2};
-        struct strand *a = strand_create(&wisp, WISP_GENERALISED),
-                      *b = strand_create(&wisp, WISP_GENERALISED);
+        struct strand *a = lab_strand(&wisp, WISP_GENERALISED),
+                      *b = lab_strand(&wisp, WISP_GENERALISED);
         cr_assert(a && b, "no memory");
         a->twin = b;
         b->twin = a;
@@ -550,8 +528,6 @@ Test(subdivision, twins_are_separated_farther_than_the_separation) {
         b->p[3][2] = 0;
         subdivision_separate(&rule, a);
         cr_assert(!a->twin && !b->twin, "twins again");
-        strand_free(a);
-        strand_free(b);
     }
 }
 
@@ -568,9 +544,8 @@ Test(subdivision, twins_neither_split_nor_touch_until_they_are_separated) {
         struct subdivision rule = usual;
         struct flock f;
         flock_make(&f, 1, 8, 4, 4, treatment, &nodding, &rule, 3);
-        f.scene->problem->free(f.model);
         f.scene->interaction = both;
-        f.model = f.scene->problem->create(f.scene, treatment, 4);
+        f.model = lab_model(f.scene, treatment, 4);
         f.model->t = 0.17;
         take_rows(&f);
         press(f.before[0], 4, 1, 0.3);
@@ -604,8 +579,5 @@ Test(subdivision, twins_neither_split_nor_touch_until_they_are_separated) {
         put_strand(&f, 1, minus);
         f.model->problem->restore(f.model, f.rows);
         cr_assert_eq(flock_tick(&f), 3, "once separated is for ever");
-        strand_free(minus);
-        strand_free(plus);
-        flock_free(&f);
     }
 }

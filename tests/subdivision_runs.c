@@ -31,8 +31,7 @@ static int keep(void *ctx, const struct model *model, double t, const double *ro
     film->columns = model->column_count;
     film->rows[f] = model->row_count;
     film->t[f] = t;
-    film->row[f] = malloc(bytes);
-    cr_assert(film->row[f], "no memory for frames");
+    film->row[f] = test_room(bytes);
     memcpy(film->row[f], rows, bytes);
     return 0;
 }
@@ -47,11 +46,6 @@ static int film_make(struct film *film, const struct scene *scene,
         return 0;
     simulate(scene, &settings, &(struct observer){keep, film}, NULL, &film->result);
     return 1;
-}
-
-static void film_free(struct film *film) {
-    for (int i = 0; i < film->frames; i++)
-        free(film->row[i]);
 }
 
 /* Whether two films are the same, to the last bit, in frames before `end`. */
@@ -86,9 +80,7 @@ Test(subdivision_runs, the_shipped_scene_splits_each_wisp_once_within_a_second) 
                   "%s: %d rows at frame 31, %d at the end", request.treatment, film.rows[30],
                   film.rows[83]);
         cr_assert(film.result.counters.splits == 2 && film.result.wisps == 4);
-        film_free(&film);
     }
-    scene_free(scene);
 }
 
 Test(subdivision_runs, the_motion_is_another_after_the_split_and_only_then) {
@@ -105,10 +97,6 @@ Test(subdivision_runs, the_motion_is_another_after_the_split_and_only_then) {
         most = fmax(most, fabs(film.row[plain.frames - 1][i] - plain.row[plain.frames - 1][i]));
     cr_assert_gt(most, 1e-3, "the motion is the same after the split");
     cr_assert(plain.result.counters.splits == 0 && first_split(&plain) == plain.frames);
-    film_free(&film);
-    film_free(&plain);
-    scene_free(scene);
-    scene_free(without);
 }
 
 Test(subdivision_runs, a_rule_that_never_holds_changes_nothing) {
@@ -122,11 +110,7 @@ Test(subdivision_runs, a_rule_that_never_holds_changes_nothing) {
         cr_assert(same(&film, &plain, plain.frames), "%s: the rule alone matters", steppers[i]);
         cr_assert_eq(film.result.counters.force_evaluations,
                      plain.result.counters.force_evaluations, "%s: or costs", steppers[i]);
-        film_free(&film);
-        film_free(&plain);
     }
-    scene_free(scene);
-    scene_free(without);
 }
 
 /* Five that meet; with a ratio this high all split, some more than once. */
@@ -174,7 +158,6 @@ Test(subdivision_runs, runs_do_not_depend_on_threads_or_on_the_file) {
         for (request.threads = 2; request.threads <= 3; request.threads++) {
             cr_assert(film_make(&film, scene, &request));
             cr_assert(same(&first, &film, first.frames), "%s: threads matter", steppers[m]);
-            film_free(&film);
         }
         cr_assert(film_make(&film, other, &request));
         for (int f = 0; f < film.frames; f++) {
@@ -183,11 +166,7 @@ Test(subdivision_runs, runs_do_not_depend_on_threads_or_on_the_file) {
             cr_assert_eq(wisps_found(&first, &film, f), wisps, "%s: the file matters at frame %d",
                          steppers[m], f);
         }
-        film_free(&film);
-        film_free(&first);
     }
-    scene_free(scene);
-    scene_free(other);
 }
 
 /* One of two wisps swings; in penalty that alone flattens it. The other hangs and is left alone:
@@ -210,10 +189,6 @@ Test(subdivision_runs, only_the_wisp_that_splits_begins_anew) {
         cr_assert(memcmp(film.row[f] + 8 * film.columns, plain.row[f] + 8 * film.columns,
                          8 * (size_t)film.columns * sizeof(double)) == 0,
                   "the other wisp has changed at frame %d", f + 1);
-    film_free(&film);
-    film_free(&plain);
-    scene_free(scene);
-    scene_free(never);
 }
 
 /* Every stepper with every treatment and linear solver, or a refusal. */
@@ -238,11 +213,9 @@ Test(subdivision_runs, slow_every_stepper_goes_on_with_the_children) {
                                  film.result.counters.splits);
                     runs++;
                 }
-                film_free(&film);
             }
         }
     cr_assert_geq(runs, 3 * 6 + 2 * 7, "%d runs", runs);
-    scene_free(scene);
 }
 
 /* --- what reads runs --- */
@@ -303,10 +276,6 @@ Test(subdivision_runs, runs_that_part_are_compared_up_to_there) {
     cr_assert_eq(measure_deviation(scene, &run, &other, 1, &d, reason), -1);
     trajectory_free(&run);
     trajectory_free(&other);
-    film_free(&film);
-    film_free(&plain);
-    scene_free(scene);
-    scene_free(without);
 }
 
 /* A cross-check whose wisps split elsewhere gives no bound, and says why. */
@@ -315,13 +284,9 @@ Test(subdivision_runs, a_cross_check_that_parts_gives_no_bound) {
                  *without = LAB_LOAD("subdivision", "duration=0.9", "subdivision.limit=2");
     for (int same_scene = 0; same_scene < 2; same_scene++) {
         struct kept_frames kept = {0};
-        struct settings settings;
-        struct run_result result;
-        char reason[REASON_SIZE];
         const struct run_request request = {.stepper = "reference", .rtol = 1e-8, .atol = 1e-8};
-        cr_assert_eq(settings_resolve(scene, &request, &settings, reason), 0, "%s", reason);
-        simulate(scene, &settings, &(struct observer){keep_frame, &kept}, NULL, &result);
-        cr_assert_eq(result.outcome, FINISHED, "%s", result.reason);
+        const struct settings settings = settings_of(scene, &request);
+        run_finished(scene, &request, keep_frame, &kept);
         json_t *json = cross_check(same_scene ? scene : without, &settings, &kept, NULL);
         const json_t *bound = json_object_get(json, "bound");
         if (same_scene)
@@ -333,34 +298,25 @@ Test(subdivision_runs, a_cross_check_that_parts_gives_no_bound) {
         json_decref(json);
         kept_frames_free(&kept);
     }
-    scene_free(scene);
-    scene_free(without);
 }
 
 /* A state with more wisps than the scene is no state of it. */
 Test(subdivision_runs, eval_refuses_a_state_after_a_subdivision) {
-    char folder[PATH_SIZE], states[PATH_SIZE];
-    static struct finished f;
-    folder_make(folder);
-    path_format(states, "%s/states.tsv", folder);
-    PROGRAM(&f, NULL, "run", "subdivision", "--duration", "0.9", "--out", folder, "--no-progress");
-    cr_assert_eq(f.code, 0, "%s", f.err);
-    PROGRAM(&f, NULL, "eval", "subdivision", "--state", states);
-    cr_assert(f.code == 1 && count_lines(f.err) == 1 && strstr(f.err, "4 wisps") &&
-                  strstr(f.err, "subdivision"),
-              "exit code %d, '%s'", f.code, f.err);
-    folder_remove(folder);
+    const char *const folder = folder_make();
+    WORKS("run", "subdivision", "--duration", "0.9", "--out", folder, "--no-progress");
+    struct finished *f =
+        FAILS(1, "4 wisps", "eval", "subdivision", "--state", printed("%s/states.tsv", folder));
+    cr_assert(strstr(f->err, "subdivision"), "%s", f->err);
 }
 
 /* The last column says whom a wisp split off from: one that stands on the same root. */
 Test(subdivision_runs, states_name_the_parents) {
-    char folder[PATH_SIZE], path[PATH_SIZE], reason[REASON_SIZE];
-    static struct finished f;
+    char reason[REASON_SIZE];
     struct trajectory states;
-    folder_make(folder);
-    PROGRAM(&f, NULL, "run", "subdivision", "--duration", "0.9", "--out", folder, "--no-progress");
-    path_format(path, "%s/states.tsv", folder);
-    cr_assert_eq(trajectory_read(&states, path, reason), 0, "%s", reason);
+    const char *const folder = folder_make();
+    PROGRAM(NULL, "run", "subdivision", "--duration", "0.9", "--out", folder, "--no-progress");
+    cr_assert_eq(trajectory_read(&states, printed("%s/states.tsv", folder), reason), 0, "%s",
+                 reason);
     const int last = states.frame_count - 1;
     cr_assert_eq(states.wisp_count, 4);
     cr_assert(states.parent[0] == 0 && states.parent[1] == 1);
@@ -373,19 +329,17 @@ Test(subdivision_runs, states_name_the_parents) {
                          "wisp %d is a child of %d", i, states.parent[i]);
         }
     trajectory_free(&states);
-    folder_remove(folder);
 }
 
 /* Parts that choose their own steps have no common frames. */
 Test(subdivision_runs, every_step_a_frame_is_refused_where_parts_may_come) {
     char reason[REASON_SIZE];
-    struct settings settings;
     struct scene *scene = LAB_LOAD("swing-envelope", "subdivision={ }");
     scene->frame_rate = 0;
     const struct run_request request = {.stepper = "cvode"};
+    struct settings settings;
     cr_assert_eq(settings_resolve(scene, &request, &settings, reason), REFUSED);
     cr_assert(strstr(reason, "frame_rate"), "%s", reason);
     scene->subdivision.limit = 1;
-    cr_assert_eq(settings_resolve(scene, &request, &settings, reason), 0, "%s", reason);
-    scene_free(scene);
+    settings_of(scene, &request);
 }

@@ -9,6 +9,7 @@
 #include <fcntl.h>
 #include <ftw.h>
 #include <math.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -16,7 +17,60 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
+
+/* --- what a test owns --- */
+
+struct owned {
+    void *what;
+    void (*give_back)(void *what);
+    struct owned *before;
+};
+static struct owned *last_owned;
+static pid_t owner; /* a process that the test starts gives nothing back */
+
+static void give_all_back(void) {
+    while (last_owned && getpid() == owner) {
+        struct owned *owned = last_owned;
+        last_owned = owned->before;
+        owned->give_back(owned->what);
+        free(owned);
+    }
+}
+
+void test_owns(void *what, void (*give_back)(void *what)) {
+    struct owned *owned = malloc(sizeof *owned);
+    cr_assert(owned, "no memory");
+    *owned = (struct owned){what, give_back, last_owned};
+    if (!last_owned) {
+        owner = getpid();
+        atexit(give_all_back);
+    }
+    last_owned = owned;
+}
+
+static char *vprinted(const char *format, va_list arguments) {
+    char *text;
+    cr_assert(vasprintf(&text, format, arguments) >= 0, "no memory");
+    test_owns(text, free);
+    return text;
+}
+
+char *printed(const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    char *text = vprinted(format, arguments);
+    va_end(arguments);
+    return text;
+}
+
+void *test_room(size_t bytes) {
+    void *room = calloc(bytes > 0 ? bytes : 1, 1);
+    cr_assert(room, "no memory");
+    test_owns(room, free);
+    return room;
+}
 
 /* --- variants --- */
 
@@ -80,14 +134,56 @@ int integrate(struct stepper *stepper, double from, double to, int steps, double
 
 /* --- runs in this process --- */
 
+static void give_scene_back(void *scene) {
+    scene_free(scene);
+}
+
+struct scene *test_owns_scene(struct scene *scene) {
+    test_owns(scene, give_scene_back);
+    return scene;
+}
+
+struct scene *lab_load(const char *name, const char *const *sets, int set_count) {
+    char reason[REASON_SIZE];
+    struct scene *scene = scene_load(name, sets, set_count, reason);
+    cr_assert(scene, "%s", reason);
+    return test_owns_scene(scene);
+}
+
+void lab_refuse(const char *name, const char *const *sets, int set_count, const char *const *says,
+                int most) {
+    char reason[REASON_SIZE] = "";
+    cr_assert_null(scene_load(name, sets, set_count, reason), "%s is taken: %s", name,
+                   set_count > 0 ? sets[set_count - 1] : "as it is");
+    cr_assert(!strchr(reason, '\n'), "'%s'", reason);
+    must_contain(reason, says, most);
+}
+
 struct scene *circle_scene(double duration, double frame_rate) {
-    char sets[2][64], reason[REASON_SIZE];
+    char sets[2][64];
     const char *const given[] = {sets[0], sets[1]};
     snprintf(sets[0], sizeof sets[0], "duration=%.17e", duration);
     snprintf(sets[1], sizeof sets[1], "frame_rate=%.17e", frame_rate);
-    struct scene *scene = scene_load("circle", given, frame_rate > 0 ? 2 : 1, reason);
-    cr_assert(scene, "%s", reason);
-    return scene;
+    return lab_load("circle", given, frame_rate > 0 ? 2 : 1);
+}
+
+struct settings settings_of(const struct scene *scene, const struct run_request *request) {
+    struct settings settings;
+    char reason[REASON_SIZE];
+    cr_assert_eq(settings_resolve(scene, request, &settings, reason), 0, "refused: %s", reason);
+    return settings;
+}
+
+struct run_result run_finished(const struct scene *scene, const struct run_request *request,
+                               int (*see)(void *ctx, const struct model *model, double t,
+                                          const double *rows),
+                               void *ctx) {
+    const struct settings settings = settings_of(scene, request);
+    struct run_result result;
+    simulate(scene, &settings, see ? &(struct observer){see, ctx} : NULL, NULL, &result);
+    cr_assert_eq(result.outcome, FINISHED, "%s, %s: %s", scene->name, settings.method->name,
+                 result.reason);
+    return result;
 }
 
 static int keep_last(void *ctx, const struct model *model, double t, const double *rows) {
@@ -118,10 +214,8 @@ int is_taken(const struct scene *scene, const struct run_request *request) {
 }
 
 void run_circle(const struct scene *scene, const struct run_request *request, struct orbit *orbit) {
-    struct settings settings;
-    char reason[REASON_SIZE];
+    const struct settings settings = settings_of(scene, request);
     *orbit = (struct orbit){.max_error = 0};
-    cr_assert(settings_resolve(scene, request, &settings, reason) == 0, "refused: %s", reason);
     simulate(scene, &settings, &(struct observer){keep_last, orbit}, NULL, &orbit->result);
 }
 
@@ -164,28 +258,84 @@ struct process program_start(const struct launch *launch, const char *const *arg
     return process;
 }
 
-static void read_all(int file, char *text, size_t size) {
-    const ssize_t length = pread(file, text, size - 1, 0);
-    text[length > 0 ? length : 0] = '\0';
+static char *read_all(int file) {
+    struct stat status;
+    cr_assert_eq(fstat(file, &status), 0);
+    char *text = calloc((size_t)status.st_size + 1, 1);
+    cr_assert(text && pread(file, text, (size_t)status.st_size, 0) == status.st_size,
+              "the output is lost");
+    test_owns(text, free);
     close(file);
+    return text;
 }
 
-void program_wait(const struct process *process, struct finished *finished) {
+struct finished *program_wait(const struct process *process) {
+    struct finished *finished = malloc(sizeof *finished);
     int status;
+    cr_assert(finished, "no memory for the output");
+    test_owns(finished, free);
     cr_assert(waitpid(process->pid, &status, 0) == process->pid, "lost the program");
     finished->code = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
-    read_all(process->out, finished->out, sizeof finished->out);
-    read_all(process->err, finished->err, sizeof finished->err);
+    finished->out = read_all(process->out);
+    finished->err = read_all(process->err);
+    return finished;
 }
 
-static char stub[PATH_SIZE];
+struct finished *program_done(const struct launch *launch, const char *const *arguments) {
+    const struct process process = program_start(launch, arguments);
+    return program_wait(&process);
+}
+
+void must_have_failed(const struct finished *finished, int code, const char *says) {
+    cr_assert_eq(finished->code, code, "exit code %d: %s", finished->code, finished->err);
+    cr_assert(count_lines(finished->err) == 1 && (strncmp(finished->err, "wisplab: ", 9) == 0 ||
+                                                  strncmp(finished->err, "bench: ", 7) == 0),
+              "not one line on standard error:\n%s", finished->err);
+    cr_assert(strstr(finished->err, says), "does not say '%s' but %s", says, finished->err);
+}
+
+struct finished *program_must(const struct launch *launch, int code, const char *says,
+                              const char *const *arguments) {
+    struct finished *f = program_done(launch, arguments);
+    char what[PATH_SIZE] = "wisplab";
+    for (size_t i = 0, used = strlen(what); arguments[i] && used < sizeof what; i++)
+        used += (size_t)snprintf(what + used, sizeof what - used, " %s", arguments[i]);
+    cr_assert_eq(f->code, code, "%s: exit code %d: %s%s", what, f->code, f->out, f->err);
+    if (code != 0)
+        must_have_failed(f, code, says);
+    return f;
+}
+
+struct finished *shell(const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    const char *const command = vprinted(format, arguments);
+    va_end(arguments);
+    return PROGRAM(&(struct launch){.program = "/bin/sh"}, "-c", printed("exec 2>&1\n%s", command));
+}
+
+int new_runs(const struct finished *finished, int *runs) {
+    int all, new;
+    for (const char *at = finished->out; (at = strstr(at, ": ")) != NULL; at++)
+        if (sscanf(at, ": %d runs, %d of them new", &all, &new) == 2) {
+            if (runs)
+                *runs = all;
+            return new;
+        }
+    cr_assert_fail("exit code %d, no count of runs in '%s', '%s'", finished->code, finished->out,
+                   finished->err);
+    return -1;
+}
+
+void wait_for(double seconds) {
+    nanosleep(&(struct timespec){.tv_nsec = (long)(1e9 * seconds)}, NULL);
+}
 
 void gnuplot_stub(const char *action) {
-    char path[PATH_SIZE], text[4 * PATH_SIZE], all[2 * PATH_SIZE];
-    const char *before = getenv("PATH");
-    folder_make(stub);
+    char text[4 * PATH_SIZE], all[2 * PATH_SIZE];
+    const char *before = getenv("PATH"), *stub = folder_make();
     snprintf(text, sizeof text, "#!/bin/sh\n%s\n", action);
-    file_write(stub, "gnuplot", text, path);
+    const char *const path = file_write(stub, "gnuplot", text);
     cr_assert(chmod(path, 0755) == 0 && before, "no %s", path);
     snprintf(all, sizeof all, "%s:%s", stub, before);
     setenv("PATH", all, 1);
@@ -196,8 +346,9 @@ void gnuplot_stub_quiet(void) {
     gnuplot_stub("eval \"$3\"; echo . >\"$out/quiet.$format\"");
 }
 
-void gnuplot_stub_remove(void) {
-    folder_remove(stub);
+void must_contain(const char *text, const char *const *parts, int most) {
+    for (int i = 0; i < most && parts[i]; i++)
+        cr_assert(strstr(text, parts[i]), "does not say '%s' but '%s'", parts[i], text);
 }
 
 int count_lines(const char *text) {
@@ -208,12 +359,6 @@ int count_lines(const char *text) {
 }
 
 /* --- folders --- */
-
-void folder_make(char *path) {
-    const char *parent = getenv("TMPDIR");
-    path_format(path, "%s/wisplab-test-XXXXXX", parent && *parent ? parent : "/tmp");
-    cr_assert(mkdtemp(path), "no temporary folder");
-}
 
 static int remove_one(const char *path, const struct stat *status, int type, struct FTW *ftw) {
     (void)status, (void)type, (void)ftw;
@@ -231,14 +376,28 @@ void folder_remove(const char *path) {
     nftw(path, remove_one, 8, FTW_DEPTH | FTW_PHYS);
 }
 
-void file_write(const char *folder, const char *name, const char *text, char *path) {
-    char own[PATH_SIZE];
-    char *to = path ? path : own;
-    path_format(to, "%s/%s", folder, name);
-    FILE *file = fopen(to, "w");
-    cr_assert(file, "%s cannot be written", to);
+static void give_folder_back(void *path) {
+    folder_remove(path);
+    free(path);
+}
+
+char *folder_make(void) {
+    const char *parent = getenv("TMPDIR");
+    char *path = malloc(PATH_SIZE);
+    cr_assert(path, "no memory");
+    path_format(path, "%s/wisplab-test-XXXXXX", parent && *parent ? parent : "/tmp");
+    cr_assert(mkdtemp(path), "no temporary folder");
+    test_owns(path, give_folder_back);
+    return path;
+}
+
+const char *file_write(const char *folder, const char *name, const char *text) {
+    const char *const path = printed("%s/%s", folder, name);
+    FILE *file = fopen(path, "w");
+    cr_assert(file, "%s cannot be written", path);
     fputs(text, file);
     fclose(file);
+    return path;
 }
 
 char *file_read(const char *path) {
@@ -250,8 +409,15 @@ char *file_read(const char *path) {
     rewind(file);
     char *text = malloc((size_t)size + 1);
     cr_assert(text, "no memory");
+    test_owns(text, free);
     text[fread(text, 1, (size_t)size, file)] = '\0';
     fclose(file);
+    return text;
+}
+
+char *file_of(const char *folder, const char *name) {
+    char *text = file_read(printed("%s/%s", folder, name));
+    cr_assert(text, "there is no %s/%s", folder, name);
     return text;
 }
 
@@ -339,10 +505,45 @@ static void figure_must_have_row(const char *path, const struct text_table *rows
     cr_assert(found, "no statement is of figure %s", path);
 }
 
+static void give_table_back(void *table) {
+    text_table_free(table);
+    free(table);
+}
+
+static void test_owns_table(const struct text_table *table) {
+    struct text_table *own = malloc(sizeof *own);
+    cr_assert(own, "no memory");
+    *own = *table;
+    test_owns(own, give_table_back);
+}
+
 void table_must_be_read(struct text_table *table, const char *folder, const char *name) {
-    char path[PATH_SIZE], reason[REASON_SIZE];
-    path_format(path, "%s/%s.tsv", folder, name);
-    cr_assert_eq(text_table_read(table, path, reason), 0, "%s", reason);
+    char reason[REASON_SIZE];
+    cr_assert_eq(text_table_read(table, printed("%s/%s.tsv", folder, name), reason), 0, "%s",
+                 reason);
+    test_owns_table(table);
+}
+
+void statements_must_be_read(struct text_table *rows, const char *folder) {
+    char reason[REASON_SIZE];
+    cr_assert_eq(statements_read(rows, folder, reason), 0, "%s", reason);
+    test_owns_table(rows);
+}
+
+int the_row(const struct text_table *table, const char *name) {
+    const int row = text_table_find(table, name, NULL);
+    cr_assert(row >= 0, "no row %s", name);
+    return row;
+}
+
+void must_state(const struct text_table *rows, const char *key, const char *verdict,
+                const char *sentence) {
+    const int row = the_row(rows, key);
+    const char *stated = text_table_cell(rows, row, "statement");
+    cr_assert_str_eq(text_table_cell(rows, row, "verdict"), verdict, "%s: not %s: %s", key, verdict,
+                     stated);
+    cr_assert(!sentence || strcmp(stated, sentence) == 0, "%s: '%s' is not '%s'", key, stated,
+              sentence);
 }
 
 /* Cuts the first line off a text. */
@@ -380,7 +581,6 @@ void columns_must_be_described(const char *path) {
          said++)
         cr_assert(describes(*said, name), "%s: nothing says what column %s is, but '%s'", path,
                   name, *said);
-    free(text);
 }
 
 /* Columns and gaps, the latter as the report demands of every table. */
@@ -404,8 +604,7 @@ static void tables_must_be_whole(const char *folder) {
 void statements_must_be_whole(const char *folder) {
     static const char *const kinds[] = {"*.svg", "*.png"};
     struct text_table rows;
-    char reason[REASON_SIZE];
-    cr_assert_eq(statements_read(&rows, folder, reason), 0, "%s", reason);
+    statements_must_be_read(&rows, folder);
     cr_assert_gt(rows.row_count, 0, "%s: nothing is stated", folder);
     for (int row = 0; row < rows.row_count; row++) {
         row_must_be_whole(&rows, row);
@@ -418,7 +617,6 @@ void statements_must_be_whole(const char *folder) {
             figure_must_have_row(found.gl_pathv[i], &rows);
         globfree(&found);
     }
-    text_table_free(&rows);
     tables_must_be_whole(folder);
 }
 

@@ -15,14 +15,11 @@
 #include <time.h>
 #include <unistd.h>
 
-static char folder[PATH_SIZE], reason[REASON_SIZE];
+static char *folder;
+static char reason[REASON_SIZE];
 
 static void set_up(void) {
-    folder_make(folder);
-}
-
-static void clean_up(void) {
-    folder_remove(folder);
+    folder = folder_make();
 }
 
 /* --- values --- */
@@ -75,7 +72,7 @@ Test(sweep, ranges_are_even) {
 }
 
 /* One line that says what, and nothing is made. */
-Test(sweep, what_is_wrong_is_one_line, .init = set_up, .fini = clean_up) {
+Test(sweep, what_is_wrong_is_one_line, .init = set_up) {
     static const struct {
         const char *words[6], *says;
     } cases[] = {
@@ -117,18 +114,12 @@ Test(sweep, what_is_wrong_is_one_line, .init = set_up, .fini = clean_up) {
         {{"--set", "gravity"}, "write --set NAME=VALUE"},
         {{"--vary", "a=1..9:50000", "--vary", "b=1..9:50000"}, "runs are too many"},
     };
-    char out[PATH_SIZE];
-    path_format(out, "%s/out", folder);
+    const char *const out = printed("%s/out", folder);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const char *words[12] = {"sweep", "swing", "--out", out};
-        struct finished f;
         for (int k = 0; cases[i].words[k]; k++)
             words[4 + k] = cases[i].words[k];
-        const struct process process = program_start(NULL, words);
-        program_wait(&process, &f);
-        cr_assert_eq(f.code, 1, "%s: exit code %d, '%s'", cases[i].says, f.code, f.out);
-        cr_assert(count_lines(f.err) == 1 && strstr(f.err, cases[i].says), "'%s' is not '%s'",
-                  f.err, cases[i].says);
+        program_must(NULL, 1, cases[i].says, words);
         cr_assert_not(file_exists(out), "%s: a folder was made", cases[i].says);
     }
 }
@@ -136,32 +127,28 @@ Test(sweep, what_is_wrong_is_one_line, .init = set_up, .fini = clean_up) {
 /* --- rows --- */
 
 static void read_table(struct text_table *table) {
-    char path[PATH_SIZE];
-    path_format(path, "%s/table.tsv", folder);
-    cr_assert_eq(text_table_read(table, path, reason), 0, "%s", reason);
+    const char *const path = printed("%s/table.tsv", folder);
+    table_must_be_read(table, folder, "table");
     cr_assert_eq(text_table_check(table, path, reason), 0, "%s", reason);
     columns_must_be_described(path);
 }
 
-/* "sweep: 12 runs, 7 of them new" */
-static int new_runs(const struct finished *f, int runs) {
-    int count, new;
-    cr_assert(sscanf(f->out, "sweep: %d runs, %d of them new", &count, &new) == 2,
-              "exit code %d: '%s', '%s'", f->code, f->out, f->err);
+static int new_of(const struct finished *f, int runs) {
+    int count;
+    const int new = new_runs(f, &count);
     cr_assert_eq(count, runs, "%d runs", count);
     return new;
 }
 
 /* All in the product, with the last setting first; and each is the run that `wisplab run` does. */
-Test(sweep, each_row_is_that_run, .init = set_up, .fini = clean_up) {
-    struct finished f;
+Test(sweep, each_row_is_that_run, .init = set_up) {
     struct text_table table;
     struct run_files run;
-    PROGRAM(&f, NULL, "sweep", "swing", "--duration", "0.1", "--set", "frame_rate=100", "--stepper",
-            "rk4", "--stepper", "bdf2", "--vary", "wisps.[0].nodes=5,11", "--vary",
-            "rate=6000..12000:3", "--out", folder);
-    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
-    cr_assert_eq(new_runs(&f, 12), 12);
+    struct finished *f =
+        WORKS("sweep", "swing", "--duration", "0.1", "--set", "frame_rate=100", "--stepper", "rk4",
+              "--stepper", "bdf2", "--vary", "wisps.[0].nodes=5,11", "--vary", "rate=6000..12000:3",
+              "--out", folder);
+    cr_assert_eq(new_of(f, 12), 12);
     cr_assert_eq(count_files(folder, ""), 2, "more than a table and a file of results");
     read_table(&table);
     cr_assert_eq(table.row_count, 12);
@@ -172,11 +159,10 @@ Test(sweep, each_row_is_that_run, .init = set_up, .fini = clean_up) {
         cr_assert_str_eq(text_table_cell(&table, i, "stepper"), stepper);
         cr_assert_str_eq(text_table_cell(&table, i, "wisps.[0].nodes"), nodes);
         cr_assert_str_eq(text_table_cell(&table, i, "rate"), rates[i % 3]);
-        char set[40], out[PATH_SIZE];
-        snprintf(set, sizeof set, "wisps.[0].nodes=%s", nodes);
-        path_format(out, "%s/one", folder);
-        PROGRAM(&f, NULL, "run", "swing", "--duration", "0.1", "--set", "frame_rate=100",
-                "--stepper", stepper, "--set", set, "--rate", rates[i % 3], "--out", out);
+        const char *const out = printed("%s/one", folder);
+        PROGRAM(NULL, "run", "swing", "--duration", "0.1", "--set", "frame_rate=100", "--stepper",
+                stepper, "--set", printed("wisps.[0].nodes=%s", nodes), "--rate", rates[i % 3],
+                "--out", out);
         cr_assert_eq(run_read(&run, out, reason), 0, "%s", reason);
         static const struct {
             const char *column, *path;
@@ -196,23 +182,21 @@ Test(sweep, each_row_is_that_run, .init = set_up, .fini = clean_up) {
         cr_assert(text_table_number(&table, i, "cpu_seconds") > 0);
         run_free(&run);
     }
-    text_table_free(&table);
 }
 
 /* Half the step, a sixteenth of the error; and what is no step of a method is a row. */
-Test(sweep, errors_are_those_of_the_method, .init = set_up, .fini = clean_up) {
-    struct finished f;
+Test(sweep, errors_are_those_of_the_method, .init = set_up) {
+    struct finished *f;
     struct text_table table;
     for (int with = 0; with <= 1; with++) { /* runs without an error are other runs */
-        PROGRAM(&f, NULL, "sweep", "swing", "--duration", "0.2", "--stepper", "rk4", "--stepper",
-                "cvode", "--set", "material.stretch_stiffness=9", "--vary",
-                "step=6e-5,1.2e-4,2.4e-4,1e-2", "--out", folder, with ? "--reference" : NULL);
-        cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
-        cr_assert_eq(new_runs(&f, 8), 4, "'%s'", f.out);
+        f = WORKS("sweep", "swing", "--duration", "0.2", "--stepper", "rk4", "--stepper", "cvode",
+                  "--set", "material.stretch_stiffness=9", "--vary", "step=6e-5,1.2e-4,2.4e-4,1e-2",
+                  "--out", folder, with ? "--reference" : NULL);
+        cr_assert_eq(new_of(f, 8), 4, "'%s'", f->out);
     }
-    cr_assert(strstr(f.out, "3 finished") && strstr(f.out, "1 diverged") &&
-                  strstr(f.out, "4 refused"),
-              "'%s'", f.out);
+    cr_assert(strstr(f->out, "3 finished") && strstr(f->out, "1 diverged") &&
+                  strstr(f->out, "4 refused"),
+              "'%s'", f->out);
     read_table(&table);
     static const char *const errors[] = {"error_rms", "error_largest", "error_end"};
     for (int i = 0; i < 2; i++)
@@ -227,25 +211,18 @@ Test(sweep, errors_are_those_of_the_method, .init = set_up, .fini = clean_up) {
               text_table_number(&table, 0, "reference_bound"));
     cr_assert_str_eq(text_table_cell(&table, 3, "status"), "diverged");
     cr_assert(strstr(text_table_cell(&table, 4, "reason"), "this stepper chooses its steps"));
-    text_table_free(&table);
-    PROGRAM(&f, NULL, "sweep", "circle", "--reference", "--out", folder);
-    cr_assert(f.code == 1 && count_lines(f.err) == 1 && strstr(f.err, "is of wisps"), "'%s'",
-              f.err);
+    FAILS(1, "is of wisps", "sweep", "circle", "--reference", "--out", folder);
 }
 
 /* Their folders are those of `wisplab run`, and the rows those without. */
-Test(sweep, states_are_there_where_they_are_asked_for, .init = set_up, .fini = clean_up) {
-    struct finished f;
+Test(sweep, states_are_there_where_they_are_asked_for, .init = set_up) {
     struct text_table with, without;
-    PROGRAM(&f, NULL, "sweep", "swing", "--duration", "0.1", "--vary", "rate=100,9000", "--out",
-            folder);
-    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
+    WORKS("sweep", "swing", "--duration", "0.1", "--vary", "rate=100,9000", "--out", folder);
     cr_assert_eq(count_files(folder, "states"), 0);
     read_table(&without);
-    PROGRAM(&f, NULL, "sweep", "swing", "--duration", "0.1", "--vary", "rate=100,9000", "--states",
-            "text", "--reference", "--out", folder);
-    cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
-    cr_assert_eq(new_runs(&f, 2), 2);
+    struct finished *f = WORKS("sweep", "swing", "--duration", "0.1", "--vary", "rate=100,9000",
+                               "--states", "text", "--reference", "--out", folder);
+    cr_assert_eq(new_of(f, 2), 2);
     cr_assert_eq(count_files(folder, "states.tsv"), 2);
     cr_assert_eq(count_files(folder, "run.json"), 3, "two and the reference");
     read_table(&with);
@@ -254,27 +231,26 @@ Test(sweep, states_are_there_where_they_are_asked_for, .init = set_up, .fini = c
     for (int i = 0; i < 2; i++)
         cr_assert_str_eq(text_table_cell(&with, i, "force_evaluations"),
                          text_table_cell(&without, i, "force_evaluations"));
-    text_table_free(&with);
-    text_table_free(&without);
 }
 
 /* --- each once --- */
 
 #define RUNS 120
 
-static const char *const many[] = {"sweep",      "swing",
-                                   "--duration", "0.02",
-                                   "--vary",     "rate=6000..9000:60",
-                                   "--vary",     "wisps.[0].nodes=7,8",
-                                   "--jobs",     "2",
-                                   "--out",      folder,
-                                   NULL};
+static struct process begin_many(void) {
+    return program_start(NULL, WORDS("sweep", "swing", "--duration", "0.02", "--vary",
+                                     "rate=6000..9000:60", "--vary", "wisps.[0].nodes=7,8",
+                                     "--jobs", "2", "--out", folder));
+}
+
+static struct finished *do_many(void) {
+    const struct process process = begin_many();
+    return program_wait(&process);
+}
 
 static int lines_of(const char *path) {
-    char *text = file_read(path);
-    const int lines = text ? count_lines(text) : 0;
-    free(text);
-    return lines;
+    const char *text = file_read(path);
+    return text ? count_lines(text) : 0;
 }
 
 static void add_lines(const char *path, void *ctx) {
@@ -291,9 +267,8 @@ static int results(void) {
 
 /* The table without its column of times. */
 static char *table_but_times(void) {
-    char path[PATH_SIZE];
-    path_format(path, "%s/table.tsv", folder);
-    char *text = file_read(path), *kept = calloc(strlen(text) + 1, 1);
+    char *text = file_of(folder, "table.tsv"), *kept = calloc(strlen(text) + 1, 1);
+    test_owns(kept, free);
     int column = -1;
     for (char *at = text, *line; (line = strsep(&at, "\n")) != NULL;) {
         int k = 0;
@@ -307,125 +282,105 @@ static char *table_but_times(void) {
         strcat(strcat(kept, *line == '#' ? line : ""), "\n");
     }
     cr_assert(column > 0, "no column of times");
-    free(text);
     return kept;
 }
 
 static char *undisturbed(void) {
-    struct finished f;
-    const struct process process = program_start(NULL, many);
-    program_wait(&process, &f);
-    cr_assert_eq(new_runs(&f, RUNS), RUNS);
+    struct finished *f = do_many();
+    cr_assert_eq(new_of(f, RUNS), RUNS);
     cr_assert_eq(results(), RUNS);
     char *table = table_but_times();
-    folder_remove(folder);
-    folder_make(folder);
+    folder = folder_make();
     return table;
 }
 
 /* By the user, and then by a machine that loses its power. */
-Test(sweep, goes_on_after_an_interruption_and_after_kill_9, .init = set_up, .fini = clean_up) {
+Test(sweep, goes_on_after_an_interruption_and_after_kill_9, .init = set_up) {
     char *expected = undisturbed();
-    struct finished f;
+    struct finished *f;
     for (int round = 0; round < 2; round++) {
         const int signal = round ? SIGKILL : SIGINT, before = results();
-        const struct process process = program_start(NULL, many);
+        const struct process process = begin_many();
         while (results() < before + 20 && kill(process.pid, 0) == 0)
-            nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
+            wait_for(1e-3);
         kill(process.pid, signal);
-        program_wait(&process, &f);
-        cr_assert_eq(f.code, round ? -SIGKILL : 3, "exit code %d: %s", f.code, f.err);
-        cr_assert(round || strstr(f.err, "the same command goes on from here"), "'%s'", f.err);
+        f = program_wait(&process);
+        cr_assert_eq(f->code, round ? -SIGKILL : 3, "exit code %d: %s", f->code, f->err);
+        cr_assert(round || strstr(f->err, "the same command goes on from here"), "'%s'", f->err);
     }
     const int before = results();
     cr_assert(before >= 40 && before < RUNS, "%d are there", before);
-    const struct process process = program_start(NULL, many);
-    program_wait(&process, &f);
-    cr_assert_eq(new_runs(&f, RUNS), RUNS - before, "%s", f.out);
+    f = do_many();
+    cr_assert_eq(new_of(f, RUNS), RUNS - before, "%s", f->out);
     cr_assert_eq(results(), RUNS, "%d results: some were done twice", results());
     cr_assert_eq(count_files(folder, ".claim"), 0, "a claim is left");
-    char *table = table_but_times();
-    cr_assert_str_eq(table, expected);
-    free(table);
-    free(expected);
+    cr_assert_str_eq(table_but_times(), expected);
 }
 
 /* Each run is done by one of them, and both write the table that one alone writes. */
-Test(sweep, processes_share_a_folder, .init = set_up, .fini = clean_up) {
+Test(sweep, processes_share_a_folder, .init = set_up) {
     char *expected = undisturbed();
     int shared = 0;
     for (int i = 0; i < 5 && !shared; i++) { /* one may have done all before the other begins */
         struct process processes[3];
-        struct finished f;
         int new = 0, most = 0;
-        folder_remove(folder);
-        folder_make(folder);
+        folder = folder_make();
         for (int k = 0; k < 3; k++)
-            processes[k] = program_start(NULL, many);
+            processes[k] = begin_many();
         for (int k = 0; k < 3; k++) {
-            program_wait(&processes[k], &f);
-            cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
-            const int one = new_runs(&f, RUNS);
+            struct finished *f = program_wait(&processes[k]);
+            cr_assert_eq(f->code, 0, "exit code %d: %s", f->code, f->err);
+            const int one = new_of(f, RUNS);
             new += one;
             most = one > most ? one : most;
         }
         cr_assert(new == RUNS &&results() == RUNS, "%d new runs, %d results", new, results());
         cr_assert_eq(count_files(folder, ".claim"), 0, "a claim is left");
-        char *table = table_but_times();
-        cr_assert_str_eq(table, expected);
-        free(table);
+        cr_assert_str_eq(table_but_times(), expected);
         shared = most < RUNS;
     }
     cr_assert(shared, "one did all the runs every time");
-    free(expected);
 }
 
-static char packed[PATH_SIZE];
+static const char *packed;
 
 static void find_packed(const char *path, void *ctx) {
     (void)ctx;
     if (strstr(path, "/packed-"))
-        path_format(packed, "%s", path);
+        packed = printed("%s", path);
 }
 
 /* Half a line is none, and one of which a digit has changed is none either. */
-Test(sweep, a_line_that_is_not_whole_is_not_taken, .init = set_up, .fini = clean_up) {
-    struct finished f;
+Test(sweep, a_line_that_is_not_whole_is_not_taken, .init = set_up) {
 #define FEW "sweep", "swing", "--duration", "0.02", "--vary", "rate=6000..9000:5", "--out", folder
-    PROGRAM(&f, NULL, FEW);
+    PROGRAM(NULL, FEW);
     char *expected = table_but_times();
     each_file(folder, find_packed, NULL);
     char *text = file_read(packed);
     cr_assert_eq(truncate(packed, (off_t)strlen(text) - 1), 0);
-    PROGRAM(&f, NULL, FEW);
-    cr_assert_eq(new_runs(&f, 5), 1, "the line without its end was taken");
-    cr_assert_str_eq(f.err, "", "nothing is damaged: '%s'", f.err);
+    struct finished *f = PROGRAM(NULL, FEW);
+    cr_assert_eq(new_of(f, 5), 1, "the line without its end was taken");
+    cr_assert_str_eq(f->err, "", "nothing is damaged: '%s'", f->err);
     char *digit = strpbrk(strstr(text, "finished\t"), "123456789");
     *digit = *digit == '9' ? '8' : '9';
-    folder_remove(folder);
-    folder_make(folder);
-    char runs[PATH_SIZE];
-    path_format(runs, "%s/runs", folder);
+    folder = folder_make();
+    const char *const runs = printed("%s/runs", folder);
     cr_assert_eq(make_folder(runs, reason), 0, "%s", reason);
-    file_write(runs, "packed-0.tsv", text, NULL);
-    PROGRAM(&f, NULL, FEW);
-    cr_assert_eq(new_runs(&f, 5), 1, "a damaged line was taken");
-    cr_assert(count_lines(f.err) == 1 && strstr(f.err, "/packed-0.tsv:1: damaged; runs"), "'%s'",
-              f.err);
-    char *table = table_but_times();
-    cr_assert_str_eq(table, expected);
-    PROGRAM(&f, NULL, FEW); /* the line is there still, and nothing is left to be done */
-    cr_assert_eq(new_runs(&f, 5), 0);
-    cr_assert_str_eq(f.err, "", "'%s'", f.err);
-    file_write(runs, "packed-1.tsv", "no\tline\nat all\n", NULL);
-    file_write(runs, "packed-2.tsv", "nor\there\n", NULL);
-    PROGRAM(&f, NULL, FEW, "--stepper", "midpoint");
-    cr_assert_eq(new_runs(&f, 5), 5);
-    cr_assert(count_lines(f.err) == 1 && strstr(f.err, "damaged, and 3 more in this folder"),
-              "'%s'", f.err);
-    free(table);
-    free(text);
-    free(expected);
+    file_write(runs, "packed-0.tsv", text);
+    f = PROGRAM(NULL, FEW);
+    cr_assert_eq(new_of(f, 5), 1, "a damaged line was taken");
+    cr_assert(count_lines(f->err) == 1 && strstr(f->err, "/packed-0.tsv:1: damaged; runs"), "'%s'",
+              f->err);
+    cr_assert_str_eq(table_but_times(), expected);
+    f = PROGRAM(NULL, FEW); /* the line is there still, and nothing is left to be done */
+    cr_assert_eq(new_of(f, 5), 0);
+    cr_assert_str_eq(f->err, "", "'%s'", f->err);
+    file_write(runs, "packed-1.tsv", "no\tline\nat all\n");
+    file_write(runs, "packed-2.tsv", "nor\there\n");
+    f = PROGRAM(NULL, FEW, "--stepper", "midpoint");
+    cr_assert_eq(new_of(f, 5), 5);
+    cr_assert(count_lines(f->err) == 1 && strstr(f->err, "damaged, and 3 more in this folder"),
+              "'%s'", f->err);
 }
 
 /* --- runs that die --- */
@@ -442,7 +397,7 @@ static enum outcome die(const struct run_case *run, const struct watch *watch, c
 }
 
 /* A run that crashes has that as its outcome, and the others go on. */
-Test(sweep, a_crash_is_a_row, .init = set_up, .fini = clean_up) {
+Test(sweep, a_crash_is_a_row, .init = set_up) {
     const struct run_sink sink = {die, sweep_sink.death};
     const struct run_limits limits = {.seconds = 0};
     static const char *const steppers[] = {"rk4"};

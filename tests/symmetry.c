@@ -19,9 +19,7 @@ static void run_it(const char *text, const char *stepper, const char *treatment,
                    struct lab_run *run) {
     struct scene *scene = lab_read(text);
     const struct run_request request = {.stepper = stepper, .treatment = treatment, .step = step};
-    lab_run(scene, &request, run);
-    cr_assert_eq(run->result.outcome, FINISHED, "%s: %s", stepper, run->result.reason);
-    scene_free(scene);
+    lab_finish(scene, &request, run);
 }
 
 /* --- rotation --- */
@@ -55,11 +53,10 @@ static void turn(const double axis[3], const double x[3], double to[3]) {
 static void run_turned(const double axis[3], const char *treatment, struct lab_run *run) {
     static const double gravity[3] = {0, -9.81, 0}, wind[3] = {1, 0.5, 2};
     double g[3], w[3];
-    char text[2048];
     turn(axis, gravity, g);
     turn(axis, wind, w);
-    snprintf(text, sizeof text, TURNED, g[0], g[1], g[2], axis[0], axis[1], axis[2], w[0], w[1],
-             w[2]);
+    const char *const text =
+        printed(TURNED, g[0], g[1], g[2], axis[0], axis[1], axis[2], w[0], w[1], w[2]);
     run_it(text, "rk4", treatment, 1e-4, run);
 }
 
@@ -84,8 +81,6 @@ Test(symmetry, turned_with_everything_it_is_the_same_motion) {
             }
         cr_expect_lt(off, 1e-12, "%s: %g", treatment_names[t], off);
         cr_expect_gt(moved, 0.1, "nothing is turned");
-        lab_run_free(&plain);
-        lab_run_free(&turned);
     }
 }
 
@@ -101,9 +96,8 @@ Test(symmetry, turned_with_everything_it_is_the_same_motion) {
 
 /* z becomes -z; sample j, whose angle is from a direction in the mirror, becomes sample -j. */
 Test(symmetry, a_mirror_changes_the_hand_alone) {
-    char text[1024], mirrored[1024];
-    snprintf(text, sizeof text, HANDED, "2.0", "0.3", "0.02");
-    snprintf(mirrored, sizeof mirrored, HANDED, "-2.0", "-0.3", "-0.02");
+    const char *const text = printed(HANDED, "2.0", "0.3", "0.02");
+    const char *const mirrored = printed(HANDED, "-2.0", "-0.3", "-0.02");
     for (int t = 0; t < TREATMENTS; t++) {
         struct lab_run one, other;
         double off = 0, aside = 0;
@@ -122,8 +116,6 @@ Test(symmetry, a_mirror_changes_the_hand_alone) {
             }
         cr_expect_lt(off, 1e-11, "%s: %g", treatment_names[t], off);
         cr_expect_gt(aside, 0.05, "it stays in the mirror");
-        lab_run_free(&one);
-        lab_run_free(&other);
     }
 }
 
@@ -173,8 +165,6 @@ Test(symmetry, other_units_are_the_same_bits) {
                               "%s, frame %d, row %d: %.17g and %.17g", treatment_names[t], f, i,
                               a[X + k], b[X + k]);
                 }
-        lab_run_free(&one);
-        lab_run_free(&other);
     }
 }
 
@@ -198,10 +188,6 @@ Test(symmetry, how_often_it_is_looked_at_changes_nothing) {
                     off = fmax(
                         off, fabs(row_at(&seldom, f, i)[X + k] - row_at(&often, 6 * f, i)[X + k]));
         cr_expect_lt(off, 1e-13, "%s: %g", treatment_names[t], off);
-        lab_run_free(&seldom);
-        lab_run_free(&often);
-        scene_free(scene[0]);
-        scene_free(scene[1]);
     }
 }
 
@@ -240,8 +226,6 @@ Test(symmetry, a_moved_head_is_a_field_on_one_at_rest) {
             cr_expect_gt(off, 1e-4, "projection: %g", off);
         else
             cr_expect_lt(off, 1e-12, "%s: %g", treatment_names[t], off);
-        lab_run_free(&head);
-        lab_run_free(&field);
     }
 }
 
@@ -259,7 +243,6 @@ Test(symmetry, without_weight_nothing_moves) {
                 cr_expect_lt(
                     fabs(row_at(&run, run.frames - 1, i)[X + k] - row_at(&run, 0, i)[X + k]), 1e-13,
                     "%s, node %d", treatment_names[t], i);
-        lab_run_free(&run);
     }
 }
 
@@ -281,5 +264,4 @@ Test(symmetry, soft_hair_hangs_as_statics_says) {
         cr_expect_float_eq(length, spacing * (1 + weight / stiffness), 1e-9, "segment %d: %.12g", i,
                            length);
     }
-    lab_run_free(&run);
 }

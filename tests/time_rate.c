@@ -70,7 +70,6 @@ static void check_rate(int lanes, int nodes, int samples, enum bending law,
                   lanes, nodes, law_names[law], treatment_names[treatment], samples, state, kind, i,
                   rate[i], difference);
     }
-    lab_part_free(&part);
 }
 
 Test(time_rate, is_that_of_differences) {
@@ -95,8 +94,7 @@ static double error_of(const struct variant *variant, int steps, int with_rate, 
     const double to = 0.1;
     const struct stepper_settings settings = variant_settings(variant, 1e-12, 1e-13);
     struct scene *scene = LAB_LOAD("swing-shaken", "seed=1");
-    struct model *model = wisp_problem.create(scene, WISP_GENERALISED, 1);
-    cr_assert(model, "no memory for a model");
+    struct model *model = lab_model(scene, WISP_GENERALISED, 1);
     struct system *system = &model->parts->system;
     struct system_ops ops = *system->ops;
     double error = 0;
@@ -111,8 +109,6 @@ static double error_of(const struct variant *variant, int steps, int with_rate, 
     for (int i = 0; i < system->size && exact; i++)
         error += (q[i] - exact[i]) * (q[i] - exact[i]);
     variant->method->free(stepper);
-    wisp_problem.free(model);
-    scene_free(scene);
     return sqrt(error);
 }
 

@@ -9,14 +9,10 @@
 #include <sys/inotify.h>
 #include <unistd.h>
 
-static char folder[PATH_SIZE];
+static char *folder;
 
 static void open_folder(void) {
-    folder_make(folder);
-}
-
-static void close_folder(void) {
-    folder_remove(folder);
+    folder = folder_make();
 }
 
 #define NAMES  "t\twisp\tnode\tx\ty\tz\tvx\tvy\tvz"
@@ -34,12 +30,11 @@ static const char family[] = NAMES "\tparent\n"
 static const char orphans[] = NAMES "\n0\t0" NODE_0 "\n0\t0" NODE_1 "\n"
                                     "0\t1" NODE_0 "\n0\t1" NODE_1 "\n";
 
-Test(trajectory, frames_wisps_and_parents_are_those_of_the_file, .init = open_folder,
-     .fini = close_folder) {
-    char path[PATH_SIZE], reason[REASON_SIZE];
+Test(trajectory, frames_wisps_and_parents_are_those_of_the_file, .init = open_folder) {
+    char reason[REASON_SIZE];
     struct trajectory t;
-    file_write(folder, "states.tsv", family, path);
-    cr_assert_eq(trajectory_read(&t, path, reason), 0, "%s", reason);
+    cr_assert_eq(trajectory_read(&t, file_write(folder, "states.tsv", family), reason), 0, "%s",
+                 reason);
     cr_assert(t.frame_count == 2 && t.wisp_count == 3 && t.table.row_count == 10);
     cr_assert_eq(t.table.column_count, STATE_SAMPLES, "the parent is no column of the state");
     cr_assert(t.frames[1].t == 0.1 && t.frames[1].row == 4 && t.frames[1].wisps == 3);
@@ -48,45 +43,46 @@ Test(trajectory, frames_wisps_and_parents_are_those_of_the_file, .init = open_fo
     cr_assert_eq(trajectory_row(&t, 9)[STATE_X + 1], 8, "row 9 is another");
     cr_assert(t.parent[0] == 0 && t.parent[1] == 1 && t.parent[2] == 1);
     trajectory_free(&t);
-    file_write(folder, "states.tsv", orphans, path);
-    cr_assert_eq(trajectory_read(&t, path, reason), 0, "%s", reason);
+    cr_assert_eq(trajectory_read(&t, file_write(folder, "states.tsv", orphans), reason), 0, "%s",
+                 reason);
     cr_assert(t.wisp_count == 2 && t.parent[0] == 0 && t.parent[1] == 1, "of an older file");
     trajectory_free(&t);
 }
 
 /* A parent is one of those before, a whole number, and in the wisp's next row the same. */
-Test(trajectory, wrong_parents_are_refused, .init = open_folder, .fini = close_folder) {
+Test(trajectory, wrong_parents_are_refused, .init = open_folder) {
     static const char *const wrong[] = {"3", "-1", "0.5", "nan", "0"};
-    char path[PATH_SIZE], text[2 * sizeof family], says[40], reason[REASON_SIZE];
+    char reason[REASON_SIZE];
     struct trajectory t;
     for (int i = 0; i < 5; i++) {
         const char *at = strstr(family, "0.1\t2\t0"); /* the child's first row, or its second */
         for (int row = 0; row <= (i == 4); row++)
             at = strchr(at, '\n') + 1;
-        snprintf(text, sizeof text, "%.*s%s%s", (int)(at - 2 - family), family, wrong[i], at - 1);
-        file_write(folder, "states.tsv", text, path);
-        snprintf(says, sizeof says, "row %d: the parent of wisp 2 is not %s", i == 4 ? 10 : 9,
-                 wrong[i]);
-        cr_assert_eq(trajectory_read(&t, path, reason), -1, "%s is a parent", wrong[i]);
+        const char *const text =
+            printed("%.*s%s%s", (int)(at - 2 - family), family, wrong[i], at - 1);
+        const char *const says =
+            printed("row %d: the parent of wisp 2 is not %s", i == 4 ? 10 : 9, wrong[i]);
+        cr_assert_eq(trajectory_read(&t, file_write(folder, "states.tsv", text), reason), -1,
+                     "%s is a parent", wrong[i]);
         cr_assert(strstr(reason, says), "not '%s': %s", says, reason);
     }
 }
 
 /* Whoever asks, by whatever path, gets the same numbers; a file that was written anew is read. */
-Test(trajectory, each_file_is_read_once, .init = open_folder, .fini = close_folder) {
-    char path[PATH_SIZE], detour[PATH_SIZE], reason[REASON_SIZE];
+Test(trajectory, each_file_is_read_once, .init = open_folder) {
+    char reason[REASON_SIZE];
     struct trajectories *all = trajectories_create();
     cr_assert(all);
-    file_write(folder, "states.tsv", family, path);
-    path_format(detour, "%s/./states.tsv", folder);
+    const char *path = file_write(folder, "states.tsv", family);
     const struct trajectory *first = trajectories_take(all, path, reason),
-                            *second = trajectories_take(all, detour, reason);
+                            *second =
+                                trajectories_take(all, printed("%s/./states.tsv", folder), reason);
     cr_assert(first && first == second && trajectories_parsed(all) == 1);
     trajectories_return(all, first);
     trajectories_return(all, second);
     second = trajectories_take(all, path, reason);
     cr_assert(second == first && trajectories_parsed(all) == 1, "returned and read again");
-    file_write(folder, "states.tsv", orphans, path);
+    path = file_write(folder, "states.tsv", orphans);
     first = trajectories_take(all, path, reason);
     cr_assert(first && first != second && trajectories_parsed(all) == 2);
     cr_assert(first->wisp_count == 2 && second->wisp_count == 3, "the old file for the new one");
@@ -95,7 +91,7 @@ Test(trajectory, each_file_is_read_once, .init = open_folder, .fini = close_fold
     unlink(path);
     cr_assert(!trajectories_take(all, path, reason) && strstr(reason, "states.tsv"), "%s", reason);
     trajectories_free(all);
-    file_write(folder, "states.tsv", family, path);
+    path = file_write(folder, "states.tsv", family);
     first = trajectories_take(NULL, path, reason);
     second = trajectories_take(NULL, path, reason);
     cr_assert(first && second && first != second, "nobody shares without an owner");
@@ -115,10 +111,9 @@ struct openings {
 static void watch_folder(const char *path, void *ctx) {
     struct openings *openings = ctx;
     const char *slash = strrchr(path, '/');
-    char watched[PATH_SIZE];
     if (strcmp(slash, "/states.tsv") != 0)
         return;
-    path_format(watched, "%.*s", (int)(slash - path), path);
+    const char *const watched = printed("%.*s", (int)(slash - path), path);
     const int descriptor = inotify_add_watch(openings->watch, watched, IN_OPEN | IN_CLOSE);
     cr_assert(descriptor > 0 && descriptor < 512, "no watch of %s", watched);
     openings->files++;
@@ -152,39 +147,34 @@ static void end_watch(struct openings *openings) {
 
 /* Seen from outside: experiments whose runs are there already look once whether each file is as it
  * was written, read it once, and that is all they do. */
-Test(trajectory, a_command_reads_each_file_at_most_once, .init = open_folder,
-     .fini = close_folder) {
+Test(trajectory, a_command_reads_each_file_at_most_once, .init = open_folder) {
     static const char *const experiments[] = {"subdivision", "treatments"};
-    static struct finished f;
     gnuplot_stub_quiet();
     for (int i = 0; i < 2; i++) {
         struct openings openings;
-        PROGRAM(&f, NULL, "experiment", experiments[i], "--quick", "--out", folder);
-        cr_assert_eq(f.code, 0, "%s", f.err);
+        WORKS("experiment", experiments[i], "--quick", "--out", folder);
         begin_watch(&openings);
-        PROGRAM(&f, NULL, "experiment", experiments[i], "--quick", "--out", folder);
+        struct finished *f =
+            PROGRAM(NULL, "experiment", experiments[i], "--quick", "--out", folder);
         end_watch(&openings);
-        cr_expect_eq(f.code, 0, "%s", f.err);
+        cr_expect_eq(f->code, 0, "%s", f->err);
         cr_expect(openings.files >= 8 && openings.all >= 8, "%s: %d of %d files", experiments[i],
                   openings.all, openings.files);
         cr_expect_eq(openings.most, 2, "%s: one is opened %d times", experiments[i], openings.most);
     }
-    gnuplot_stub_remove();
 }
 
-Test(trajectory, render_opens_each_file_once, .init = open_folder, .fini = close_folder) {
-    static struct finished f;
-    char out[PATH_SIZE], other[PATH_SIZE];
+Test(trajectory, render_opens_each_file_once, .init = open_folder) {
     struct openings openings;
-    path_format(out, "%s/pictures", folder);
-    path_format(other, "%s/other", folder);
-    PROGRAM(&f, NULL, "run", "swing", "--duration", "0.1", "--out", folder);
-    PROGRAM(&f, NULL, "run", "swing", "--duration", "0.1", "--rate", "5000", "--out", other);
+    const char *const out = printed("%s/pictures", folder);
+    const char *const other = printed("%s/other", folder);
+    PROGRAM(NULL, "run", "swing", "--duration", "0.1", "--out", folder);
+    PROGRAM(NULL, "run", "swing", "--duration", "0.1", "--rate", "5000", "--out", other);
     begin_watch(&openings);
-    PROGRAM(&f, NULL, "render", folder, other, folder, "--skeleton", "--error", other, "--frames",
-            "1", "--out", out);
+    struct finished *f = PROGRAM(NULL, "render", folder, other, folder, "--skeleton", "--error",
+                                 other, "--frames", "1", "--out", out);
     end_watch(&openings);
-    cr_assert_eq(f.code, 0, "%s", f.err);
+    cr_assert_eq(f->code, 0, "%s", f->err);
     cr_assert(openings.files == 2 && openings.all == 2 && openings.most == 1, "%d openings",
               openings.all);
 }

@@ -106,7 +106,6 @@ static void check_clamp(int lanes, enum wisp_treatment treatment, int samples, u
     if (treatment != WISP_PENALTY)
         cr_assert_eq(kernel_of(lanes)->clamp(part.system.ctx, Q, V), 0,
                      "the second clamp finds something");
-    lab_part_free(&part);
 }
 
 Test(wisp_clock, the_clamp_sets_what_is_inside_and_nothing_else) {
@@ -138,9 +137,9 @@ Test(wisp_clock, a_sample_that_a_body_puts_at_its_node_stops) {
             cr_assert(scene->wisps, "no memory");
             memcpy(scene->wisps, wisps, sizeof wisps);
             scene->wisp_count = count;
-            struct model *model = wisp_problem.create(scene, treatment, 4);
+            struct model *model = lab_model(scene, treatment, 4);
             const int columns = model->column_count, per = treatment == WISP_PENALTY ? 6 : 2;
-            double *rows = malloc((size_t)(model->row_count * columns) * sizeof *rows);
+            double *rows = test_room((size_t)(model->row_count * columns) * sizeof *rows);
             int changed[5], found = 0;
             cr_assert(rows, "no memory");
             wisp_problem.sample(model, rows);
@@ -173,9 +172,6 @@ Test(wisp_clock, a_sample_that_a_body_puts_at_its_node_stops) {
                               rate);
                 }
             cr_assert_eq(found, count, "%d samples stop", found);
-            free(rows);
-            wisp_problem.free(model);
-            scene_free(scene);
         }
 }
 
@@ -202,9 +198,7 @@ Test(wisp_clock, no_frame_of_any_stepper_has_a_sample_inside) {
             int clamped = 0;
             if (!is_taken(scene, &request))
                 continue;
-            lab_run(scene, &request, &run);
-            cr_assert_eq(run.result.outcome, FINISHED, "%s, %s: %s", request.stepper,
-                         request.treatment, run.result.reason);
+            lab_finish(scene, &request, &run);
             wisp_twin_init(&twin, scene->wisps, &scene->around, (enum wisp_treatment)treatment);
             for (int f = 0; f < run.frames; f++) {
                 for (int i = 2; i < twin.nodes; i++) {
@@ -234,21 +228,16 @@ Test(wisp_clock, no_frame_of_any_stepper_has_a_sample_inside) {
             }
             cr_assert_gt(clamped, 10, "%s, %s: only %d samples were clamped", request.stepper,
                          request.treatment, clamped);
-            lab_run_free(&run);
         }
     }
-    scene_free(scene);
 }
 
 static long long restarts(const char *stepper, const char *wisps, const char *treatment) {
     struct scene *scene = LAB_LOAD("swing-envelope", "duration=0.1", SOFT, wisps);
     const struct run_request request = {.stepper = stepper, .treatment = treatment};
     struct lab_run run;
-    lab_run(scene, &request, &run);
-    cr_assert_eq(run.result.outcome, FINISHED, "%s", run.result.reason);
+    lab_finish(scene, &request, &run);
     const long long count = run.result.counters.restarts;
-    lab_run_free(&run);
-    scene_free(scene);
     return count;
 }
 
@@ -274,27 +263,12 @@ Test(wisp_clock, slow_the_reference_with_ticks_agrees_with_its_cross_check) {
                                        "wisps=(" LEVEL ")");
         const struct run_request request = {.stepper = "reference",
                                             .treatment = treatment_names[treatment]};
-        struct settings settings, second;
-        struct lab_run a, b;
-        char reason[REASON_SIZE];
+        struct lab_run a;
         lab_run(scene, &request, &a);
-        cr_assert_eq(settings_resolve(scene, &request, &settings, reason), 0, "%s", reason);
-        cr_assert_eq(settings_cross_check(scene, &settings, &second, reason), 0, "%s", reason);
-        const struct run_request other = {.stepper = second.method->name,
-                                          .treatment = treatment_names[treatment],
-                                          .rtol = second.stepper.rtol,
-                                          .atol = second.stepper.atol,
-                                          .options = settings.method->checked_by->options,
-                                          .option_count = 2};
-        lab_run(scene, &other, &b);
-        cr_assert_eq(b.result.outcome, FINISHED, "%s", b.result.reason);
-        const double d = lab_distance(&a, &b, 1, 2).largest;
+        const double d = lab_cross_check(scene, treatment, &a);
         cr_log_info("%s: %.1e m", treatment_names[treatment], d);
         /* as without ticks (wisp_runs.c), and a tick passes an error of r on as it is */
         cr_assert_leq(d, 1e-11, "%s: %.1e m apart", treatment_names[treatment], d);
-        lab_run_free(&a);
-        lab_run_free(&b);
-        scene_free(scene);
     }
 }
 
@@ -378,15 +352,13 @@ Test(wisp_clock, the_end_of_a_gust_is_a_stop) {
     };
     for (int i = 0; i < 4; i++) {
         struct scene *scene = LAB_LOAD("swing", cases[i].set);
-        struct model *model = wisp_problem.create(scene, WISP_GENERALISED, 4);
+        struct model *model = lab_model(scene, WISP_GENERALISED, 4);
         double t[10];
         cr_assert(model, "no memory");
         cr_assert_eq(stop_times(model, 0.3, t), cases[i].stops, "%s", cases[i].set);
         for (int k = 0; k < cases[i].stops; k++)
             cr_assert(fabs(t[k] - cases[i].t[k]) <= 1e-15, "%s: stop %d at %g", cases[i].set, k,
                       t[k]);
-        wisp_problem.free(model);
-        scene_free(scene);
     }
 }
 
@@ -419,13 +391,10 @@ Test(wisp_clock, methods_with_a_history_restart_at_every_kink) {
                          cases[i].set);
             const struct run_request request = lab_request(method, WISP_GENERALISED);
             struct lab_run run;
-            lab_run(scene, &request, &run);
-            cr_assert_eq(run.result.outcome, FINISHED, "%s: %s", method->name, run.result.reason);
+            lab_finish(scene, &request, &run);
             cr_assert_eq(run.result.counters.restarts, method->reset ? 2 * cases[i].kinks : 0,
                          "%s: %lld restarts of two wisps at %d kinks: %s", method->name,
                          run.result.counters.restarts, cases[i].kinks, cases[i].set);
-            lab_run_free(&run);
-            scene_free(scene);
         }
 }
 
@@ -439,29 +408,17 @@ Test(wisp_clock, steppers_keep_their_order_across_the_end_of_a_gust) {
     struct scene *scene = LAB_LOAD("swing", LIMP, "duration=0.2", "frame_rate=5.0", GUST("0.0637"));
     const struct run_request tight = {.stepper = "reference", .rtol = 1e-13, .atol = 1e-14};
     struct lab_run exact;
-    lab_run(scene, &tight, &exact);
-    cr_assert_eq(exact.result.outcome, FINISHED, "%s", exact.result.reason);
+    lab_finish(scene, &tight, &exact);
     for (int i = 0; i < 3; i++) {
         double error[3];
         for (int k = 0; k < 3; k++) {
             const struct run_request request = {.stepper = cases[i].stepper,
                                                 .step = 1 / (cases[i].rate * (1 << k))};
-            struct lab_run run;
-            lab_run(scene, &request, &run);
-            cr_assert_eq(run.result.outcome, FINISHED, "%s: %s", request.stepper,
-                         run.result.reason);
-            error[k] = lab_distance(&run, &exact, 1, 2).rms;
-            lab_run_free(&run);
+            error[k] = lab_error(scene, &request, &exact);
         }
         cr_log_info("%s: %.2e %.2e %.2e", cases[i].stepper, error[0], error[1], error[2]);
-        for (int k = 0; k < 2; k++) {
-            const double order = log2(error[k] / error[k + 1]);
-            cr_assert(fabs(order - cases[i].order) <= 0.1, "%s: errors %.2e, %.2e: order %.3f",
-                      cases[i].stepper, error[k], error[k + 1], order);
-        }
+        lab_check_order(cases[i].stepper, error, cases[i].order, 0.1, 0.1);
     }
-    lab_run_free(&exact);
-    scene_free(scene);
 }
 
 /* Ends of a hold where a stop is already, at the start, at the end, and beyond: every stepper runs
@@ -475,12 +432,8 @@ Test(wisp_clock, kinks_at_awkward_times) {
                 LAB_LOAD("swing-envelope", LIMP, "duration=0.1", "frame_rate=20.0", gusts[i]);
             const struct run_request request = lab_request(stepper_methods[m], WISP_GENERALISED);
             struct lab_run run;
-            lab_run(scene, &request, &run);
-            cr_assert_eq(run.result.outcome, FINISHED, "%s, %s: %s: %s", request.stepper, gusts[i],
-                         outcome_name(run.result.outcome), run.result.reason);
+            lab_finish(scene, &request, &run);
             cr_assert_eq(run.frames, 3, "%s, %s: %d frames", request.stepper, gusts[i], run.frames);
-            lab_run_free(&run);
-            scene_free(scene);
         }
 }
 
@@ -520,11 +473,5 @@ Test(wisp_clock, a_part_that_ticks_alone_does_what_all_do_together) {
             cr_assert_gt(a.result.counters.wisp_contacts, 0, "nothing touches");
             cr_assert_neq(memcmp(a.row, c.row, bytes), 0, "%s, %s: nothing is clamped", steppers[s],
                           treatment_names[treatment]);
-            lab_run_free(&a);
-            lab_run_free(&b);
-            lab_run_free(&c);
         }
-    scene_free(alone);
-    scene_free(together);
-    scene_free(never);
 }

@@ -87,8 +87,7 @@ static void check_answer(int code, int refused, const struct system *system, con
 
 static void check_matrices(struct lab_part *part, int refused, int stiff, const char *what) {
     for (int kind = 0; kind < JACOBIAN_COUNT; kind++) {
-        char text[240];
-        snprintf(text, sizeof text, "%s, %s Jacobian", what, jacobian_choices[kind]);
+        const char *const text = printed("%s, %s Jacobian", what, jacobian_choices[kind]);
         part->system.reason[0] = '\0';
         const int code = system_linearise(&part->system, (enum jacobian)kind, 0.3, Q, V);
         check_answer(code, refused, &part->system, NULL, text);
@@ -120,7 +119,6 @@ static void check_state(const struct degenerate *state, int samples, enum bendin
     const int refused = state->verdict == REFUSED_ALWAYS ||
                         (state->verdict == REFUSED_WITH_SKIP && law == BENDING_SKIP);
     struct lab_part part;
-    char what[160];
     for (int k = 0; k < LAB_LANES; k++)
         wisps[k] = k < 2 ? wisp : lab_wisp(NODES, samples, law, seed);
     fill_state(&wisp, treatment, state, seed, q, v);
@@ -132,8 +130,9 @@ static void check_state(const struct degenerate *state, int samples, enum bendin
             lab_place(&part, k, k < 2 ? q : sound_q, Q);
             lab_scatter(&part, k, k < 2 ? v : sound_v, V);
         }
-        snprintf(what, sizeof what, "%s, %s, bending %s, %d samples, %d lanes", state->name,
-                 treatment_names[treatment], law_names[law], samples, lanes);
+        const char *const what =
+            printed("%s, %s, bending %s, %d samples, %d lanes", state->name,
+                    treatment_names[treatment], law_names[law], samples, lanes);
         part.system.reason[0] = '\0';
         check_answer(system_acceleration(&part.system, 0.3, Q, V, A), refused, &part.system, A,
                      what);
@@ -143,12 +142,10 @@ static void check_state(const struct degenerate *state, int samples, enum bendin
                          "%s: the sound wisp has other bits", what);
         }
         check_matrices(&part, refused, state->verdict == SOUND_BUT_STIFF, what);
-        lab_part_free(&part);
 
         lab_part_make(&part, 1, &wisps[2], 1, &around, treatment);
         lab_place(&part, 0, sound_q, Q);
         cr_assert_eq(system_acceleration(&part.system, 0.3, Q, sound_v, own), 0);
-        lab_part_free(&part);
     }
 }
 
@@ -190,7 +187,6 @@ Test(wisp_degenerate, the_twin_takes_the_same_branches) {
                                   states[s].name, treatment_names[treatment], law_names[law], i,
                                   a[i], b[i]);
                 }
-                lab_part_free(&part);
             }
 }
 
@@ -227,7 +223,6 @@ Test(wisp_degenerate, what_is_not_finite_does_not_pass_in_silence) {
                                 cr_assert(!all_finite(A, part.system.size),
                                           "%s: %g in %c[%d] vanishes", treatment_names[treatment],
                                           poison[p], in_velocity ? 'v' : 'q', u);
-                            lab_part_free(&part);
                         }
 }
 
@@ -255,7 +250,6 @@ Test(wisp_degenerate, runs_end_with_an_outcome_and_finite_frames) {
                 else
                     request.rtol = request.atol = 1e-8;
                 if (!is_taken(scene, &request)) {
-                    scene_free(scene);
                     continue;
                 }
                 lab_run(scene, &request, &run);
@@ -265,7 +259,5 @@ Test(wisp_degenerate, runs_end_with_an_outcome_and_finite_frames) {
                 for (int i = 0; i < run.frames * run.rows * run.columns; i++)
                     cr_assert(isfinite(run.row[i]), "%s, %s: a frame is not finite",
                               request.stepper, request.treatment);
-                lab_run_free(&run);
-                scene_free(scene);
             }
 }

@@ -268,7 +268,6 @@ static void check_exact(int lanes, const struct shape *shape, enum bending law,
                       (int)kind, of_velocity ? 'v' : 'q', error);
         }
     }
-    lab_part_free(&s.part);
 }
 
 #define EACH_CASE(treatment, law, shape, kind)                       \
@@ -338,7 +337,6 @@ Test(wisp_jacobian, assembled_is_what_products_give) {
             compare_assembled(&shapes[shape], (enum bending)law, (enum wisp_treatment)treatment,
                               (enum jacobian)jacobian);
         }
-        lab_part_free(&s.part);
     }
 }
 
@@ -411,18 +409,17 @@ Test(wisp_jacobian, spd_is_symmetric_and_positive_definite) {
                      (enum lab_state)kind, &seed);
         linearise(&s, JACOBIAN_SPD);
         for (int c = 0; c < SPD_CASES; c++) {
-            char what[160];
             const int lane = c % 4;
             int n = s.part.size;
             dense(&s.part, 1, -spd_alphas[c], -spd_betas[c], lane, A);
             if (eliminated)
                 n = eliminate_samples(&s.wisps[lane], (enum wisp_treatment)treatment, A, B);
-            snprintf(what, sizeof what, "%s, bending %s, %d nodes, %d samples, state %d, %g, %g",
-                     treatment_names[treatment], law_names[law], shapes[shape].nodes,
-                     shapes[shape].samples, kind, spd_alphas[c], spd_betas[c]);
+            const char *const what =
+                printed("%s, bending %s, %d nodes, %d samples, state %d, %g, %g",
+                        treatment_names[treatment], law_names[law], shapes[shape].nodes,
+                        shapes[shape].samples, kind, spd_alphas[c], spd_betas[c]);
             check_spd(n, eliminated ? B : A, what);
         }
-        lab_part_free(&s.part);
     }
 }
 
@@ -435,16 +432,13 @@ Test(wisp_jacobian, matrices_are_what_they_are_declared_to_be) {
             const struct surroundings around = lab_surroundings(WIND_NONE, &seed);
             const struct wisp wisp = lab_wisp(6, samples, BENDING_SKIP, &seed);
             struct scene *scene = lab_scene(&wisp, 1, &around);
-            struct model *model = wisp_problem.create(scene, treatment, 1);
-            cr_assert(model, "no memory");
+            struct model *model = lab_model(scene, treatment, 1);
             const struct system *system = &model->parts[0].system;
             const int one_sided = treatment == WISP_PROJECTION && samples > 0;
             const unsigned both = MATRIX_SYMMETRIC | MATRIX_DEFINITE;
             cr_assert_eq(system->matrix[JACOBIAN_SPD] & both, one_sided ? 0 : both);
             cr_assert_eq(system->matrix[JACOBIAN_EXACT] & both, 0);
             cr_assert_eq(system->matrix_note != NULL, one_sided);
-            wisp_problem.free(model);
-            scene_free(scene);
         }
     const struct shape shape = {6, 4};
     double most = 0;
@@ -455,7 +449,6 @@ Test(wisp_jacobian, matrices_are_what_they_are_declared_to_be) {
         for (int j = 0; j < i; j++)
             most = fmax(most, fabs(A[i][j] - A[j][i]) / sqrt(A[i][i] * A[j][j]));
     cr_assert_gt(most, 0.01, "the matrix of projection is symmetric after all: %g", most);
-    lab_part_free(&s.part);
 }
 
 /* --- solutions --- */
@@ -538,10 +531,10 @@ Test(wisp_jacobian, all_linear_solvers_solve_as_dense_elimination_does) {
                      (enum lab_state)kind, &seed);
         linearise(&s, JACOBIAN_SPD);
         for (int c = 0; c < 3; c++) {
-            char what[160];
-            snprintf(what, sizeof what, "%s, bending %s, %d nodes, %d samples, state %d, alpha %g",
-                     treatment_names[treatment], law_names[law], shapes[shape].nodes,
-                     shapes[shape].samples, kind, alphas[c]);
+            const char *const what =
+                printed("%s, bending %s, %d nodes, %d samples, state %d, alpha %g",
+                        treatment_names[treatment], law_names[law], shapes[shape].nodes,
+                        shapes[shape].samples, kind, alphas[c]);
             for (int i = 0; i < s.part.size; i++)
                 b[i] = lab_between(&seed, -1, 1);
             dense(&s.part, 1, -alphas[c], -betas[c], 0, A);
@@ -552,7 +545,6 @@ Test(wisp_jacobian, all_linear_solvers_solve_as_dense_elimination_does) {
                     solved++;
                 }
         }
-        lab_part_free(&s.part);
     }
     cr_assert_gt(solved, 500, "only %d systems", solved);
 }
@@ -586,7 +578,6 @@ Test(wisp_jacobian, direct_solves_each_lane) {
                           "%s: lane %d, x[%d] is %.17g, densely %.17g", treatment_names[treatment],
                           lane, i, got[i], x[i]);
         }
-        lab_part_free(&s.part);
     }
 }
 
@@ -652,7 +643,6 @@ Test(wisp_jacobian, what_was_linearised_holds_until_the_next_time) {
                   "evaluation",
                   treatment_names[treatment], law_names[law], shapes[shape].nodes,
                   shapes[shape].samples, lanes);
-        lab_part_free(&s.part);
     }
 }
 
@@ -666,7 +656,6 @@ Test(wisp_jacobian, a_matrix_that_is_not_definite_is_refused) {
             for (int stiff = -1; stiff < lanes; stiff++) {
                 make_setting(&s, lanes, &shape, BENDING_SKIP, (enum wisp_treatment)treatment,
                              STATE_RANDOM, &seed);
-                lab_part_free(&s.part);
                 for (int k = 0; k < lanes; k++) /* at 1e-9 s^2: 1e-5 and 1e4 of a mass of 1e-4 kg */
                     s.wisps[k].stretch_stiffness = k == stiff ? 1e8 : 0.1;
                 lab_part_make(&s.part, lanes, s.wisps, lanes, &s.around,
@@ -681,7 +670,6 @@ Test(wisp_jacobian, a_matrix_that_is_not_definite_is_refused) {
                     cr_assert(abs(code) == SOLVER_STALLED && strstr(system->reason, "definite"),
                               "%s, lane %d of %d: code %d, '%s'", treatment_names[treatment], stiff,
                               lanes, code, system->reason);
-                lab_part_free(&s.part);
             }
 }
 
@@ -860,14 +848,12 @@ static void check_part(enum force_part part, int lanes, const char *what, unsign
 
 static void check_parts(const struct shape *shape, enum bending law, enum wisp_treatment treatment,
                         enum lab_state kind, int lanes, unsigned *seed) {
-    char what[160];
-    snprintf(what, sizeof what, "%s, bending %s, %d nodes, %d samples, state %d, %d lanes",
-             treatment_names[treatment], law_names[law], shape->nodes, shape->samples, (int)kind,
-             lanes);
+    const char *const what = printed("%s, bending %s, %d nodes, %d samples, state %d, %d lanes",
+                                     treatment_names[treatment], law_names[law], shape->nodes,
+                                     shape->samples, (int)kind, lanes);
     make_setting(&s, lanes, shape, law, treatment, kind, seed);
     for (int part = 0; part < FORCE_PARTS; part++)
         check_part((enum force_part)part, lanes, what, seed);
-    lab_part_free(&s.part);
 }
 
 Test(wisp_jacobian, parts_of_the_forces_are_solved_as_dense_elimination_does) {
@@ -899,7 +885,6 @@ Test(wisp_jacobian, parts_are_all_forces_where_there_are_no_others) {
                 for (int lanes = 1; lanes <= LAB_LANES; lanes = lab_wider(lanes)) {
                     make_setting(&s, lanes, &shapes[shape], (enum bending)law,
                                  (enum wisp_treatment)treatment, STATE_REST, &seed);
-                    lab_part_free(&s.part);
                     for (int k = 0; k < lanes; k++) {
                         s.wisps[k].drag_rate = s.wisps[k].frequency = 0;
                         if (law == BENDING_HINGE)
@@ -928,6 +913,5 @@ Test(wisp_jacobian, parts_are_all_forces_where_there_are_no_others) {
                                   "%s, bending %s, shape %d: x[%d] is %.17g, directly %.17g",
                                   treatment_names[treatment], law_names[law], shape, i, X[i],
                                   direct[i]);
-                    lab_part_free(&s.part);
                 }
 }

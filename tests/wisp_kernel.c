@@ -13,56 +13,15 @@
 static const int sample_counts[] = {0, 3, 4, 5, 8, 16};
 enum { SAMPLE_COUNTS = sizeof sample_counts / sizeof *sample_counts };
 
-/* Kernel and twin do the same sums in different orders: each differs from the exact value by some
- * roundings (1.1e-16) of the sum of absolute terms, at most about 10 for a spring, and two or three
- * more with each node that a frame has come along; at a sharp fold (here up to |t + t'| = 0.1) the
- * bisector divides them by that. 3e-13 is three times what the worst of these wisps needs, and a
- * wrong coefficient in the sixth digit is far above it. */
-static const double twin_tolerance = 3e-13;
-
-static void compare_with_twin(const struct wisp *wisp, const struct surroundings *around,
-                              enum wisp_treatment treatment, double t, const double *q,
-                              const double *v, const double *a, double *worst) {
-    static struct wisp_twin twin;
-    static double expected[LAB_SIZE], scale[LAB_SIZE];
-    cr_assert_eq(wisp_twin_init(&twin, wisp, around, treatment), 0, "no twin");
-    cr_assert_eq(wisp_twin_acceleration(&twin, t, q, v, expected), 0, "the twin fails");
-    wisp_twin_scale(&twin, t, q, v, scale);
-    for (int i = 0; i < wisp_twin_size(&twin); i++)
-        cr_assert(lab_close(a[i], expected[i], twin_tolerance * scale[i], worst),
-                  "%s, bending %s, %d nodes, %d samples: unknown %d: %.17g, twin %.17g, "
-                  "difference %.1e of %.1e",
-                  treatment_names[treatment], law_names[wisp->bending], wisp->nodes, wisp->samples,
-                  i, a[i], expected[i], fabs(a[i] - expected[i]), scale[i]);
-}
-
-/* A part of `lanes` different wisps in different states. */
 static void check_part(int lanes, int nodes, int samples, enum bending law,
                        enum wisp_treatment treatment, unsigned *seed, double *worst) {
-    static double q[LAB_LANES][LAB_SIZE], v[LAB_LANES][LAB_SIZE], a[LAB_SIZE];
-    static double Q[LAB_LANES * LAB_SIZE], V[LAB_LANES * LAB_SIZE], A[LAB_LANES * LAB_SIZE];
     const enum wind_kind kind = (enum wind_kind)((nodes + samples + (int)law) % WINDS);
     const struct surroundings around = lab_surroundings(kind, seed);
     const double t = lab_between(seed, 0, 1);
     struct wisp wisps[LAB_LANES];
-    struct lab_part part;
     for (int k = 0; k < lanes; k++)
         wisps[k] = lab_wisp(nodes, samples, law, seed);
-    lab_part_make(&part, lanes, wisps, lanes, &around, treatment);
-    for (int k = 0; k < lanes; k++) {
-        lab_state(&wisps[k], treatment, (enum lab_state)((k + nodes) % STATES), 0, seed, q[k],
-                  v[k]);
-        lab_place(&part, k, q[k], Q);
-        lab_gather(&part, k, Q, q[k]); /* from the root, and so is the twin's below */
-        memset(wisps[k].root, 0, sizeof wisps[k].root);
-        lab_scatter(&part, k, v[k], V);
-    }
-    cr_assert_eq(system_acceleration(&part.system, t, Q, V, A), 0, "%s", part.system.reason);
-    for (int k = 0; k < lanes; k++) {
-        lab_gather(&part, k, A, a);
-        compare_with_twin(&wisps[k], &around, treatment, t, q[k], v[k], a, worst);
-    }
-    lab_part_free(&part);
+    lab_check_with_twins(lanes, wisps, &around, treatment, t, seed, worst);
 }
 
 Test(wisp_kernel, accelerations_are_the_twins) {
@@ -136,12 +95,10 @@ static void with_model(const struct flock *flock, int lanes, const int *order, u
     for (int i = 0; i < flock->count; i++)
         wisps[i] = flock->wisps[order[i]];
     struct scene *scene = lab_scene(wisps, flock->count, &flock->around);
-    struct model *model = wisp_problem.create(scene, flock->treatment, lanes);
-    cr_assert(model, "no memory for a model");
+    struct model *model = lab_model(scene, flock->treatment, lanes);
     const int columns = model->column_count;
-    double *rows = malloc((size_t)(model->row_count * columns) * sizeof *rows), *row = rows;
-    struct flock *states = malloc(sizeof *states);
-    cr_assert(rows && states, "no memory");
+    double *rows = test_room((size_t)(model->row_count * columns) * sizeof *rows), *row = rows;
+    struct flock *states = test_room(sizeof *states);
     *states = *flock;
     wisp_problem.sample(model, rows);
     for (int i = 0; i < flock->count; row += flock->wisps[order[i++]].nodes * columns) {
@@ -152,23 +109,17 @@ static void with_model(const struct flock *flock, int lanes, const int *order, u
     int wisps_in_parts = 0;
     for (int i = 0; i < model->part_count; i++) {
         struct part *part = &model->parts[i];
-        double *x = malloc((size_t)part->system.size * sizeof *x);
-        cr_assert(x, "no memory");
+        double *x = test_room((size_t)part->system.size * sizeof *x);
         cr_assert_eq(part->system.lanes, lanes, "a part of %d lanes", part->system.lanes);
         wisps_in_parts += part->system.wisps;
         use(part, x);
         memcpy(part->v, x, (size_t)part->system.size * sizeof *x);
-        free(x);
     }
     cr_assert_eq(wisps_in_parts, flock->count, "%d wisps in parts", wisps_in_parts);
     wisp_problem.sample(model, rows);
     row = rows;
     for (int i = 0; i < flock->count; row += flock->wisps[order[i++]].nodes * columns)
         copy_rows(flock, order[i], columns, row, states->q[0], result[order[i]], 0);
-    wisp_problem.free(model);
-    scene_free(scene);
-    free(states);
-    free(rows);
 }
 
 static void accelerate(struct part *part, double *result) {
@@ -190,9 +141,9 @@ Test(wisp_kernel, models_of_1_to_9_wisps_are_the_twins) {
                            (enum bending)(count % LAWS), (enum wisp_treatment)treatment, &seed);
                 with_model(&flock, lanes, in_order, accelerate, a);
                 for (int i = 0; i < count; i++)
-                    compare_with_twin(&flock.wisps[i], &flock.around,
-                                      (enum wisp_treatment)treatment, 0.3, flock.q[i], flock.v[i],
-                                      a[i], &worst);
+                    lab_check_with_twin(&flock.wisps[i], &flock.around,
+                                        (enum wisp_treatment)treatment, 0.3, flock.q[i], flock.v[i],
+                                        a[i], &worst);
             }
 }
 

@@ -196,7 +196,6 @@ Test(wisp_physics, energy_of_the_kernel) {
                                   "%s, bending %s, %d nodes, %d of %d lanes: %.17g, twin %.17g",
                                   treatment_names[treatment], law_names[law], nodes, count, lanes,
                                   got, expected);
-                        lab_part_free(&part);
                     }
 }
 
@@ -236,7 +235,6 @@ static double frozen_gradient_error(enum wisp_treatment treatment, int nodes, in
         q[i] = centre;
         worst = fmax(worst, fabs(force[i] + (energy[1] - energy[0]) / (2 * step)));
     }
-    lab_part_free(&part);
     return worst / largest;
 }
 
@@ -322,12 +320,11 @@ Test(wisp_physics, samples_do_not_change_momentum) {
                     if (treatment == WISP_PROJECTION)
                         lost = fmax(lost, fabs(rate[k]) / size);
                     else
-                        /* roundings of the accelerations: see twin_tolerance in wisp_kernel.c */
+                        /* roundings of the accelerations: see lab_check_with_twin */
                         cr_assert(fabs(rate[k]) <= 1e-13 * size,
                                   "%s, bending %s, %d nodes: %g of %g appears from nothing",
                                   treatment_names[treatment], law_names[law], nodes, rate[k], size);
                 }
-                lab_part_free(&part);
             }
     cr_assert_geq(lost, 1e-5, "projection loses nothing across its lines: %g", lost);
 }
@@ -348,21 +345,14 @@ Test(wisp_physics, energy_of_the_swing_never_grows) {
     enum { FRAMES = 301 };
     static double energy[FRAMES + 1];
     double *next = energy;
-    struct settings settings;
-    struct run_result result;
-    char reason[REASON_SIZE];
     struct scene *scene = LAB_LOAD("swing", "frame_rate=300.0");
-    const struct run_request request = {.stepper = "reference"};
-    cr_assert_eq(settings_resolve(scene, &request, &settings, reason), 0, "%s", reason);
-    simulate(scene, &settings, &(struct observer){note_energy, &next}, NULL, &result);
-    cr_assert_eq(result.outcome, FINISHED, "%s", result.reason);
+    run_finished(scene, &(struct run_request){.stepper = "reference"}, note_energy, &next);
     cr_assert_eq(next - energy, FRAMES);
     const double first = fabs(energy[0] - energy[FRAMES - 1]);
     for (int f = 1; f < FRAMES; f++)
         cr_assert(energy[f] <= energy[f - 1] + 1e-12 * first, "frame %d: %.17g after %.17g", f,
                   energy[f], energy[f - 1]);
     cr_assert_gt(first, 1e-4, "nothing swings: %g", first);
-    scene_free(scene);
 }
 
 /* --- a hanging chain --- */
@@ -418,7 +408,6 @@ static void chain_frequencies(int nodes, int count, double *squares) {
     gsl_vector_free(values);
     gsl_matrix_free(K);
     gsl_matrix_free(M);
-    lab_part_free(&part);
 }
 
 /* Daniel Bernoulli 1732: w_k = j_0k / 2 sqrt(g / L). The model's chain hangs from node 1, so L is
@@ -604,7 +593,6 @@ Test(wisp_physics, explicit_euler_with_projection_is_the_thesis_procedure) {
                 }
             }
             stepper->method->free(stepper);
-            lab_part_free(&part);
         }
     cr_log_info("differences %.1e m, %.1e m/s; moved %.2g m", worst_p, worst_v, moved);
     cr_assert(worst_p <= 1e-13 && worst_v <= 1e-11, "differences %.1e m, %.1e m/s", worst_p,

@@ -8,18 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* rms over free nodes and frames of a run with this request, against `exact`. */
-static double error_of(const struct scene *scene, const struct run_request *request,
-                       const struct lab_run *exact) {
-    struct lab_run run;
-    lab_run(scene, request, &run);
-    cr_assert_eq(run.result.outcome, FINISHED, "%s at %g s: %s", request->stepper, request->step,
-                 run.result.reason);
-    const double error = lab_distance(&run, exact, 1, 2).rms;
-    lab_run_free(&run);
-    return error;
-}
-
 /* --- orders on `swing` --- */
 
 /* Rates are multiples of the frame rate, so that steps are what they say, and beyond those at which
@@ -52,7 +40,7 @@ Test(wisp_runs, steppers_have_their_order_on_the_swing) {
                                                 .step = 1 / orders[i].rates[k],
                                                 .options = &orders[i].option,
                                                 .option_count = orders[i].option != NULL};
-            error[k] = error_of(scene, &request, &exact);
+            error[k] = lab_error(scene, &request, &exact);
         }
         for (int k = 0; k < 2; k++)
             order[k] =
@@ -64,8 +52,6 @@ Test(wisp_runs, steppers_have_their_order_on_the_swing) {
             cr_assert(fabs(order[k] - orders[i].order) <= 0.1, "%s: errors %.2e, %.2e: order %.3f",
                       orders[i].stepper, error[k], error[k + 1], order[k]);
     }
-    lab_run_free(&exact);
-    scene_free(scene);
 }
 
 /* The reference at its default and at tighter tolerances, and its cross-check. */
@@ -78,33 +64,17 @@ Test(wisp_runs, slow_the_reference_agrees_with_itself_and_with_its_cross_check) 
             const struct run_request usual = {.stepper = "reference", .treatment = name};
             const struct run_request tight = {
                 .stepper = "reference", .treatment = name, .rtol = 1e-13, .atol = 1e-14};
-            struct settings settings, second;
-            struct lab_run a, b, c;
-            char reason[REASON_SIZE];
+            struct lab_run a, b;
             lab_run(scene, &usual, &a);
             lab_run(scene, &tight, &b);
-            cr_assert_eq(settings_resolve(scene, &usual, &settings, reason), 0);
-            cr_assert_eq(settings_cross_check(scene, &settings, &second, reason), 0, "%s", reason);
-            const struct run_request other = {.stepper = second.method->name,
-                                              .treatment = name,
-                                              .rtol = second.stepper.rtol,
-                                              .atol = second.stepper.atol,
-                                              .options = settings.method->checked_by->options,
-                                              .option_count = 2};
-            lab_run(scene, &other, &c);
-            cr_assert_eq(c.result.outcome, FINISHED, "%s: %s", name, c.result.reason);
             const double own = lab_distance(&a, &b, 1, 2).largest;
-            const double bound = lab_distance(&a, &c, 1, 2).largest;
-            cr_log_info("%s, %s: %.1e m from itself, %.1e m from %s", scenes[i], name, own, bound,
-                        second.method->name);
+            const double bound = lab_cross_check(scene, treatment, &a);
+            cr_log_info("%s, %s: %.1e m from itself, %.1e m from its cross-check", scenes[i], name,
+                        own, bound);
             /* tolerances of 1e-12 are of one step, and most steps are shorter than the error test
              * asks, for stability: it measured 1e-14 and 3e-14 */
-            cr_assert(own <= 1e-12 && bound <= 1e-12, "%s, %s: %.1e m from itself, %.1e m from %s",
-                      scenes[i], name, own, bound, second.method->name);
-            lab_run_free(&a);
-            lab_run_free(&b);
-            lab_run_free(&c);
-            scene_free(scene);
+            cr_assert(own <= 1e-12 && bound <= 1e-12, "%s, %s: %.1e m from itself, %.1e m from it",
+                      scenes[i], name, own, bound);
         }
 }
 
@@ -124,15 +94,13 @@ Test(wisp_runs, errors_of_cvode_fall_with_its_tolerance) {
             const double rtol = pow(10, -4 - k);
             const struct run_request request = {
                 .stepper = "cvode", .treatment = name, .rtol = rtol, .atol = rtol};
-            error[k] = error_of(scene, &request, &exact);
+            error[k] = lab_error(scene, &request, &exact);
             cr_assert(k == 0 || error[k] <= error[k - 1] / 2, "%s, rtol %g: %.2e after %.2e", name,
                       rtol, error[k], error[k - 1]);
         }
         cr_log_info("%s: errors %.1e to %.1e", name, error[0], error[5]);
         cr_assert_leq(error[5], error[0] / 300, "%s: errors %.2e to %.2e", name, error[0],
                       error[5]);
-        lab_run_free(&exact);
-        scene_free(scene);
     }
 }
 
@@ -157,32 +125,24 @@ Test(wisp_runs, limits_of_stability) {
     cr_assert_eq(run.result.outcome, FINISHED, "euler at 9000 Hz: %s", run.result.reason);
     const struct lab_distance fine = lab_distance(&run, &exact, 0, 2);
     cr_assert_lt(fine.rms, 3e-4, "euler at 9000 Hz: %g m", fine.rms);
-    lab_run_free(&run);
 
     run_at(scene, "euler", 8000, &run);
     cr_assert(run.result.outcome == DIVERGED || run.result.outcome == NOT_FINITE,
               "euler at 8000 Hz: %s", outcome_name(run.result.outcome));
     cr_assert_gt(strlen(run.result.reason), 0, "without a reason");
-    lab_run_free(&run);
 
     run_at(scene, "euler", 7000, &run);
     cr_assert_neq(run.result.outcome, FINISHED, "euler at 7000 Hz finishes");
-    lab_run_free(&run);
 
     run_at(scene, "rk4", 4000, &run);
     cr_assert_eq(run.result.outcome, FINISHED, "rk4 at 4000 Hz: %s", run.result.reason);
     cr_assert_lt(lab_distance(&run, &exact, 0, 2).largest, 1e-6, "rk4 at 4000 Hz");
-    lab_run_free(&run);
 
     run_at(scene, "rk4", 3000, &run);
     cr_assert_eq(run.result.outcome, DIVERGED, "rk4 at 3000 Hz: %s",
                  outcome_name(run.result.outcome));
     for (int i = 0; i < run.frames * run.rows * run.columns; i++)
         cr_assert(isfinite(run.row[i]) && fabs(run.row[i]) < 100, "rk4 at 3000 Hz is not finite");
-    lab_run_free(&run);
-
-    lab_run_free(&exact);
-    scene_free(scene);
 }
 
 /* --- what a treatment costs --- */
@@ -204,13 +164,10 @@ static void fall(const char *scene_name, const char *treatment, const char *set,
     struct scene *scene = lab_load(scene_name, sets, 6);
     const struct run_request request = {.stepper = "reference", .treatment = treatment};
     struct lab_run run;
-    lab_run(scene, &request, &run);
-    cr_assert_eq(run.result.outcome, FINISHED, "%s: %s", treatment, run.result.reason);
+    lab_finish(scene, &request, &run);
     cr_assert(run.rows == NODES && run.frames == 4, "%d rows, %d frames", run.rows, run.frames);
     for (int i = 0; i < NODES; i++)
         memcpy(p[i], run.row + (3 * NODES + i) * run.columns + 2, sizeof p[i]);
-    lab_run_free(&run);
-    scene_free(scene);
 }
 
 /* The value at x = 0 of the parabola through three points. */

@@ -361,33 +361,30 @@ static const char *scene_text(const char *name, const char *instead) {
 }
 
 Test(wisp_scenes, what_is_wrong_is_refused_in_one_line_with_its_place) {
-    char folder[PATH_SIZE], path[PATH_SIZE], out[PATH_SIZE], place[PATH_SIZE + 20];
-    struct finished f;
-    folder_make(folder);
-    path_format(out, "%s/out", folder);
+    const char *place;
+    const char *path;
+    const char *const folder = folder_make();
+    const char *const out = printed("%s/out", folder);
     for (int i = 0; i < WRONGS; i++) {
         const struct wrong *w = &wrongs[i];
-        file_write(folder, "bad.cfg", scene_text(w->name, w->text), path);
-        PROGRAM(&f, NULL, "run", path, "--no-progress", "--out", out);
-        cr_expect_eq(f.code, 1, "%s: exit code %d, '%s'", w->text, f.code, f.err);
-        const char *end = strchr(f.err, '\n');
-        cr_expect(end && end[1] == '\0', "%s: not one line: '%s'", w->text, f.err);
+        path = file_write(folder, "bad.cfg", scene_text(w->name, w->text));
+        struct finished *f = FAILS(1, "", "run", path, "--no-progress", "--out", out);
+        const char *end = strchr(f->err, '\n');
+        cr_expect(end && end[1] == '\0', "%s: not one line: '%s'", w->text, f->err);
         if (w->line > 0)
-            snprintf(place, sizeof place, "%s:%d: ", path, w->line);
+            place = printed("%s:%d: ", path, w->line);
         else
-            snprintf(place, sizeof place, "%s: ", path);
-        cr_expect(strstr(f.err, place), "%s: not at %s: '%s'", w->text, place, f.err);
+            place = printed("%s: ", path);
+        cr_expect(strstr(f->err, place), "%s: not at %s: '%s'", w->text, place, f->err);
         for (int k = 0; k < 3 && w->says[k]; k++)
-            cr_expect(strstr(f.err, w->says[k]), "%s: does not say '%s': '%s'", w->text, w->says[k],
-                      f.err);
+            cr_expect(strstr(f->err, w->says[k]), "%s: does not say '%s': '%s'", w->text,
+                      w->says[k], f->err);
         cr_expect_neq(access(out, F_OK), 0, "%s: something was written", w->text);
     }
-    file_write(folder, "bad.cfg", scene_text(NULL, NULL), path);
-    PROGRAM(&f, NULL, "run", path, "--no-progress", "--out", out);
-    cr_expect_eq(f.code, 0, "the sound scene: %s", f.err);
+    path = file_write(folder, "bad.cfg", scene_text(NULL, NULL));
+    WORKS("run", path, "--no-progress", "--out", out);
     cr_expect(count_files(out, "") == 2 && count_files(folder, "") == 3, "something else is in %s",
               folder);
-    folder_remove(folder);
 }
 
 /* --- what is right --- */
@@ -403,7 +400,6 @@ Test(wisp_scenes, the_named_defaults_hold) {
     cr_assert(w->radius == 0.02 && w->mass_fraction == 0.15 && w->frequency == 10 &&
               w->damping_ratio == 1 && w->penalty_ratio == 100);
     cr_assert(scene->collision_rate == 300 && scene->around.wind.kind == WIND_NONE);
-    scene_free(scene);
     /* and are those that the shipped scenes spell out */
     struct scene *swing = lab_load("swing", NULL, 0),
                  *envelope = lab_load("swing-envelope", NULL, 0);
@@ -412,49 +408,36 @@ Test(wisp_scenes, the_named_defaults_hold) {
     cr_assert_eq(memcmp(swing->wisps, spare->wisps, sizeof *swing->wisps), 0);
     cr_assert_eq(memcmp(envelope->wisps, spare_envelope->wisps, sizeof *swing->wisps), 0);
     cr_assert_eq(swing->wisps->samples, 0, "swing has an envelope");
-    scene_free(swing);
-    scene_free(spare);
-    scene_free(envelope);
-    scene_free(spare_envelope);
 }
 
 /* Wherever the program is started, and errors in it have its name and line. */
 Test(wisp_scenes, includes_stand_beside_the_scene) {
     static const char *const parts[] = {"# made of\nmaterial = { drag_rate = 3.0; };\n",
                                         "# made of\nmaterial = { drag_rate = -3.0; };\n"};
-    char folder[PATH_SIZE], path[PATH_SIZE], part[PATH_SIZE], reason[REASON_SIZE];
-    folder_make(folder);
-    file_write(folder, "scene.cfg", scene_text("material", "@include \"part.inc\""), path);
+    const char *const folder = folder_make();
+    const char *const path =
+        file_write(folder, "scene.cfg", scene_text("material", "@include \"part.inc\""));
     for (int bad = 0; bad < 2; bad++) {
-        file_write(folder, "part.inc", parts[bad], part);
-        struct scene *scene = scene_load(path, NULL, 0, reason);
-        if (bad) {
-            cr_assert_null(scene);
-            cr_assert(strstr(reason, "part.inc:2: drag_rate"), "'%s'", reason);
-        } else {
-            cr_assert(scene, "%s", reason);
-            cr_assert_eq(scene->wisps->drag_rate, 3);
-        }
-        scene_free(scene);
+        file_write(folder, "part.inc", parts[bad]);
+        if (bad)
+            lab_refuse(path, NULL, 0, (const char *[]){"part.inc:2: drag_rate"}, 1);
+        else
+            cr_assert_eq(lab_load(path, NULL, 0)->wisps->drag_rate, 3);
     }
-    remove(part);
-    cr_assert_null(scene_load(path, NULL, 0, reason), "without what it includes");
-    cr_assert(strstr(reason, "include"), "'%s'", reason);
-    folder_remove(folder);
+    remove(printed("%s/part.inc", folder));
+    lab_refuse(path, NULL, 0, (const char *[]){"include"}, 1);
 }
 
 /* Rates hold without the group, responses only with it; without envelope there is nothing to
  * touch with. */
 Test(wisp_scenes, contacts_are_read_and_need_an_envelope) {
-    char reason[REASON_SIZE];
     const char *set = "contacts={}";
     struct scene *without = lab_load("swing-envelope", NULL, 0),
                  *with = LAB_LOAD("swing-envelope", set),
-                 *off =
-                     LAB_LOAD("swing", "contacts={interpenetration = false; collision = false;}"),
                  *changed = LAB_LOAD("swing-envelope",
                                      "contacts={collision_rate = 200; interaction_rate = 45.5;"
                                      "threshold = 1; viscosity = 0; reciprocal = false;}");
+    LAB_LOAD("swing", "contacts={interpenetration = false; collision = false;}");
     const struct interaction_settings *i = &with->interaction, *c = &changed->interaction;
     cr_assert(without->collision_rate == 300 && without->interaction.rate == 90);
     cr_assert(!without->interaction.interpenetration && !without->interaction.collision);
@@ -462,12 +445,7 @@ Test(wisp_scenes, contacts_are_read_and_need_an_envelope) {
               i->viscosity == 5 && i->interpenetration && i->collision && i->reciprocal);
     cr_assert(changed->collision_rate == 200 && c->rate == 45.5 && c->threshold == 1 &&
               c->viscosity == 0 && c->interpenetration && c->collision && !c->reciprocal);
-    cr_assert_null(scene_load("swing", &set, 1, reason), "contacts without envelope");
-    cr_assert(strstr(reason, "envelope") && strstr(reason, "contacts"), "'%s'", reason);
-    scene_free(without);
-    scene_free(with);
-    scene_free(off);
-    scene_free(changed);
+    LAB_REFUSE("swing", set, "envelope", "contacts");
 }
 
 /* Masses and spring constants by other formulas: what hangs below node 1.5 is there,
@@ -493,7 +471,6 @@ Test(wisp_scenes, masses_and_constants_follow) {
     const double hinge_energy = wisp_bending_constant(&hinge) / 2 * 0.3 * 0.3;
     cr_assert(fabs(skip_energy / hinge_energy - 1) <= 0.3 * 0.3 / 24, "energies %g and %g",
               skip_energy, hinge_energy);
-    scene_free(scene);
 }
 
 /* Roots of a grid: the first corner, then along the first direction, then the second, however long
@@ -521,7 +498,6 @@ Test(wisp_scenes, grids_are_spread_out) {
     cr_assert(fabs(single->direction[0] - 0.6) <= 1e-16 && single->direction[1] == 0 &&
               fabs(single->direction[2] - 0.8) <= 1.2e-16);
     cr_assert(scene->wisps[7].nodes == 3 && scene->wisps[7].root[0] == 0);
-    scene_free(scene);
 }
 
 /* Directions of any length: squares that overflow or vanish. */
@@ -539,7 +515,6 @@ Test(wisp_scenes, directions_are_normalised) {
                   "%s: %.17g, %.17g", directions[i], d[0], d[1]);
         cr_assert(fabs(hypot(d[0], d[1]) - 1) <= 2.3e-16, "%s: of length %.17g", directions[i],
                   hypot(d[0], d[1]));
-        scene_free(scene);
     }
 }
 
@@ -558,10 +533,8 @@ Test(wisp_scenes, bodies_and_rates_are_read) {
     cr_assert(head->friction == 10 && head->elasticity == 1 && head->offset == 0);
     cr_assert(ball->velocity[0] == 0 && ball->velocity[1] == 0 && ball->velocity[2] == 0);
     cr_assert(ball->friction == 50 && ball->elasticity == 0.1 && ball->offset == 1e-4);
-    scene_free(scene);
     scene = LAB_LOAD("swing-envelope", "contacts={ }");
     cr_assert(scene->body_count == 0 && scene->collision_rate == 300);
-    scene_free(scene);
 }
 
 Test(wisp_scenes, set_works_into_groups_and_lists) {
@@ -578,7 +551,6 @@ Test(wisp_scenes, set_works_into_groups_and_lists) {
     const struct wind *wind = &scene->around.wind;
     cr_assert(wind->kind == WIND_IRREGULAR && wind->velocity[2] == 3 && wind->terms == 1 &&
               wind->amplitude[0] == 0.5 && wind->frequency[0] == 3.5);
-    scene_free(scene);
 
     static const struct {
         const char *set, *says[2];
@@ -600,15 +572,8 @@ Test(wisp_scenes, set_works_into_groups_and_lists) {
          "spacing=1; across=([1,0,0],[0,1,0]); })",
          {"wisps", "1.1e+07 nodes"}},
     };
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-        char reason[REASON_SIZE] = "";
-        scene = scene_load("swing", &bad[i].set, 1, reason);
-        cr_expect(!scene, "%s is taken", bad[i].set);
-        scene_free(scene);
-        for (int k = 0; k < 2 && bad[i].says[k]; k++)
-            cr_expect(strstr(reason, bad[i].says[k]), "%s: does not say '%s': '%s'", bad[i].set,
-                      bad[i].says[k], reason);
-    }
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        lab_refuse("swing", &bad[i].set, 1, bad[i].says, 2);
 }
 
 /* What runs where the user names nothing. */
@@ -623,15 +588,12 @@ Test(wisp_scenes, steppers_have_their_default_treatment_and_solver) {
     struct scene *scene = lab_load("swing-envelope", NULL, 0);
     for (size_t i = 0; i < sizeof defaults / sizeof *defaults; i++) {
         const struct run_request request = {.stepper = defaults[i].stepper};
-        struct settings settings;
-        char reason[REASON_SIZE];
-        cr_assert_eq(settings_resolve(scene, &request, &settings, reason), 0, "%s", reason);
+        const struct settings settings = settings_of(scene, &request);
         cr_assert_str_eq(treatment_names[settings.treatment], defaults[i].treatment);
         cr_assert_eq(settings.stepper.linear != NULL, defaults[i].linear != NULL);
         if (defaults[i].linear)
             cr_assert_str_eq(settings.stepper.linear->name, defaults[i].linear);
     }
-    scene_free(scene);
 }
 
 /* What `run` says is in a scene. */
@@ -658,6 +620,5 @@ Test(wisp_scenes, terms_are_those_that_act) {
             strcat(strcat(all, names[k]), "|");
         cr_assert_str_eq(all, cases[i].terms, "%s: %s, not %s", cases[i].set, all, cases[i].terms);
         cr_assert_eq(problem_terms(scene, names, 1), 1, "more names than asked for");
-        scene_free(scene);
     }
 }

@@ -4,6 +4,7 @@
 #include "model/problems.h"
 #include "scene/scene_load.h"
 #include "support.h"
+#include "wisp/strand.h"
 
 #include <criterion/criterion.h>
 #include <math.h>
@@ -139,6 +140,13 @@ void lab_take_lanes(int lanes) {
     cr_assert_eq(setenv("WISPLAB_LANES", text, 1), 0);
 }
 
+static void give_part_back(void *given) {
+    struct lab_part *part = given;
+    kernel_of(part->lanes)->free(part->system.ctx);
+    free(part->pattern);
+    free(part);
+}
+
 void lab_part_make(struct lab_part *part, int lanes, const struct wisp *wisps, int count,
                    const struct surroundings *around, enum wisp_treatment treatment) {
     const struct wisp *lane[LAB_LANES];
@@ -165,11 +173,10 @@ void lab_part_make(struct lab_part *part, int lanes, const struct wisp *wisps, i
     part->pattern = kernel_of(lanes)->pattern(part->system.ctx);
     cr_assert(part->pattern, "no memory for a pattern");
     part->system.pattern = lanes == 1 ? part->pattern : NULL;
-}
-
-void lab_part_free(struct lab_part *part) {
-    kernel_of(part->lanes)->free(part->system.ctx);
-    free(part->pattern);
+    struct lab_part *own = malloc(sizeof *own);
+    cr_assert(own, "no memory for a part");
+    *own = *part;
+    test_owns(own, give_part_back);
 }
 
 void lab_scatter(const struct lab_part *part, int lane, const double *x, double *to) {
@@ -187,6 +194,97 @@ void lab_place(const struct lab_part *part, int lane, const double *q, double *t
 void lab_gather(const struct lab_part *part, int lane, const double *from, double *x) {
     for (int i = 0; i < part->size; i++)
         x[i] = from[i * part->lanes + lane];
+}
+
+/* Kernel and twin do the same sums in different orders: each differs from the exact value by some
+ * roundings (1.1e-16) of the sum of absolute terms, at most about 10 for a spring, and two or three
+ * more with each node that a frame has come along; at a sharp fold (here up to |t + t'| = 0.1) the
+ * bisector divides them by that. 3e-13 is three times what the worst of these wisps needs, and a
+ * wrong coefficient in the sixth digit is far above it.
+ *
+ * The tensions of a rigid chain wander through all of it: a rounding anywhere shows everywhere, and
+ * more so the longer the chain is. So its errors are measured by the largest acceleration, with or
+ * without tensions, of the wisp. */
+void lab_check_with_twin(const struct wisp *wisp, const struct surroundings *around,
+                         enum wisp_treatment treatment, double t, const double *q, const double *v,
+                         const double *a, double *worst) {
+    static struct wisp_twin twin;
+    static double expected[LAB_SIZE], scale[LAB_SIZE];
+    const int rigid = wisp->stretch == STRETCH_RIGID;
+    double most = 0;
+    cr_assert_eq(wisp_twin_init(&twin, wisp, around, treatment), 0, "no twin");
+    cr_assert_eq(wisp_twin_acceleration(&twin, t, q, v, expected), 0, "the twin fails");
+    wisp_twin_scale(&twin, t, q, v, scale);
+    for (int i = 0; i < wisp_twin_size(&twin); i++)
+        most = fmax(most, fmax(fabs(expected[i]), scale[i]));
+    for (int i = 0; i < wisp_twin_size(&twin); i++) {
+        const double limit = rigid ? 3e-14 * wisp->nodes * most : 3e-13 * scale[i];
+        cr_assert(lab_close(a[i], expected[i], limit, worst),
+                  "%s, bending %s, %d nodes, %d samples: unknown %d: %.17g, twin %.17g, "
+                  "difference %.1e of %.1e",
+                  treatment_names[treatment], law_names[wisp->bending], wisp->nodes, wisp->samples,
+                  i, a[i], expected[i], fabs(a[i] - expected[i]), rigid ? most : scale[i]);
+    }
+}
+
+void lab_check_with_twins(int lanes, struct wisp *wisps, const struct surroundings *around,
+                          enum wisp_treatment treatment, double t, unsigned *seed, double *worst) {
+    static double q[LAB_LANES][LAB_SIZE], v[LAB_LANES][LAB_SIZE], a[LAB_SIZE];
+    static double Q[LAB_LANES * LAB_SIZE], V[LAB_LANES * LAB_SIZE], A[LAB_LANES * LAB_SIZE];
+    struct lab_part part;
+    lab_part_make(&part, lanes, wisps, lanes, around, treatment);
+    for (int k = 0; k < lanes; k++) {
+        lab_state(&wisps[k], treatment, (enum lab_state)((k + wisps[k].nodes) % STATES), 0, seed,
+                  q[k], v[k]);
+        lab_place(&part, k, q[k], Q);
+        lab_gather(&part, k, Q, q[k]); /* from the root, and so is the twin's below */
+        memset(wisps[k].root, 0, sizeof wisps[k].root);
+        lab_scatter(&part, k, v[k], V);
+    }
+    cr_assert_eq(system_acceleration(&part.system, t, Q, V, A), 0, "%s", part.system.reason);
+    for (int k = 0; k < lanes; k++) {
+        lab_gather(&part, k, A, a);
+        lab_check_with_twin(&wisps[k], around, treatment, t, q[k], v[k], a, worst);
+    }
+}
+
+struct lab_company lab_company(int lanes, enum bending law, enum wisp_treatment treatment,
+                               const struct surroundings *around, unsigned *seed,
+                               void (*step)(struct lab_part *part, int place, double *q, double *v,
+                                            void *ctx),
+                               void *ctx) {
+    static double q[LAB_LANES][LAB_SIZE], v[LAB_LANES][LAB_SIZE], alone[2][LAB_SIZE];
+    static double Q[LAB_LANES * LAB_SIZE], V[LAB_LANES * LAB_SIZE], got[2][LAB_SIZE];
+    struct lab_part part, one;
+    struct wisp wisps[LAB_LANES] = {0};
+    struct lab_company company = {0};
+    for (int k = 0; k < lanes; k++) {
+        wisps[k] = lab_wisp(6, 4, law, seed);
+        lab_state(&wisps[k], treatment, STATE_REST, 0, seed, q[k], v[k]);
+    }
+    lab_part_make(&part, lanes, wisps, lanes, around, treatment);
+    for (int k = 0; k < lanes; k++) {
+        lab_place(&part, k, q[k], Q);
+        lab_scatter(&part, k, v[k], V);
+    }
+    step(&part, -1, Q, V, ctx);
+    company.together = part.system.counters;
+    for (int k = 0; k < lanes; k++) {
+        lab_part_make(&one, 1, &wisps[k], 1, around, treatment);
+        lab_place(&one, 0, q[k], alone[0]);
+        lab_scatter(&one, 0, v[k], alone[1]);
+        step(&one, k, alone[0], alone[1], ctx);
+        lab_gather(&part, k, Q, got[0]);
+        lab_gather(&part, k, V, got[1]);
+        for (int i = 0; i < 2; i++)
+            cr_assert_eq(memcmp(got[i], alone[i], (size_t)one.size * sizeof **got), 0,
+                         "%s, bending %s: place %d has other bits in company",
+                         treatment_names[treatment], law_names[law], k);
+#define X(field, definition) company.alone.field += one.system.counters.field;
+        COUNTERS(X)
+#undef X
+    }
+    return company;
 }
 
 double lab_root_potential(const struct wisp *wisp, const struct surroundings *around) {
@@ -211,23 +309,34 @@ struct scene *lab_scene(const struct wisp *wisps, int count, const struct surrou
     cr_assert(scene->wisps && scene->source, "no memory for wisps");
     memcpy(scene->wisps, wisps, (size_t)count * sizeof *wisps);
     snprintf(scene->name, sizeof scene->name, "lab");
-    return scene;
+    return test_owns_scene(scene);
 }
 
-struct scene *lab_load(const char *name, const char *const *sets, int set_count) {
-    char reason[REASON_SIZE];
-    struct scene *scene = scene_load(name, sets, set_count, reason);
-    cr_assert(scene, "%s", reason);
-    return scene;
+static void give_model_back(void *what) {
+    struct model *model = what;
+    model->problem->free(model);
+}
+
+struct model *lab_model(const struct scene *scene, int treatment, int lanes) {
+    struct model *model = scene->problem->create(scene, treatment, lanes);
+    cr_assert(model, "no memory for a model");
+    test_owns(model, give_model_back);
+    return model;
+}
+
+static void give_strand_back(void *strand) {
+    strand_free(strand);
+}
+
+struct strand *lab_strand(const struct wisp *wisp, enum wisp_treatment treatment) {
+    struct strand *strand = strand_create(wisp, treatment);
+    cr_assert(strand, "no memory for a strand");
+    test_owns(strand, give_strand_back);
+    return strand;
 }
 
 struct scene *lab_read(const char *text) {
-    char folder[PATH_SIZE], path[PATH_SIZE];
-    folder_make(folder);
-    file_write(folder, "scene.cfg", text, path);
-    struct scene *scene = lab_load(path, NULL, 0);
-    folder_remove(folder);
-    return scene;
+    return lab_load(file_write(folder_make(), "scene.cfg", text), NULL, 0);
 }
 
 /* --- runs --- */
@@ -255,16 +364,18 @@ struct run_request lab_request(const struct stepper_method *method, int treatmen
 }
 
 void lab_run(const struct scene *scene, const struct run_request *request, struct lab_run *run) {
-    struct settings settings;
-    char reason[REASON_SIZE];
+    const struct settings settings = settings_of(scene, request);
     *run = (struct lab_run){.frames = 0};
-    cr_assert(settings_resolve(scene, request, &settings, reason) == 0, "refused: %s", reason);
     simulate(scene, &settings, &(struct observer){keep, run}, NULL, &run->result);
+    test_owns(run->t, free);
+    test_owns(run->row, free);
 }
 
-void lab_run_free(struct lab_run *run) {
-    free(run->t);
-    free(run->row);
+void lab_finish(const struct scene *scene, const struct run_request *request, struct lab_run *run) {
+    lab_run(scene, request, run);
+    cr_assert_eq(run->result.outcome, FINISHED, "%s, %s, %s: %s", scene->name,
+                 request->stepper ? request->stepper : "its own stepper",
+                 request->treatment ? request->treatment : "its own treatment", run->result.reason);
 }
 
 static int add_bits(void *ctx, const struct model *model, double t, const double *rows) {
@@ -280,10 +391,8 @@ static int add_bits(void *ctx, const struct model *model, double t, const double
 
 void lab_sum_run(const struct scene *scene, const struct run_request *request, int lanes,
                  struct lab_sum *sum) {
-    struct settings settings;
-    char reason[REASON_SIZE];
+    const struct settings settings = settings_of(scene, request);
     *sum = (struct lab_sum){.bits = 1};
-    cr_assert_eq(settings_resolve(scene, request, &settings, reason), 0, "%s", reason);
     cr_assert(lanes == 0 || settings_lanes(&settings) == lanes, "%d lanes",
               settings_lanes(&settings));
     simulate(scene, &settings, &(struct observer){add_bits, sum}, NULL, &sum->result);
@@ -337,6 +446,41 @@ struct lab_distance lab_distance(const struct lab_run *a, const struct lab_run *
     }
     d.rms = sqrt(d.rms / (double)count);
     return d;
+}
+
+double lab_error(const struct scene *scene, const struct run_request *request,
+                 const struct lab_run *exact) {
+    struct lab_run run;
+    lab_finish(scene, request, &run);
+    return lab_distance(&run, exact, 1, 2).rms;
+}
+
+double lab_cross_check(const struct scene *scene, int treatment, const struct lab_run *reference) {
+    const struct settings settings =
+        settings_of(scene, &(struct run_request){.stepper = "reference",
+                                                 .treatment = treatment_names[treatment]});
+    struct settings second;
+    struct lab_run run;
+    char reason[REASON_SIZE];
+    cr_assert_eq(settings_cross_check(scene, &settings, &second, reason), 0, "%s", reason);
+    const struct run_request request = {.stepper = second.method->name,
+                                        .treatment = treatment_names[treatment],
+                                        .rtol = second.stepper.rtol,
+                                        .atol = second.stepper.atol,
+                                        .options = settings.method->checked_by->options,
+                                        .option_count = 2};
+    lab_finish(scene, &request, &run);
+    return lab_distance(reference, &run, 1, 2).largest;
+}
+
+void lab_check_order(const char *what, const double error[3], double order, double less,
+                     double more) {
+    for (int k = 0; k < 2; k++) {
+        const double found = log2(error[k] / error[k + 1]);
+        cr_assert(found >= order - less && found <= order + more,
+                  "%s: errors %.2e, %.2e: order %.3f, not %g", what, error[k], error[k + 1], found,
+                  order);
+    }
 }
 
 int lab_close(double a, double b, double limit, double *worst) {

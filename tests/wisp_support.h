@@ -7,7 +7,7 @@
 #include "kernel/kernel.h"
 #include "model/trajectory.h"
 #include "model/wisp_model.h"
-#include "run/simulation.h"
+#include "support.h"
 
 enum { TREATMENTS = 3, LAWS = 3, WINDS = 4, LAB_LANES = LANES_MOST, LAB_NODES = 40 };
 enum { LAB_SIZE = (LAB_NODES - 2) * (3 + 3 * SAMPLES_MAX) }; /* unknowns of one wisp at most */
@@ -56,7 +56,6 @@ struct lab_part {
  * cannot be had. */
 void lab_part_make(struct lab_part *part, int lanes, const struct wisp *wisps, int count,
                    const struct surroundings *around, enum wisp_treatment treatment);
-void lab_part_free(struct lab_part *part);
 
 /* One wisp's vector into or out of a lane: rates, or unknowns, whose places are from the origin. */
 void lab_scatter(const struct lab_part *part, int lane, const double *x, double *to);
@@ -65,19 +64,40 @@ void lab_gather(const struct lab_part *part, int lane, const double *from, doubl
 /* One wisp's q, whose places are in space, into a lane. */
 void lab_place(const struct lab_part *part, int lane, const double *q, double *to);
 
+/* Stops the test where accelerations are not the scalar twin's to rounding; keeps the largest ratio
+ * to the tolerance. */
+void lab_check_with_twin(const struct wisp *wisp, const struct surroundings *around,
+                         enum wisp_treatment treatment, double t, const double *q, const double *v,
+                         const double *a, double *worst);
+
+/* Stops the test where the accelerations of a part of these `lanes` wisps, each in another kind of
+ * state, are not their twins'. */
+void lab_check_with_twins(int lanes, struct wisp *wisps, const struct surroundings *around,
+                          enum wisp_treatment treatment, double t, unsigned *seed, double *worst);
+
+/* Whoever is beside it, a wisp has the bits that it has alone: so many wisps at rest as a part, and
+ * each as a part of its own, go through `step`, with its place among them, or -1 for all. */
+struct lab_company {
+    struct counters together, alone; /* alone: their sum */
+};
+struct lab_company lab_company(int lanes, enum bending law, enum wisp_treatment treatment,
+                               const struct surroundings *around, unsigned *seed,
+                               void (*step)(struct lab_part *part, int place, double *q, double *v,
+                                            void *ctx),
+                               void *ctx);
+
 /* What gravity takes to lift a wisp's free nodes and samples from the root to 0, J. */
 double lab_root_potential(const struct wisp *wisp, const struct surroundings *around);
 
 /* --- scenes and runs --- */
 
-/* A scene of these wisps; for scene_free. Runs need duration and frame_rate set by the caller. */
+/* A scene of these wisps. Runs need duration and frame_rate set by the caller. */
 struct scene *lab_scene(const struct wisp *wisps, int count, const struct surroundings *around);
 
-/* A shipped scene, or a file, with overrides; stops the test where it cannot be read. */
-struct scene *lab_load(const char *name, const char *const *sets, int set_count);
-#define LAB_LOAD(name, ...)                                      \
-    lab_load(name, (const char *const[]){NULL, __VA_ARGS__} + 1, \
-             (int)(sizeof((const char *const[]){NULL, __VA_ARGS__}) / sizeof(char *)) - 1)
+/* A model of a scene, of parts of so many lanes. */
+struct model *lab_model(const struct scene *scene, int treatment, int lanes);
+
+struct strand *lab_strand(const struct wisp *wisp, enum wisp_treatment treatment);
 
 /* The scene of a file with this text; stops the test where it cannot be read. */
 struct scene *lab_read(const char *text);
@@ -102,9 +122,11 @@ struct lab_run {
 /* With what every method runs in every treatment: implicit ones solve directly. */
 struct run_request lab_request(const struct stepper_method *method, int treatment);
 
-/* Runs; stops the test where the request is refused. lab_run_free it. */
+/* Runs; stops the test where the request is refused. */
 void lab_run(const struct scene *scene, const struct run_request *request, struct lab_run *run);
-void lab_run_free(struct lab_run *run);
+
+/* The same, and the run must finish. */
+void lab_finish(const struct scene *scene, const struct run_request *request, struct lab_run *run);
 
 /* A finished run by a sum of all bits of all frames; where `lanes` is not 0, one of parts of that
  * width. */
@@ -128,6 +150,19 @@ struct lab_distance {
 };
 struct lab_distance lab_distance(const struct lab_run *a, const struct lab_run *b, int from,
                                  int first);
+
+/* rms distance of a run, which must finish, from `exact`: of free nodes, without the first frame.
+ */
+double lab_error(const struct scene *scene, const struct run_request *request,
+                 const struct lab_run *exact);
+
+/* The largest distance of a run of `reference` from its cross-check's. */
+double lab_cross_check(const struct scene *scene, int treatment, const struct lab_run *reference);
+
+/* Stops the test unless errors whose steps halve twice show an order from order - less to order +
+ * more. */
+void lab_check_order(const char *what, const double error[3], double order, double less,
+                     double more);
 
 /* |a - b| <= tolerance * scale, stops the test otherwise, NaN too; keeps the largest ratio. */
 int lab_close(double a, double b, double limit, double *worst);

@@ -68,9 +68,8 @@ static void same_run(const struct lab_run *a, const struct lab_run *b, const cha
 
 static void check_threads(const struct scene *scene, struct run_request *request) {
     struct lab_run one, more;
-    char what[80];
-    snprintf(what, sizeof what, "%s, %s, %s", request->stepper, request->treatment,
-             request->linear ? request->linear : "explicit");
+    const char *const what = printed("%s, %s, %s", request->stepper, request->treatment,
+                                     request->linear ? request->linear : "explicit");
     request->threads = 1;
     lab_take_lanes(1);
     lab_run(scene, request, &one);
@@ -80,9 +79,7 @@ static void check_threads(const struct scene *scene, struct run_request *request
         lab_take_lanes(4 * (request->threads - 1));
         lab_run(scene, request, &more);
         same_run(&one, &more, what, request->threads);
-        lab_run_free(&more);
     }
-    lab_run_free(&one);
 }
 
 /* Every stepper on every treatment; implicit ones with each solver that takes its matrix. */
@@ -105,27 +102,21 @@ Test(workers, bits_and_counts_of_a_run_do_not_depend_on_threads_or_lanes) {
                     check_threads(scene, &request);
                 }
         }
-    scene_free(scene);
 }
 
 /* As a user asks for them; the file says nothing of threads. */
 Test(workers, the_program_writes_the_same_file_with_1_2_and_3_threads) {
-    char folder[PATH_SIZE], path[PATH_SIZE], *states[3];
+    char *states[3];
     static const char *const threads[] = {"1", "2", "3"};
-    folder_make(folder);
-    path_format(path, "%s/states.tsv", folder);
+    const char *const folder = folder_make();
+    const char *const path = printed("%s/states.tsv", folder);
     for (int i = 0; i < 3; i++) {
-        struct finished f;
-        PROGRAM(&f, NULL, "run", "swing-envelope", "--set", GRID, "--set", WIND, "--duration",
-                "0.1", "--threads", threads[i], "--out", folder);
-        cr_assert_eq(f.code, 0, "exit code %d: %s", f.code, f.err);
+        WORKS("run", "swing-envelope", "--set", GRID, "--set", WIND, "--duration", "0.1",
+              "--threads", threads[i], "--out", folder);
         states[i] = file_read(path);
         cr_assert(states[i], "no states");
     }
     cr_assert_gt(count_lines(states[0]), 4 * 125, "%d lines", count_lines(states[0]));
     for (int i = 1; i < 3; i++)
         cr_assert(strcmp(states[0], states[i]) == 0, "--threads %s: another file", threads[i]);
-    for (int i = 0; i < 3; i++)
-        free(states[i]);
-    folder_remove(folder);
 }

@@ -79,7 +79,6 @@ static void check_limit(int lanes, enum bending law, unsigned *seed) {
     }
     cr_assert_eq(system->counters.sweeps, 4000 * lanes);
     method->free(stepper);
-    lab_part_free(&part);
 }
 
 Test(xpbd, sweeps_converge_to_implicit_euler_in_the_springs) {
@@ -98,12 +97,7 @@ static double error_at(const struct scene *scene, const char *treatment, const c
                                         .step = 1 / rate,
                                         .options = &sweeps,
                                         .option_count = 1};
-    struct lab_run run;
-    lab_run(scene, &request, &run);
-    cr_assert_eq(run.result.outcome, FINISHED, "%s", run.result.reason);
-    const double error = lab_distance(&run, exact, 1, 2).rms;
-    lab_run_free(&run);
-    return error;
+    return lab_error(scene, &request, exact);
 }
 
 /* Where sweeps suffice. */
@@ -118,13 +112,7 @@ static void check_order(const char *name, int treatment) {
     lab_run(scene, &tight, &exact);
     for (int k = 0; k < 3; k++)
         error[k] = error_at(scene, tight.treatment, "sweeps=60", 7680 << k, &exact);
-    for (int k = 0; k < 2; k++) {
-        const double order = log2(error[k] / error[k + 1]);
-        cr_expect(fabs(order - 1) <= 0.1, "%s, %s: errors %.2e, %.2e: order %.3f", name,
-                  tight.treatment, error[k], error[k + 1], order);
-    }
-    lab_run_free(&exact);
-    scene_free(scene);
+    lab_check_order(printed("%s, %s", name, tight.treatment), error, 1, 0.1, 0.1);
 }
 
 Test(xpbd, is_of_order_1) {
@@ -143,11 +131,8 @@ Test(xpbd, few_sweeps_stretch_hair) {
         const struct run_request request = {
             .stepper = "xpbd", .step = 1 / 300., .options = &sweeps[k], .option_count = 1};
         struct lab_run run;
-        lab_run(scene, &request, &run);
-        cr_assert_eq(run.result.outcome, FINISHED, "%s", run.result.reason);
+        lab_finish(scene, &request, &run);
         strain[k] = run.result.largest_strain;
-        lab_run_free(&run);
     }
     cr_expect(strain[0] > 1.5 * strain[1], "%g and %g", strain[0], strain[1]);
-    scene_free(scene);
 }
