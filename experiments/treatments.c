@@ -140,9 +140,10 @@ struct study {
 static int read_reference(struct plan *plan, struct study *study) {
     for (int v = 0; v < VARIANTS; v++) {
         struct variant *variant = &study->variants[v];
-        name_variant(variant->name, sizeof variant->name, v);
-        snprintf(variant->group, sizeof variant->group, "%s, %s", study->subject->name,
-                 variant->name);
+        char name[sizeof variant->name];
+        name_variant(name, sizeof name, v);
+        snprintf(variant->name, sizeof variant->name, "%s", name);
+        snprintf(variant->group, sizeof variant->group, "%s, %s", study->subject->name, name);
         const struct labelled_case *one = find_case(plan, variant->group, "reference");
         if (!one)
             continue;

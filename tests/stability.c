@@ -516,9 +516,10 @@ Test(stability, how_wrong_a_stable_step_is_has_columns_of_its_own, .init = set_u
 }
 
 /* The whole of it: every stepper is in the tables, and nothing is left to do the second time. */
-Test(stability, slow_quick_run_has_every_table_and_figure, .init = set_up) {
+Test(stability, slow_quick_run_has_every_table_and_figure) {
     static const char *const figures[] = {"regions.svg", "oscillator.svg", "limits.svg",
                                           "damping.svg"};
+    folder = folder_make();
     struct finished *f = WORKS("experiment", "stability", "--quick", "--out", folder);
     cr_assert(strstr(f->out, "left out of --quick"), "it does not say what it leaves out");
     stated();
