@@ -1,5 +1,7 @@
 #include "fixture.h"
 
+#include "support.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -377,5 +379,5 @@ struct scene *fixture_scene(double duration, double frame_rate, double step) {
                             .run = {.step = step, .rtol = 1e-6, .atol = 1e-9},
                             .source = json_pack("{s:f, s:f, s:f}", "duration", duration,
                                                 "frame_rate", frame_rate, "step", step)};
-    return scene;
+    return test_owns_scene(scene);
 }

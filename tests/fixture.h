@@ -76,7 +76,7 @@ struct fixture_start {
 extern struct fixture_start fixture_start;
 extern const struct problem fixture_problem;
 
-/* A scene of that problem; to be freed with scene_free. */
+/* A scene of that problem; it belongs to the test. */
 struct scene *fixture_scene(double duration, double frame_rate, double step);
 
 /* Dense elimination with partial pivoting: x <- A^-1 b, A row by row. */
