@@ -618,6 +618,7 @@ Test(report, gaps_need_their_reason_in_their_row) {
         const char *const path = file_write(folder, "gap.tsv", gaps[i].text);
         cr_assert(text_table_read(&table, path, reason) == 0, "%s", reason);
         cr_assert_eq(text_table_check(&table, path, reason) == 0, gaps[i].good, "table %zu", i);
+        text_table_free(&table);
     }
 }
 

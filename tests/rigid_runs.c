@@ -522,6 +522,7 @@ Test(rigid_runs, a_loaded_state_is_put_back_before_the_first_frame, .init = open
     write_state(9e-3);
     struct scene *scene = load_from_state(reason);
     cr_assert(scene, "%s", reason);
+    test_owns_scene(scene);
     lab_run(scene, &request, &run);
     run.frames = 1;
     cr_assert_leq(off_length(scene, &run), length_tolerance, "off by %.2e",
