@@ -723,6 +723,7 @@ static void check_near(int lanes, enum wisp_treatment treatment, int samples, un
     static double q[LAB_LANES][LAB_SIZE], v[LAB_SIZE], Q[LAB_LANES * LAB_SIZE],
         V[LAB_LANES * LAB_SIZE], rows[LAB_NODES * (6 + 6 * SAMPLES_MAX)];
     enum { NODES = 6, BODIES = 3 };
+    const void *const mark = test_mark();
     const int count = (int)lab_between(seed, 1, BODIES + 0.99);
     struct surroundings around = lab_surroundings(WIND_NONE, seed);
     struct wisp wisps[LAB_LANES];
@@ -790,6 +791,7 @@ static void check_near(int lanes, enum wisp_treatment treatment, int samples, un
     cr_assert(clamp || !changed, "%s: the clamp's flag", treatment_names[treatment]);
     *flags += clamp != 0;
     *clamped += changed != 0;
+    test_gives_back(mark);
 }
 
 Test(body, the_box_test_misses_nobody) {

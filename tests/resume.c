@@ -143,13 +143,12 @@ Test(resume, slow_runs_that_are_killed_are_missed, .init = gnuplot_stub_quiet) {
 
 /* Figures from run folders alone. */
 Test(resume, slow_figures_are_drawn_again_without_runs) {
-    const char *const path = printed("%s", getenv("PATH"));
     const char *const folder = folder_make();
     gnuplot_stub_quiet();
     WORKS("experiment", "circle", "--quick", "--out", folder);
     cr_assert_eq(count_files(folder, "orbits-30s.svg"), 0, "figures without gnuplot");
     const struct inventory before = look(folder);
-    setenv("PATH", path, 1);
+    gnuplot_unstub();
     WORKS("plot", "circle", "--out", folder);
     const int svg = count_files(folder, ".svg"), png = count_files(folder, ".png");
     cr_assert_eq(count_files(folder, "orbits-30s.svg"), 1);
@@ -170,10 +169,8 @@ Test(resume, a_gnuplot_that_fails_exits_2) {
         /* the folder to draw into is in the variables, which are of gnuplot's language */
         {"d=${3#*out=\\'}; : >\"${d%%\\'*}/half.svg\"", "drawn no png"},
     };
-    const char *const path = printed("%s", getenv("PATH"));
     const char *const folder = folder_make();
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        setenv("PATH", path, 1);
         gnuplot_stub(cases[i].action);
         FAILS(2, cases[i].says, "experiment", "circle", "--quick", "--stepper", "rk4", "--out",
               folder);

@@ -30,8 +30,12 @@ struct owned {
 static struct owned *last_owned;
 static pid_t owner; /* a process that the test starts gives nothing back */
 
-static void give_all_back(void) {
-    while (last_owned && getpid() == owner) {
+const void *test_mark(void) {
+    return last_owned;
+}
+
+void test_gives_back(const void *mark) {
+    while (last_owned && last_owned != mark) {
         struct owned *owned = last_owned;
         last_owned = owned->before;
         owned->give_back(owned->what);
@@ -39,11 +43,16 @@ static void give_all_back(void) {
     }
 }
 
+static void give_all_back(void) {
+    if (getpid() == owner)
+        test_gives_back(NULL);
+}
+
 void test_owns(void *what, void (*give_back)(void *what)) {
     struct owned *owned = malloc(sizeof *owned);
     cr_assert(owned, "no memory");
     *owned = (struct owned){what, give_back, last_owned};
-    if (!last_owned) {
+    if (!owner) {
         owner = getpid();
         atexit(give_all_back);
     }
@@ -331,14 +340,21 @@ void wait_for(double seconds) {
     nanosleep(&(struct timespec){.tv_nsec = (long)(1e9 * seconds)}, NULL);
 }
 
+static const char *real_path; /* PATH where a stub is in front of it */
+
+void gnuplot_unstub(void) {
+    if (real_path)
+        setenv("PATH", real_path, 1);
+    real_path = NULL;
+}
+
 void gnuplot_stub(const char *action) {
-    char text[4 * PATH_SIZE], all[2 * PATH_SIZE];
-    const char *before = getenv("PATH"), *stub = folder_make();
-    snprintf(text, sizeof text, "#!/bin/sh\n%s\n", action);
-    const char *const path = file_write(stub, "gnuplot", text);
-    cr_assert(chmod(path, 0755) == 0 && before, "no %s", path);
-    snprintf(all, sizeof all, "%s:%s", stub, before);
-    setenv("PATH", all, 1);
+    gnuplot_unstub();
+    const char *const folder = folder_make(), *const path = getenv("PATH");
+    const char *const stub = file_write(folder, "gnuplot", printed("#!/bin/sh\n%s\n", action));
+    cr_assert(chmod(stub, 0755) == 0 && path, "no %s", stub);
+    real_path = printed("%s", path);
+    setenv("PATH", printed("%s:%s", folder, path), 1);
 }
 
 void gnuplot_stub_quiet(void) {

@@ -25,6 +25,11 @@
 void test_owns(void *what, void (*give_back)(void *what));
 struct scene *test_owns_scene(struct scene *scene);
 
+/* What a test has by now, and an earlier end for what it has taken since: for what is done so often
+ * that all of it would fill the memory. */
+const void *test_mark(void);
+void test_gives_back(const void *mark);
+
 /* Memory of so many bytes, all 0. */
 void *test_room(size_t bytes);
 
@@ -147,6 +152,9 @@ void wait_for(double seconds);
  * subject is not the figures, since drawing takes longer than all the runs. */
 void gnuplot_stub(const char *action);
 void gnuplot_stub_quiet(void);
+
+/* The real one again. */
+void gnuplot_unstub(void);
 
 /* Stops the test unless a text has all these parts, up to `most` or to NULL. */
 void must_contain(const char *text, const char *const *parts, int most);

@@ -91,6 +91,7 @@ typedef void use_part(struct part *part, double *result);
  */
 static void with_model(const struct flock *flock, int lanes, const int *order, use_part *use,
                        double (*result)[LAB_SIZE]) {
+    const void *const mark = test_mark();
     struct wisp wisps[WISPS_MOST];
     for (int i = 0; i < flock->count; i++)
         wisps[i] = flock->wisps[order[i]];
@@ -120,6 +121,7 @@ static void with_model(const struct flock *flock, int lanes, const int *order, u
     row = rows;
     for (int i = 0; i < flock->count; row += flock->wisps[order[i++]].nodes * columns)
         copy_rows(flock, order[i], columns, row, states->q[0], result[order[i]], 0);
+    test_gives_back(mark);
 }
 
 static void accelerate(struct part *part, double *result) {

@@ -231,6 +231,7 @@ void lab_check_with_twins(int lanes, struct wisp *wisps, const struct surroundin
                           enum wisp_treatment treatment, double t, unsigned *seed, double *worst) {
     static double q[LAB_LANES][LAB_SIZE], v[LAB_LANES][LAB_SIZE], a[LAB_SIZE];
     static double Q[LAB_LANES * LAB_SIZE], V[LAB_LANES * LAB_SIZE], A[LAB_LANES * LAB_SIZE];
+    const void *const mark = test_mark();
     struct lab_part part;
     lab_part_make(&part, lanes, wisps, lanes, around, treatment);
     for (int k = 0; k < lanes; k++) {
@@ -246,6 +247,7 @@ void lab_check_with_twins(int lanes, struct wisp *wisps, const struct surroundin
         lab_gather(&part, k, A, a);
         lab_check_with_twin(&wisps[k], around, treatment, t, q[k], v[k], a, worst);
     }
+    test_gives_back(mark);
 }
 
 struct lab_company lab_company(int lanes, enum bending law, enum wisp_treatment treatment,
