@@ -25,6 +25,11 @@ static int members(const struct plan *plan) {
 
 /* --- the runs --- */
 
+/* Whether a method's ensemble is worth its time: by what --steppers names, or by its kind. */
+static int is_worth_an_ensemble(const struct plan *plan, const struct stepper_method *method) {
+    return plan->stepper_count > 0 || configuration_of(method).kind != CONFIGURATION_COSTLY;
+}
+
 /* Members at usual steps; those of the reference need not be its tightest. A stepper that refuses
  * the scene has no ensemble on it. */
 static int plan_ensemble(struct plan *plan, const struct subject *subject,
@@ -64,6 +69,7 @@ static int plan_subject(struct plan *plan, const struct subject *subject) {
         return -1;
     for (int m = 0; stepper_methods[m]; m++)
         if ((plan_wants(plan, stepper_methods[m]->name) || stepper_methods[m]->checked_by) &&
+            is_worth_an_ensemble(plan, stepper_methods[m]) &&
             plan_ensemble(plan, subject, scene, stepper_methods[m]))
             return -1;
     return 0;
@@ -345,6 +351,23 @@ static int tabulate_ensembles(struct plan *plan, const struct subject *subject, 
     return code;
 }
 
+/* Names the methods without ensembles. */
+static void state_left_out(struct statements *statements, const struct plan *plan) {
+    char names[160] = "";
+    for (int m = 0; stepper_methods[m]; m++) {
+        const size_t used = strlen(names);
+        if (!is_worth_an_ensemble(plan, stepper_methods[m]))
+            snprintf(names + used, sizeof names - used, "%s%s", used ? ", " : "",
+                     stepper_methods[m]->name);
+    }
+    if (names[0])
+        statements_add(statements,
+                       our_row("ensembles", "ensembles", NOT_REACHED, NAN, NULL, "left out"),
+                       "There are no ensembles by %s, which would take longer than those of all "
+                       "others together; --steppers asks for them.",
+                       names);
+}
+
 static void state_horizon(struct statements *statements, const struct subject *subject,
                           double horizon, double compared) {
     char cut[64] = "";
@@ -403,6 +426,7 @@ static int horizon_tabulate(struct plan *plan) {
     for (int i = 0; i < plan->subject_count && !code; i++)
         code = tabulate_subject(plan, &plan->subjects[i], streams, pair);
     free(pair);
+    state_left_out(&plan->output.statements, plan);
     return code;
 }
 

@@ -51,6 +51,8 @@ Test(begin, a_run_in_two_pieces_is_the_run) {
     struct scene *scene = restless_scene("", "0.4");
     for (int m = 0; stepper_methods[m]; m++)
         for (int treatment = 0; treatment < TREATMENTS; treatment++) {
+            if (is_tried_elsewhere(stepper_methods[m]))
+                continue;
             const struct run_request request = lab_request(stepper_methods[m], treatment);
             const int adaptive = stepper_methods[m]->capabilities & STEPPER_ADAPTIVE;
             struct scene *rest = restless_scene("begin = 0.2;", "0.2");

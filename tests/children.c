@@ -197,6 +197,18 @@ STEP(get_shot) {
     return 0;
 }
 
+/* Takes a millisecond of CPU time for each step, and counts the steps of all processes. */
+static atomic_int *worked; /* shared by them */
+
+STEP(work) {
+    const clock_t start = clock();
+    (void)stepper, (void)q;
+    ++*worked;
+    while (clock() - start < CLOCKS_PER_SEC / 1000)
+        ;
+    return 0;
+}
+
 STEP(finish) {
     (void)stepper;
     q[0] += 1e-3;
@@ -514,6 +526,33 @@ Test(children, a_fork_that_fails_harms_nobody, .init = set_up) {
         cr_assert_eq(runs_interrupted(), room, "the user has ended it or not");
         cr_assert(!run_is_complete(runs[0].folder), "what was called off is no result");
         cr_assert_eq(spread_signals, 0, "%d signals to more than one process", spread_signals);
+    }
+}
+
+/* A long run need not be repeated for its first time. */
+Test(children, a_long_run_is_the_first_of_its_own_times, .init = set_up) {
+    static const struct bad_method works = {BAD("works", work), "finished", "", 0};
+    static const struct {
+        double duration;
+        int timings, runs;
+    } cases[] = {{100, 1, 1}, {100, 3, 3}, {20, 1, 2}};
+    worked = mmap(NULL, sizeof *worked, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    cr_assert(worked != MAP_FAILED);
+    for (int i = 0; i < 3; i++) {
+        struct run_files files;
+        struct run_case run;
+        scene = circle_scene(cases[i].duration, 0);
+        make_case(&run, &works);
+        run.settings.timings = cases[i].timings;
+        *worked = 0;
+        cr_assert_eq(runs_do_one(&run, &(struct run_limits){0}, 0, reason), FINISHED, "%s", reason);
+        const int steps = (int)(cases[i].duration / step_length);
+        cr_expect_eq(*worked, cases[i].runs * steps, "case %d: %d steps, of %d a run", i, *worked,
+                     steps);
+        cr_assert_eq(run_read(&files, run.folder, reason), 0, "%s", reason);
+        const json_t *times = json_object_get(files.json, "cpu_seconds_repeated");
+        cr_assert_eq(json_array_size(times), (size_t)cases[i].timings);
+        run_free(&files);
     }
 }
 

@@ -222,7 +222,7 @@ static void check_steppers(unsigned capability, unsigned wanted) {
     for (int m = 0; stepper_methods[m]; m++) {
         const struct stepper_method *method = stepper_methods[m];
         const int solves = (method->capabilities & STEPPER_SOLVES) != 0;
-        if ((method->capabilities & capability) != wanted)
+        if ((method->capabilities & capability) != wanted || is_tried_elsewhere(method))
             continue;
         const int costly = configuration_of(method).kind == CONFIGURATION_COSTLY;
         for (int treatment = 0; treatment < TREATMENTS; treatment++) {

@@ -287,6 +287,10 @@ Test(race, three_of_the_jittered_runs_are_timed) {
                      j < JITTERS_TIMED, "run %d", j);
     cr_expect_eq(race_timings(&c.plan, &c.field, &c.entries[0], 10, 0), 3,
                  "one of a fixed step has a median of its own");
+    c.entries[2].pace = 1e5;
+    cr_assert(race_is_expensive(&c.field, &c.entries[2], LEVEL_PROBED + 2));
+    cr_expect_eq(race_jitters(&c.plan, &c.field, &c.entries[2], LEVEL_PROBED + 2), 1,
+                 "what is expensive is run once");
 }
 
 /* --- what is said of its points --- */

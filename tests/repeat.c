@@ -46,6 +46,8 @@ static void check_twice(struct repetition *repetition, const struct variant *var
 
 static void check_variant(const struct variant *variant, void *ctx) {
     const int implicit = (variant->method->capabilities & STEPPER_SOLVES) != 0;
+    if (is_tried_elsewhere(variant->method))
+        return;
     check_twice(ctx, variant, NULL);
     for (int i = 0; linear_methods[i] && implicit && !variant->option; i++)
         check_twice(ctx, variant, linear_methods[i]->name);
@@ -62,6 +64,8 @@ static void check_scene(const char *scene, const char *duration, const char *fol
         int steppers = 0;
         for (int m = 0; stepper_methods[m]; m++) {
             const int solves = (stepper_methods[m]->capabilities & STEPPER_SOLVES) != 0;
+            if (is_tried_elsewhere(stepper_methods[m]))
+                continue;
             steppers += is_taken(loaded, &(struct run_request){.stepper = stepper_methods[m]->name,
                                                                .treatment = repetition.treatment,
                                                                .linear = solves ? "direct" : NULL});

@@ -100,6 +100,11 @@ static void use_variant(const struct stepper_method *method, const char *option,
         use(&variant, ctx);
 }
 
+int is_tried_elsewhere(const struct stepper_method *method) {
+    cr_assert(!program_method || stepper_find(program_method), "no %s to try", program_method);
+    return program_method && strcmp(method->name, program_method) != 0;
+}
+
 void each_variant(void (*use)(const struct variant *variant, void *ctx), void *ctx) {
     for (int i = 0; stepper_methods[i]; i++) {
         const struct stepper_method *method = stepper_methods[i];

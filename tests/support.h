@@ -104,6 +104,13 @@ struct finished {
 /* The program of this build, and in the tests of README's walk the one with README's stepper. */
 extern const char *const program_path;
 
+/* The stepper that is README's there; else NULL. */
+extern const char *const program_method;
+
+/* Whether a loop over all methods that takes long leaves this one to the tests of the program
+ * without README's stepper. */
+int is_tried_elsewhere(const struct stepper_method *method);
+
 /* How it is started: all zero is as usual. */
 struct launch {
     const char *program; /* NULL: program_path */

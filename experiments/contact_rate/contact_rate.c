@@ -33,7 +33,7 @@ const double penalty_ratios[PENALTIES] = {100, 300, 1000, 3000};
 /* Work is in free nodes times simulated seconds at steps of 1/9000 s: how long a scene is, and
  * which runs it has beside those of its own contact, follows from it. `interactions` has 30,
  * `viscosity` 114, `radii` 183, `wind` 3600. */
-static const double most_work = 1000, most_quick_work = 120; /* of one run */
+static const double most_work = 700, most_quick_work = 120; /* of one run */
 static const double cheap_work = 200, cheap_quick_work = 50;
 
 static int is_cheap(const struct plan *plan, const struct study *study) {

@@ -87,6 +87,20 @@ static int try_place(struct plan *plan, struct search *s) {
     return add_run(plan, s, 0, 0);
 }
 
+/* Reads what the run that the search waited for first has cost. Returns 0, or -1 with plan->reason.
+ */
+static int read_counted(struct plan *plan, struct search *s) {
+    if (read_cost(plan, s->first, &s->cost))
+        return -1;
+    cost_count(&s->cost, plan->subjects[s->cell].scene, WISP_GENERALISED, s->configuration);
+    return 0;
+}
+
+/* A run that takes so long, s, is neither confirmed nor timed more than once. */
+static int is_costly(const struct search *s) {
+    return s->cost.counted > 0.2;
+}
+
 /* A tolerance that reached the target, again with ones that differ in the twelfth digit: where not
  * all do the tolerance does not, for one adaptive run is a draw from a distribution. */
 static int confirm_place(struct plan *plan, struct search *s, double first_error) {
@@ -99,12 +113,9 @@ static int confirm_place(struct plan *plan, struct search *s, double first_error
 }
 
 static int time_place(struct plan *plan, struct search *s) {
-    const struct scene *scene = plan->subjects[s->cell].scene;
-    const double setting = setting_at(scene, s->configuration, s->place.reached);
-    const double cost = estimated_cost(scene, WISP_GENERALISED, s->configuration, setting);
     s->place.at = s->place.reached;
     await(plan, s, TIMING);
-    return add_run(plan, s, 0, plan->quick || cost > 0.25 ? 3 : 5);
+    return add_run(plan, s, 0, is_costly(s) ? 1 : 3);
 }
 
 /* A configuration that is refused has a row that says so. */
@@ -161,14 +172,14 @@ static int ladder_plan(struct plan *plan) {
 /* --- from round to round --- */
 
 /* The next place after one has been judged, or the timing of the best. The two sides of the bracket
- * must come as close as 4 % of a step, a third of a tolerance; with --quick a fifth and three
- * quarters. */
+ * must come as close as 4 % of a step, a third of a tolerance; with --quick, and where runs are
+ * costly, a fifth and three quarters. */
 static int go_on(struct plan *plan, struct search *s, int reached) {
     const int adaptive = configuration_is_adaptive(s->configuration);
     const int more = bracket_take(&s->place, reached, adaptive ? TOLERANCES_STRIDE : STEPS_STRIDE,
-                                  !plan->quick ? 1
-                                  : adaptive   ? 2
-                                               : 4);
+                                  !plan->quick && !is_costly(s) ? 1
+                                  : adaptive                    ? 2
+                                                                : 4);
     if (s->place.reached < 0 && is_beyond(s, plan->subjects[s->cell].scene)) {
         s->phase = DONE;
         return 0;
@@ -182,17 +193,17 @@ static int step_search(struct plan *plan, struct search *s, const struct run_fil
     struct verdict verdict;
     if (s->phase == TIMING) {
         s->phase = DONE;
-        if (read_cost(plan, s->first, &s->cost))
-            return -1;
-        cost_count(&s->cost, plan->subjects[s->cell].scene, WISP_GENERALISED, s->configuration);
-        return 0;
+        return read_counted(plan, s);
     }
     if (judge_runs(plan, s->first, s->count, plan->subjects[s->cell].scene, reference, &verdict))
         return -1;
     if (s->phase == CONFIRMING && verdict.outcome == FINISHED)
         verdict.error = fmax(verdict.error, s->first_error);
     const int reached = verdict.outcome == FINISHED && verdict.error <= LADDER_TARGET;
-    if (reached && configuration_is_adaptive(s->configuration) && s->phase == TRYING)
+    if (reached && s->phase == TRYING && read_counted(plan, s))
+        return -1;
+    if (reached && configuration_is_adaptive(s->configuration) && s->phase == TRYING &&
+        !is_costly(s))
         return confirm_place(plan, s, verdict.error);
     if (reached) {
         s->error = verdict.error;

@@ -41,8 +41,8 @@ struct search {
     double missed_error, error;  /* there, m; of adaptive methods the worst of the jittered runs */
     enum outcome missed_outcome; /* of the run that missed */
     double missed_time;          /* of a failure: when, s */
-    struct cost cost;            /* of the timed run */
-    int refused;                 /* it cannot run here; the note says why */
+    struct cost cost; /* of the last run within the target; in the end of the timed one */
+    int refused;      /* it cannot run here; the note says why */
     char note[REASON_SIZE];
 };
 
@@ -57,9 +57,9 @@ struct ladder {
 
 #define LADDER_TARGET 1e-3 /* m, rms over the free nodes and all frames */
 
-/* How many tolerances that differ in the twelfth digit an adaptive method's error is the worst of.
- */
-enum { JITTERED = 9, JITTERED_QUICK = 3 };
+/* How many tolerances that differ in the twelfth digit an adaptive method's error is the worst of;
+ * of costly ones it is the only one's. */
+enum { JITTERED = 5, JITTERED_QUICK = 3 };
 
 /* --- ladder_cells.c --- */
 

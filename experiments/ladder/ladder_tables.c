@@ -55,15 +55,17 @@ const struct search *ladder_search(const struct ladder *ladder, int cell,
  */
 static int write_ladder(struct plan *plan) {
     const struct ladder *ladder = plan->memo;
-    char what[900];
+    char what[1000];
     snprintf(
         what, sizeof what,
         "the largest step, s, or rtol that reaches %g m rms over free nodes and all frames "
         "(setting), the next one tried that does not (missed: its error, outcome and time of "
         "failure), and what the first costs: CPU time, s, of repeated runs, force evaluations, "
         "steps; errors of adaptive methods: the worst of %d tolerances rtol(1 + j 1e-12), of which "
-        "j = 0 is timed; counted: what the table of costs makes of the steps, s, by which methods "
-        "are put in order; limit: failure where the missed one fails or is 100 times as wrong; "
+        "j = 0 is timed, but where a run is counted at more than 0.2 s of one, timed once, and the "
+        "missed one is farther; counted: what the table of costs makes of the steps, s, by which "
+        "methods are put in order; limit: failure where the missed one fails or is 100 times as "
+        "wrong; "
         "zeta: damping of the highest stretch mode over critical; figure: in which the kind of "
         "hair has a panel; nan: there is no number, see status and note%s",
         LADDER_TARGET, plan->quick ? JITTERED_QUICK : JITTERED,
@@ -89,7 +91,7 @@ static int write_ladder(struct plan *plan) {
 }
 
 int ladder_has_cost(const struct search *s) {
-    return s && s->phase == DONE && s->cost.cpu.median > 0;
+    return s && s->phase == DONE && s->place.reached >= 0 && s->cost.cpu.median > 0;
 }
 
 double ladder_crossing(const double stiffness[2], const double a[2], const double b[2]) {

@@ -14,19 +14,31 @@ static const char *chosen(const struct study *study, const struct choice *choice
     return there ? study->menu.option[thing][choice->of[thing]].name : "-";
 }
 
-/* Lists a model's options: those that are the full model's, those that are not, or all. */
+/* Which options of a model: those that are the full model's, those that are not, or all. */
 enum which { AS_IN_FULL = 1, OTHER = 2, ALL = 3 };
+
+static int is_listed(const struct study *study, const struct choice *choice, enum which which,
+                     int thing) {
+    const int as_in_full = needs_is_full(study, (enum thing)thing, choice->of[thing]);
+    return strcmp(chosen(study, choice, (enum thing)thing), "-") != 0 &&
+           which & (as_in_full ? AS_IN_FULL : OTHER);
+}
+
+/* Lists them, with a comma or `last` before the last one. */
 static void describe(const struct study *study, const struct choice *choice, enum which which,
-                     char text[REASON_SIZE]) {
-    text[0] = '\0';
-    for (int thing = 0; thing < THINGS; thing++) {
-        const char *name = chosen(study, choice, (enum thing)thing);
-        const int as_in_full = needs_is_full(study, (enum thing)thing, choice->of[thing]);
-        if (strcmp(name, "-") != 0 && which & (as_in_full ? AS_IN_FULL : OTHER))
-            list_add(text, REASON_SIZE, "%s", name);
-    }
-    if (!text[0])
-        snprintf(text, REASON_SIZE, "nothing");
+                     const char *last, char text[REASON_SIZE]) {
+    int left = 0;
+    size_t used = 0;
+    for (int thing = 0; thing < THINGS; thing++)
+        left += is_listed(study, choice, which, thing);
+    snprintf(text, REASON_SIZE, "%s", left ? "" : "nothing");
+    for (int thing = 0; thing < THINGS && used < REASON_SIZE; thing++)
+        if (is_listed(study, choice, which, thing))
+            used += (size_t)snprintf(text + used, REASON_SIZE - used, "%s%s",
+                                     used == 0     ? ""
+                                     : --left == 1 ? last
+                                                   : ", ",
+                                     chosen(study, choice, (enum thing)thing));
 }
 
 static const char *verdict_of(const struct study *study, const struct variant *variant) {
@@ -61,7 +73,7 @@ static double cost_ratio(const struct study *study, const struct variant *varian
 static void write_variant(FILE *stream, const struct study *study, const char *thing,
                           const char *name, const struct variant *variant) {
     char options[REASON_SIZE];
-    describe(study, &variant->choice, ALL, options);
+    describe(study, &variant->choice, ALL, ", ", options);
     WRITE_ROW(stream, VARIANT_COLUMNS);
 }
 
@@ -211,8 +223,8 @@ static void state_smallest(struct statements *statements, const struct study *st
     struct statement row =
         row_of(study, HOLDS, study->tried ? change : NAN, "mm", "smallest model");
     row.answers = ANSWERS_NEEDS;
-    describe(study, &study->smallest.choice, AS_IN_FULL, needed);
-    describe(study, &study->smallest.choice, OTHER, enough);
+    describe(study, &study->smallest.choice, AS_IN_FULL, " and ", needed);
+    describe(study, &study->smallest.choice, OTHER, " and ", enough);
     if (study->tried == 0)
         statements_add(
             statements, row,
@@ -220,8 +232,8 @@ static void state_smallest(struct statements *statements, const struct study *st
             1e3 * NEEDS_TARGET, needed);
     else
         statements_add(statements, row,
-                       "%s needs %s; with %s for the rest it is %.2g mm (rms) from its full model, "
-                       "for %.2g %% of its CPU time.",
+                       "%s needs %s; with %s it stays within %.2g mm (rms) of its full model, for "
+                       "%.2g %% of its CPU time.",
                        scene, needed, enough, change, 100 * cost_ratio(study, &study->smallest));
     row = row_of(study,
                  study->own.fate == CHANGED ? holds_if(needs_is_near(study, &study->own))
@@ -312,6 +324,66 @@ static void state_study(struct statements *statements, const struct study *study
                        study->subject->scene->duration);
 }
 
+/* --- over all scenes --- */
+
+static int has_smallest(const struct study *study) {
+    return study->full.fate == CHANGED && study->tried > 0;
+}
+
+/* How many scenes do with less than their full model, and for what. */
+static void state_savings(struct statements *statements, const struct needs *needs) {
+    double least = INFINITY, most = 0;
+    int less = 0, all = 0;
+    for (int i = 0; i < needs->count; i++) {
+        const struct study *study = &needs->study[i];
+        const double ratio = has_smallest(study) ? cost_ratio(study, &study->smallest) : NAN;
+        less += has_smallest(study);
+        all += study->full.fate == CHANGED && study->tried == 0;
+        least = fmin(least, ratio);
+        most = fmax(most, ratio);
+    }
+    struct statement row = our_row(NULL, "smallest", less ? HOLDS : NOT_REACHED, less, "1",
+                                   "all scenes, smallest models");
+    row.answers = ANSWERS_NEEDS;
+    char rest[64] = "";
+    if (all)
+        snprintf(rest, sizeof rest, "; %d %s all of it", all, all == 1 ? "needs" : "need");
+    if (less)
+        statements_add(statements, row,
+                       "%d of %d scenes stay within %g mm of their full model with less, for %.2g "
+                       "to %.2g %% of its CPU time%s.",
+                       less, needs->count, 1e3 * NEEDS_TARGET, 100 * least, 100 * most, rest);
+    else
+        statements_add(statements, row, "No scene stays within %g mm of its full model with less.",
+                       1e3 * NEEDS_TARGET);
+}
+
+/* What may be simpler, on how many scenes: not counted are those that do not have it. */
+static void state_simpler(struct statements *statements, const struct needs *needs) {
+    char text[REASON_SIZE] = "";
+    int simpler = 0;
+    for (int thing = 0; thing < THINGS; thing++) {
+        int on = 0, of = 0;
+        for (int i = 0; i < needs->count; i++) {
+            const struct study *study = &needs->study[i];
+            const struct choice *choice = &study->smallest.choice;
+            if (study->full.fate != CHANGED || study->menu.count[thing] < 2)
+                continue;
+            of++;
+            on += has_smallest(study) && is_listed(study, choice, OTHER, thing);
+        }
+        simpler += on > 0;
+        if (on > 0)
+            list_add(text, sizeof text, "%s on %d of %d", thing_names[thing], on, of);
+    }
+    struct statement row = our_row(NULL, "smallest", simpler ? HOLDS : NOT_REACHED, simpler, "1",
+                                   "all scenes, what may be simpler");
+    row.answers = ANSWERS_NEEDS;
+    if (simpler)
+        statements_add(statements, row,
+                       "What may be simpler there, of the scenes that have it: %s.", text);
+}
+
 int needs_tabulate(struct plan *plan) {
     const struct needs *needs = plan->memo;
     if (plan_open_statements(plan, NULL, NULL) || write_needs(plan) || write_answers(plan) ||
@@ -319,5 +391,9 @@ int needs_tabulate(struct plan *plan) {
         return -1;
     for (int i = 0; i < needs->count; i++)
         state_study(&plan->output.statements, &needs->study[i]);
+    if (needs->count > 1) {
+        state_savings(&plan->output.statements, needs);
+        state_simpler(&plan->output.statements, needs);
+    }
     return 0;
 }

@@ -41,6 +41,26 @@ static int plan_run(struct plan *plan, const struct field *field, const struct e
                           entry->configuration->name, k, j);
 }
 
+/* What a search waits for: of a fixed step the run of the chart; of an adaptive method one more,
+ * for nobody knows yet whether that is worth its time. */
+#define PROBE_LABEL "%s, probe"
+
+static const struct labelled_case *searched_case(const struct plan *plan, const struct field *field,
+                                                 const struct entry *entry) {
+    return configuration_is_adaptive(entry->configuration)
+               ? find_case(plan, field->group, PROBE_LABEL, entry->configuration->name)
+               : race_case(plan, field, entry, entry->place.at, 0);
+}
+
+static int plan_searched(struct plan *plan, const struct field *field, const struct entry *entry) {
+    struct run_request request = request_for(plan, field, entry, entry->place.at, 0);
+    if (!configuration_is_adaptive(entry->configuration))
+        return plan_run(plan, field, entry, entry->place.at, 0);
+    request.timings = request.diagnostics = 0;
+    return plan_add(plan, field->scene, &request, field->group, PROBE_LABEL,
+                    entry->configuration->name);
+}
+
 /* --- scenes --- */
 
 static int wants_treatment(const struct race *race, const struct scene *scene, int treatment) {
@@ -173,7 +193,7 @@ static int begin_searches(struct plan *plan, struct field *field) {
         if (entry->refused[0])
             continue;
         race_search(plan, field, entry);
-        if (entry->searching && plan_run(plan, field, entry, entry->place.at, 0))
+        if (entry->searching && plan_searched(plan, field, entry))
             return -1;
     }
     return 0;
@@ -181,7 +201,7 @@ static int begin_searches(struct plan *plan, struct field *field) {
 
 /* What the awaited run has shown. */
 static int read_search(struct plan *plan, const struct field *field, struct entry *entry) {
-    const struct labelled_case *one = race_case(plan, field, entry, entry->place.at, 0);
+    const struct labelled_case *one = searched_case(plan, field, entry);
     struct run_files run;
     if (run_read(&run, one->run.folder, plan->reason))
         return -1;
@@ -203,7 +223,7 @@ static int go_on_searching(struct plan *plan, struct field *field) {
         if (!entry->searching)
             continue;
         if (read_search(plan, field, entry) ||
-            (entry->searching && plan_run(plan, field, entry, entry->place.at, 0)))
+            (entry->searching && plan_searched(plan, field, entry)))
             return -1;
         unfinished += entry->searching;
     }

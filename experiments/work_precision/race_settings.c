@@ -1,9 +1,9 @@
 /* Which settings a race's charts have, by costs that are known before anything is run.
  *
  * A method with fixed steps has those from two levels beyond its largest stable step to six below
- * it. The costliest of these, of any method on a scene, is how deep the scene's charts are: all
- * methods have every level that is predicted to cost no more, so that what is left out cannot have
- * been the cheapest within an error that some run has reached. */
+ * it. The costliest of these, of the usual methods on a scene, is how deep the scene's charts are:
+ * all methods have every level that is predicted to cost no more, so that what is left out cannot
+ * have been the cheapest within an error that some run has reached. */
 #include "model/problems.h"
 #include "race.h"
 
@@ -47,8 +47,8 @@ double race_predicted(const struct field *field, const struct entry *entry, int 
     return steps_cost(field, configuration, field->scene->wisp_count / pace);
 }
 
-/* A run that takes so long, s, is done once, and once more for its time. */
-static const double expensive = 0.5;
+/* A run that takes so long, s, is done once, without diagnoses, and that is its time. */
+static const double expensive = 0.1;
 
 int race_is_expensive(const struct field *field, const struct entry *entry, int k) {
     return race_predicted(field, entry, k) > expensive;
@@ -67,7 +67,7 @@ int race_timings(const struct plan *plan, const struct field *field, const struc
     const double cost = race_predicted(field, entry, k);
     return configuration_is_adaptive(entry->configuration) ? j < JITTERS_TIMED
            : cost > expensive                              ? 1
-           : plan->quick || cost > 0.2                     ? 2
+           : plan->quick                                   ? 2
                                                            : 3;
 }
 
@@ -117,11 +117,16 @@ static int finest_within(const struct field *field, const struct entry *entry, i
     return k;
 }
 
+/* Whether a method has a say in how deep the charts are: its steps are of fixed length, and they
+ * do not cost many times those of others. */
+static int decides_depth(const struct configuration *configuration) {
+    return !configuration_is_adaptive(configuration) && configuration->kind != CONFIGURATION_COSTLY;
+}
+
 /* The predicted cost of the sixth level below the largest stable one; 0 where there is none. */
 static double needed(const struct plan *plan, const struct field *field,
                      const struct entry *entry) {
-    if (entry->refused[0] || configuration_is_adaptive(entry->configuration) ||
-        entry->place.reached < 0)
+    if (entry->refused[0] || !decides_depth(entry->configuration) || entry->place.reached < 0)
         return 0;
     const int below = (int)fmin(entry->place.reached + LEVELS_BELOW, LEVELS_MAX - 1);
     return race_predicted(field, entry, finest_within(field, entry, below, costliest(plan)));
@@ -193,8 +198,8 @@ static int would_run(struct plan *plan, const struct field *field, const struct 
 }
 
 /* What the charts of one treatment will cost for a simulated second, by linear theory: the levels
- * of one method together cost 3.4 times the costliest of them, and each is run with diagnoses,
- * which takes 1.6 times as long, and twice for its time; or where it is expensive, twice. */
+ * of one method together cost 3.4 times the costliest of them, and what is not expensive is run
+ * with diagnoses, which takes 1.6 times as long, and twice for its time. */
 static double charts_cost(struct plan *plan, const struct scene *scene, int treatment) {
     const double together = 3.4, below = exp2(LEVELS_BELOW / 2.);
     struct field field = {.whole = scene, .scene = scene, .treatment = treatment};
@@ -205,13 +210,14 @@ static double charts_cost(struct plan *plan, const struct scene *scene, int trea
         if (!would_run(plan, &field, &entry))
             continue;
         count++;
-        if (configuration_is_adaptive(entry.configuration))
+        if (!decides_depth(entry.configuration))
             continue;
         const double step = race_setting(&field, &entry, first_seen_stable(&field, &entry));
         cap = fmax(cap, steps_cost(&field, entry.configuration, step / below));
     }
     cap = fmin(cap, costliest(plan));
-    return together * (cap > expensive ? 2 : 3.6) * count * cap / scene->duration;
+    const double cheap = fmin(cap, expensive);
+    return together * (3.6 * cheap + (cap - cheap)) * count / scene->duration;
 }
 
 /* The cost of one treatment, with its references, per simulated second. */

@@ -465,8 +465,11 @@ static int list_winners(const struct race_answers *answers, int target, char tex
 static void state_winners(struct statements *statements, const struct race_answers *answers,
                           int target) {
     const double mm = 1e3 * targets[target];
-    char winners[512], ties[80] = "";
+    char winners[512], ties[80] = "", none[64] = "";
     const int tied = list_winners(answers, target, winners);
+    int without = 0;
+    for (int i = 0; i < answers->subjects; i++)
+        without += answers->cheapest[i * RACE_TARGETS + target] == NULL;
     struct statement row =
         our_row(NULL, "scenes", winners[0] || tied ? HOLDS : NOT_REACHED, NAN, NULL, "%g mm", mm);
     row.answers = ANSWERS_TARGETS;
@@ -475,8 +478,10 @@ static void state_winners(struct statements *statements, const struct race_answe
     else if (tied)
         snprintf(ties, sizeof ties, "several methods cost about the same on %d of %d scenes", tied,
                  answers->subjects);
+    if (without)
+        snprintf(none, sizeof none, ", and on %d no run is that near", without);
     if (winners[0] || tied)
-        statements_add(statements, row, "Within %g mm %s%s.", mm, winners, ties);
+        statements_add(statements, row, "Within %g mm %s%s%s.", mm, winners, ties, none);
     else
         statements_add(statements, row, "No run on any scene is within %g mm.", mm);
 }

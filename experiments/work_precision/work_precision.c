@@ -14,7 +14,7 @@ static const struct race race = {
     .quick_scenes = quick_scenes,
     .kinds = CONFIGURATION_PLAIN | CONFIGURATION_ITERATED | CONFIGURATION_SOLVER |
              CONFIGURATION_ORDER | CONFIGURATION_LANES | CONFIGURATION_COSTLY,
-    .seconds = 250,
+    .seconds = 400,
     .quick_seconds = 60,
 };
 

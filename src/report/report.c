@@ -124,6 +124,19 @@ static void write_row(FILE *stream, const char *kind, const char *a, const char 
     fputs("</tr>\n", stream);
 }
 
+static void write_treatments(FILE *stream) {
+    fputs("<p>A treatment is how a constraint is kept, the same by every stepper:</p>\n"
+          "<div class=\"wide\"><table><thead>",
+          stream);
+    write_row(stream, "th", "problem", "treatment", "what it is");
+    fputs("</thead><tbody>\n", stream);
+    for (int p = 0; problems[p]; p++)
+        for (int i = 0; problems[p]->treatments[i].name; i++)
+            write_row(stream, "td", problems[p]->name, problems[p]->treatments[i].name,
+                      problems[p]->treatments[i].summary);
+    fputs("</tbody></table></div>\n", stream);
+}
+
 /* The registries as they are: what is compared, and where it comes from. */
 static void write_methods(FILE *stream) {
     fputs(
@@ -143,11 +156,9 @@ static void write_methods(FILE *stream) {
     for (int i = 0; linear_methods[i]; i++)
         write_row(stream, "td", linear_methods[i]->name, linear_methods[i]->summary,
                   linear_methods[i]->reference);
-    for (int p = 0; problems[p]; p++)
-        for (int i = 0; problems[p]->treatments[i].name; i++)
-            write_row(stream, "td", problems[p]->treatments[i].name,
-                      problems[p]->treatments[i].summary, problems[p]->name);
-    fputs("</tbody></table></div></section>\n", stream);
+    fputs("</tbody></table></div>\n", stream);
+    write_treatments(stream);
+    fputs("</section>\n", stream);
 }
 
 /* Members of an object under other names; which goes with it. */

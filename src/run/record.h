@@ -7,9 +7,10 @@
 
 /* Runs a case in this process and writes its tables and `folder`/run.json, which get their names
  * together, run.json last, when all are complete. With settings->timings, the run is then repeated
- * for its CPU time, without output or diagnoses; with a cross-check, the other method runs too and
- * the largest difference is recorded. Returns how the run ended, and in `how`, which may be NULL,
- * what it took; the reason of a REFUSED or OUTPUT_FAILED is in `reason` (REASON_SIZE). */
+ * for its CPU time, without output or diagnoses, until there are so many times; a long one without
+ * diagnoses is the first of them itself, less its frames. With a cross-check, the other method runs
+ * too and the largest difference is recorded. Returns how the run ended, and in `how`, which may be
+ * NULL, what it took; the reason of a REFUSED or OUTPUT_FAILED is in `reason` (REASON_SIZE). */
 enum outcome record_run(const struct scene *scene, const struct settings *settings,
                         const char *folder, const struct watch *watch, struct run_result *how,
                         char *reason);

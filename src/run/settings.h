@@ -18,7 +18,7 @@ struct run_request {
     const char *const *options; /* "key=value"; the settings go on to use list and texts */
     int option_count;
     double strain_limit; /* beyond which the run has diverged; not said: the scene's */
-    int timings;         /* how often the run is repeated for its CPU time */
+    int timings;         /* how many CPU times of it there are to be; record_run repeats it */
     int threads;         /* that share out a scene's parts; 0: one */
     double perturbation; /* rms displacement of each node's start, m; 0: none */
     int draw;            /* which one of such displacements: the seed of the random numbers */

@@ -180,6 +180,14 @@ static void show_frame(struct simulation *sim) {
         check_energy(sim);
 }
 
+/* A frame after the first, whose CPU time is part of the run's. */
+static void show_later_frame(struct simulation *sim) {
+    const double begin = sim->observer ? cpu_seconds() : 0;
+    show_frame(sim);
+    if (sim->observer)
+        sim->result->frame_cpu_seconds += cpu_seconds() - begin;
+}
+
 void simulate_model(struct model *model, const struct scene *scene, const struct settings *settings,
                     double to, const struct observer *observer, const struct watch *watch,
                     struct run_result *result) {
@@ -212,7 +220,7 @@ void simulate_model(struct model *model, const struct scene *scene, const struct
             tick(&sim, stop.events);
         const double ticked = monotonic_seconds();
         if (is_running(&sim) && frame)
-            show_frame(&sim);
+            show_later_frame(&sim);
         const double shown = monotonic_seconds();
         result->advance_seconds += advanced - begin;
         result->tick_seconds += ticked - advanced;

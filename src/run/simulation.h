@@ -18,6 +18,7 @@ struct run_result {
     struct step_range steps;
     double largest_strain; /* of a segment after any step; where there are none, 0 */
     double cpu_seconds;    /* of the process, from the first step to the last, diagnoses included */
+    double frame_cpu_seconds; /* of those: for frames that an observer was shown */
     double advance_seconds, tick_seconds, frame_seconds; /* wall time of the stages; ticks for
                                                             which parts need not meet are among
                                                             the advance */
