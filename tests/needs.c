@@ -382,6 +382,28 @@ Test(needs, without_its_runs_it_says_so, .init = set_up) {
     cr_assert_str_eq(rows[0].verdict, "failed");
 }
 
+/* Of several scenes it says on how many less is enough: hair that hangs still needs fewer nodes. */
+Test(needs, scenes_are_summed_up, .init = set_up) {
+    const char *const bare = "name = \"%s\"; duration = %.1f; frame_rate = 30.0; "
+                             "gravity = [0.0, %.2f, 0.0]; material = { };\n"
+                             "wisps = ( { root = [0.0, 0.0, 0.0]; direction = [1.0, 0.0, 0.0]; "
+                             "length = 0.3; nodes = 5; } );\n"
+                             "run = { step = 1.0e-4; rtol = 1.0e-6; atol = 1.0e-9; };\n";
+    char text[2][512];
+    snprintf(text[0], 512, bare, "still", 0.1, 0.);
+    snprintf(text[1], 512, bare, "falls", 1., -9.81);
+    const char *const still = file_write(folder, "still.cfg", text[0]), *const falls = file_write(
+                                                                            folder, "falls.cfg",
+                                                                            text[1]);
+    struct finished *f = WORKS("experiment", "needs", "--quick", "--scene", still, "--scene", falls,
+                               "--out", folder);
+    cr_assert(
+        strstr(f->out, "2 of 2 scenes stay within 1 mm of their full model with less, for ") &&
+            strstr(f->out, "scenes that have it: nodes on 1 of 2, stretching on 2 of 2."),
+        "%s", f->out);
+    statements_must_be_whole(printed("%s/needs", folder));
+}
+
 Test(needs, compares_models_and_not_steppers, .init = set_up) {
     FAILS(1, "--stepper", "experiment", "needs", "--stepper", "rk4", "--out", folder);
 }

@@ -12,15 +12,16 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Runs those cases from the first one given that `which` chooses. Returns their number, or the
- * negative of an exit code. */
+/* Runs those cases from the first one given that `which` chooses, the last ones first: experiments
+ * name cheap scenes before costly ones, and the longest runs had best not be begun when all others
+ * are done. Returns their number, or the negative of an exit code. */
 static int do_chosen(const struct plan *plan, int first, struct manner *manner, const char *which,
                      char *reason) {
     struct run_case *cases = calloc((size_t)(plan->case_count - first) + 1, sizeof *cases);
     int count = 0;
     if (!cases)
         return -complain(2, "out of memory");
-    for (int i = first; i < plan->case_count; i++) {
+    for (int i = plan->case_count - 1; i >= first; i--) {
         const struct run_case *run = &plan->cases[i].run;
         char path[PATH_SIZE];
         if (!which[i - first])

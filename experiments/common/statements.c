@@ -113,6 +113,24 @@ void list_add(char *list, size_t size, const char *item, ...) {
     va_end(arguments);
 }
 
+static int by_counted(const void *a, const void *b) {
+    const double x = ((const struct rival *)a)->counted, y = ((const struct rival *)b)->counted;
+    return (x > y) - (x < y);
+}
+
+void list_rivals(char text[512], struct rival *rivals, int count) {
+    const int most = 3, named = count > most + 1 ? most : count;
+    size_t used = 0;
+    qsort(rivals, (size_t)count, sizeof *rivals, by_counted);
+    text[0] = '\0';
+    for (int i = 0; i < named && used < 512; i++)
+        used +=
+            (size_t)snprintf(text + used, 512 - used, "%s %s (%.3g ms)",
+                             i + 1 == count ? " and" : ",", rivals[i].name, 1e3 * rivals[i].cpu);
+    if (named < count && used < 512)
+        snprintf(text + used, 512 - used, " and %d more", count - named);
+}
+
 void statements_of_changed(struct statements *statements, const char *const *sets, int set_count) {
     char changes[512] = "";
     for (int i = 0; i < set_count; i++)

@@ -76,6 +76,18 @@ struct statement statement_row(enum whose by, const char *figure, const char *ta
  * its `size` is left out. */
 void list_add(char *list, size_t size, const char *item, ...) __attribute__((format(printf, 3, 4)));
 
+/* Who is tied with the cheapest: what it is put in order by, s, and the CPU time that is shown, s.
+ */
+struct rival {
+    const char *name;
+    double counted, cpu;
+};
+enum { RIVALS_MOST = 64 };
+
+/* Puts rivals in order, and writes how a sentence goes on that has named the cheapest: ", b (3 ms)
+ * and c (5 ms)", of more than three the first three and how many more. */
+void list_rivals(char text[512], struct rival *rivals, int count);
+
 /* --- the one writer --- */
 
 /* The table while it is written. */

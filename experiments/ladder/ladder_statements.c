@@ -39,17 +39,17 @@ static double least_cost(const struct ladder *ladder, int cell, int kind) {
 
 /* --- one cell --- */
 
-/* The methods of a cell that are not known to be more expensive than the cheapest: " and rk4 (0.5
- * ms)". */
+/* The methods of a cell that are not known to be more expensive than the cheapest. */
 static void list_tied(const struct ladder *ladder, const struct search *best, char text[512]) {
-    text[0] = '\0';
-    for (int i = 0; i < ladder->count; i++) {
+    struct rival rivals[RIVALS_MOST];
+    int count = 0;
+    for (int i = 0; i < ladder->count && count < RIVALS_MOST; i++) {
         const struct search *s = &ladder->search[i];
-        const size_t used = strlen(text);
         if (s != best && s->cell == best->cell && ladder_has_cost(s) && !ladder_is_apart(best, s))
-            snprintf(text + used, 512 - used, " and %s (%.3g ms)", s->configuration->name,
-                     1e3 * s->cost.cpu.median);
+            rivals[count++] =
+                (struct rival){s->configuration->name, s->cost.counted, s->cost.cpu.median};
     }
+    list_rivals(text, rivals, count);
 }
 
 /* "At EA = 90 N, for such hair," */

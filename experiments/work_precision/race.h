@@ -19,9 +19,6 @@
 /* A chart shows at most so many steps beyond the largest stable one, and so many below it. */
 enum { LEVELS_BEYOND = 2, LEVELS_BELOW = 6, LEVELS_MAX = 48, TOLERANCES = 11, JITTERS = 9 };
 
-/* So many of the jittered runs are timed, and the first one is diagnosed. */
-enum { JITTERS_TIMED = 3 };
-
 /* Treatments of a scene at most. */
 enum { FIELDS_MAX = 3 };
 
@@ -59,7 +56,7 @@ struct point {
     int lanes, threads; /* the most wisps side by side; that share the scene's wisps; 0: no run */
     const char *run;    /* folder in `runs` of the one that stands for all, of the plan; or "-" */
     int runs, failed;   /* of jittered tolerances; 1 of a fixed step */
-    struct cost cost;   /* of the run with the median error; CPU time over those that are timed */
+    struct cost cost;   /* of the run with the median error; CPU time of the timed one */
     struct deviation deviation;         /* of the same run; NaN where a run did not finish */
     struct extent extent;               /* of the first run */
     double error_least, error_greatest; /* rms over the jittered runs, m */
@@ -158,8 +155,8 @@ int race_is_expensive(const struct field *field, const struct entry *entry, int 
 int race_jitters(const struct plan *plan, const struct field *field, const struct entry *entry,
                  int k);
 
-/* How often the j-th jittered run is repeated for its CPU time; 0: it is not timed, and need not be
- * alone on the machine. */
+/* How many CPU times there are of the j-th jittered run; 0: it is not timed, and need not be alone
+ * on the machine, as all but the first. */
 int race_timings(const struct plan *plan, const struct field *field, const struct entry *entry,
                  int k, int j);
 

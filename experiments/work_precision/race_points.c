@@ -4,7 +4,6 @@
 #include "model/model.h"
 #include "race.h"
 
-#include <gsl/gsl_sort.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -47,7 +46,6 @@ struct outcome_of_run {
     struct deviation deviation;
     struct extent extent;
     const char *folder; /* in `runs`, of the plan */
-    int timed;          /* alone on the machine */
     char reason[REASON_SIZE];
 };
 
@@ -78,7 +76,6 @@ static int read_run(struct plan *plan, const struct field *field, const struct l
     const char *reason = json_string_value(json_object_get(run.json, "reason"));
     result->outcome = run.outcome;
     result->cost = run_cost(&run);
-    result->timed = one->run.settings.timings > 0;
     cost_count(&result->cost, scene, (enum wisp_treatment)field->treatment, configuration);
     result->deviation.rms = result->deviation.history_diverged = NAN;
     result->folder = strrchr(one->run.folder, '/') + 1;
@@ -98,11 +95,9 @@ static int by_error(const void *a, const void *b) {
 }
 
 /* The point of a set of runs, all finished: the one with the median error stands for it, the first
- * one for how far it went. The CPU time of jittered runs is spread over those that are timed; that
- * of a single one is its own. */
+ * one for how far it went and, being timed, for its CPU time. */
 static void summarise(struct point *p, struct outcome_of_run *runs, int count) {
-    double cpu[JITTERS];
-    int timed = 0;
+    const struct spread cpu = runs[0].cost.cpu;
     p->extent = runs[0].extent;
     qsort(runs, (size_t)count, sizeof *runs, by_error);
     p->cost = runs[count / 2].cost;
@@ -110,13 +105,7 @@ static void summarise(struct point *p, struct outcome_of_run *runs, int count) {
     p->run = runs[count / 2].folder;
     p->error_least = runs[0].deviation.rms;
     p->error_greatest = runs[count - 1].deviation.rms;
-    if (count == 1)
-        return;
-    for (int i = 0; i < count; i++)
-        if (runs[i].timed)
-            cpu[timed++] = runs[i].cost.cpu.median;
-    gsl_sort(cpu, 1, (size_t)timed);
-    p->cost.cpu = (struct spread){cpu[timed / 2], cpu[0], cpu[timed - 1]};
+    p->cost.cpu = cpu;
 }
 
 /* Nothing is dropped: a point of which some run failed is a failure, and says of how many. */

@@ -26,7 +26,7 @@ static const double process_cost = 0.012; /* to start one, s */
 
 /* No run that is predicted to take longer is tried, s. */
 static double costliest(const struct plan *plan) {
-    return plan->quick ? 0.5 : 1.5;
+    return plan->quick ? 0.5 : 1;
 }
 
 /* The cost of steps that long, one after the other in all wisps. */
@@ -64,11 +64,7 @@ int race_jitters(const struct plan *plan, const struct field *field, const struc
 
 int race_timings(const struct plan *plan, const struct field *field, const struct entry *entry,
                  int k, int j) {
-    const double cost = race_predicted(field, entry, k);
-    return configuration_is_adaptive(entry->configuration) ? j < JITTERS_TIMED
-           : cost > expensive                              ? 1
-           : plan->quick                                   ? 2
-                                                           : 3;
+    return j > 0 ? 0 : race_is_expensive(field, entry, k) ? 1 : plan->quick ? 2 : 3;
 }
 
 /* --- the largest stable step --- */

@@ -78,15 +78,14 @@ static const struct point *cheapest_of(const struct field *fields, int count, do
     return best;
 }
 
-/* Other configurations within the target whose costs are not known to be higher: " and rk4 (5 ms)".
- */
+/* Other configurations within the target whose costs are not known to be higher. */
 static void list_tied(const struct field *fields, int count, double target,
                       const struct point *best, char text[512]) {
-    text[0] = '\0';
-    for (int i = 0; i < fields->entry_count; i++) {
+    struct rival rivals[RIVALS_MOST];
+    int tied = 0;
+    for (int i = 0; i < fields->entry_count && tied < RIVALS_MOST; i++) {
         const struct configuration *configuration = fields->entries[i].configuration;
         const struct point *own = NULL;
-        const size_t used = strlen(text);
         for (int f = 0; f < count && configuration != best->entry->configuration; f++) {
             const struct point *p =
                 race_cheapest_of(&fields[f], left_of(&fields[f], target), configuration);
@@ -94,9 +93,9 @@ static void list_tied(const struct field *fields, int count, double target,
                 own = p;
         }
         if (own && !cost_is_less(&best->cost, &own->cost))
-            snprintf(text + used, 512 - used, " and %s (%.3g ms)", name_of(own),
-                     1e3 * own->cost.cpu.median);
+            rivals[tied++] = (struct rival){name_of(own), own->cost.counted, own->cost.cpu.median};
     }
+    list_rivals(text, rivals, tied);
 }
 
 static void state_target(struct statements *statements, const struct field *fields, int count,

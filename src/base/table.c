@@ -63,6 +63,13 @@ static int read_row(struct table *table, char *line, size_t *capacity, const cha
     return 0;
 }
 
+/* Gives back what the array has grown beyond its rows: some tables are kept for long. */
+static void fit(struct table *table) {
+    const size_t used = (size_t)table->row_count * (size_t)table->column_count;
+    double *value = used > 0 ? realloc(table->value, used * sizeof *value) : NULL;
+    table->value = value ? value : table->value;
+}
+
 static int read_text(struct table *table, FILE *file, const char *path, char *reason) {
     char *line = NULL;
     size_t size = 0, capacity = 0;
@@ -83,6 +90,7 @@ static int read_text(struct table *table, FILE *file, const char *path, char *re
     if (!code && !table->column_count)
         code = fail_at(reason, path, number, "no column names");
     free(line);
+    fit(table);
     return code;
 }
 

@@ -53,7 +53,7 @@ static void plan_part(const struct report *report, struct report_part *part) {
 /* The experiment's runs, tables and figures. An experiment whose integrations left nothing to
  * tabulate is a part of the report that says so. Returns 0 or an exit code. */
 static int do_part(const struct report *report, struct report_part *part,
-                   const struct manner *manner, struct trajectories *trajectories) {
+                   const struct manner *manner) {
     struct manner own = *manner;
     struct timespec now;
     clock_gettime(CLOCK_REALTIME, &now);
@@ -62,7 +62,7 @@ static int do_part(const struct report *report, struct report_part *part,
                         .quick = report->quick,
                         .fresh = manner->fresh,
                         .out = report->root,
-                        .trajectories = trajectories};
+                        .trajectories = trajectories_create()};
     int code = run_experiment(&plan, &own);
     if (own.nothing_left) {
         snprintf(part->note, REASON_SIZE, "failed: %.350s", plan.reason);
@@ -70,6 +70,7 @@ static int do_part(const struct report *report, struct report_part *part,
         code = 0;
     }
     plan_free(&plan);
+    trajectories_free(plan.trajectories);
     return code;
 }
 
@@ -105,17 +106,15 @@ static int make_report(const struct arguments *arguments) {
     int code = 0;
     if (argument_manner(arguments, &manner))
         return 1;
-    struct trajectories *trajectories = trajectories_create();
     add_parts(&report);
     for (int i = 0; i < report.part_count && !code; i++) {
         plan_part(&report, &report.parts[i]);
         progress_of_whole("report", start, done_before(&report, i), done_before(&report, i + 1));
         if (report.parts[i].included)
-            code = do_part(&report, &report.parts[i], &manner, trajectories);
+            code = do_part(&report, &report.parts[i], &manner);
         else
             say("%s: %s", report.parts[i].experiment->name, report.parts[i].note);
     }
-    trajectories_free(trajectories);
     return code ? code : write_page(&report);
 }
 

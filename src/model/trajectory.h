@@ -58,7 +58,8 @@ int trajectory_nodes(const struct trajectory *trajectory, int frame, int wisp);
 /* --- each file once --- */
 
 /* The files that a command has read, so that nobody reads one again. Those that nobody uses stay
- * as long as they take no more than 256 MiB. Not for several threads at a time. */
+ * as long as they are at most 500 and take no more than 256 MiB. Not for several threads at a time.
+ */
 struct trajectories;
 
 /* NULL where memory cannot be had. Freed when nobody uses any. */

@@ -2,6 +2,7 @@
 
 #include "html.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 /* "results/circle/radius.svg" -> "radius" */
@@ -27,24 +28,25 @@ static int has_word(const char *list, const char *word) {
 /* What is small enough to be read on the page; the others are in their files. */
 enum { ROWS_SHOWN = 12, COLUMNS_SHOWN = 9 };
 
-/* A table of a part: a line with its name, size and file, behind which it is where it is small.
- * Returns 0, or -1 or 1 with a reason as part_write. */
-static int write_table(const struct page_part *part, const char *name, const char *path) {
-    FILE *stream = part->stream;
+/* A table of a part, a link with its size: where it is small before the table itself, else among
+ * the `large` ones. Returns 0, or -1 or 1 with a reason as part_write. */
+static int write_table(const struct page_part *part, const char *name, const char *path,
+                       FILE *large) {
     struct text_table table;
     if (text_table_read(&table, path, part->reason))
         return -1;
     const int code = text_table_check(&table, path, part->reason) ? 1 : 0;
     const int shown = table.row_count <= ROWS_SHOWN && table.column_count <= COLUMNS_SHOWN;
-    fprintf(stream, shown ? "<details><summary>" : "<p class=\"small\">");
+    FILE *stream = shown ? part->stream : large;
+    fputs(shown ? "<details><summary>" : ftell(large) > 0 ? ", " : "", stream);
     fprintf(stream, "<a href=\"%s/%s.tsv\">%s.tsv</a> (%d row%s)", part->name, name, name,
             table.row_count, table.row_count == 1 ? "" : "s");
     if (shown) {
         fputs("</summary>\n", stream);
         html_element(stream, "p class=\"small\"", table.about, "\n");
         html_table(stream, &table, NULL);
+        fputs("</details>\n", stream);
     }
-    fputs(shown ? "</details>\n" : "</p>\n", stream);
     text_table_free(&table);
     return code;
 }
@@ -52,15 +54,23 @@ static int write_table(const struct page_part *part, const char *name, const cha
 /* Every table of the part but its statements, which the page shows as sentences. */
 static int write_tables(const struct page_part *part) {
     glob_t found;
-    int code = 0;
+    char *links = NULL;
+    size_t length = 0;
+    FILE *large = open_memstream(&links, &length);
+    int code = large ? 0 : fail_with(part->reason, "out of memory");
     page_files(part, "tsv", &found);
     for (size_t i = 0; i < found.gl_pathc && !code; i++) {
         char stem[128], path[PATH_SIZE];
         stem_of(found.gl_pathv[i], stem);
         if (page_file(part, stem, "tsv", path) && strcmp(stem, "statements") != 0)
-            code = write_table(part, stem, path);
+            code = write_table(part, stem, path, large);
     }
     globfree(&found);
+    if (large)
+        fclose(large);
+    if (length > 0)
+        fprintf(part->stream, "<p class=\"small\">Larger tables: %s.</p>\n", links);
+    free(links);
     return code;
 }
 
