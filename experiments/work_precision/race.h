@@ -122,6 +122,10 @@ struct race_answers {
     unsigned asked;        /* the experiment's `answers` */
     int subjects;          /* scenes stated so far */
     const char **cheapest; /* of each scene and target: a configuration's name; NULL: none */
+    const struct configuration *configurations; /* the plan's */
+    int configuration_count;
+    int *among; /* of each target and configuration: on how many scenes no other is known to be
+                   cheaper */
     struct race_tally method, treatment; /* the thesis's choice, as either */
 };
 

@@ -78,9 +78,10 @@ static const struct point *cheapest_of(const struct field *fields, int count, do
     return best;
 }
 
-/* Other configurations within the target whose costs are not known to be higher. */
+/* Other configurations within the target whose costs are not known to be higher. These and the best
+ * are counted in `among`. */
 static void list_tied(const struct field *fields, int count, double target,
-                      const struct point *best, char text[512]) {
+                      const struct point *best, int *among, char text[512]) {
     struct rival rivals[RIVALS_MOST];
     int tied = 0;
     for (int i = 0; i < fields->entry_count && tied < RIVALS_MOST; i++) {
@@ -92,7 +93,9 @@ static void list_tied(const struct field *fields, int count, double target,
             if (p && (!own || p->cost.counted < own->cost.counted))
                 own = p;
         }
-        if (own && !cost_is_less(&best->cost, &own->cost))
+        const int is_tied = own && !cost_is_less(&best->cost, &own->cost);
+        among[i] += is_tied || configuration == best->entry->configuration;
+        if (is_tied)
             rivals[tied++] = (struct rival){name_of(own), own->cost.counted, own->cost.cpu.median};
     }
     list_rivals(text, rivals, tied);
@@ -111,7 +114,8 @@ static void state_target(struct statements *statements, const struct field *fiel
                                   best ? 1e3 * best->cost.cpu.median : NAN, "ms", "%g mm", mm);
     row.answers = if_asked(answers, ANSWERS_TARGETS);
     if (best)
-        list_tied(fields, count, error, best, tied);
+        list_tied(fields, count, error, best,
+                  answers->among + target * answers->configuration_count, tied);
     answers->cheapest[answers->subjects * RACE_TARGETS + target] = !best     ? NULL
                                                                    : tied[0] ? nobody_alone
                                                                              : name_of(best);
@@ -434,55 +438,59 @@ void race_state_subject(struct statements *statements, const struct field *field
 
 /* --- over all scenes --- */
 
-/* "rk4 is the cheapest on 2, cvode on 1": who is, and on how many; then on how many nobody alone
- * is.
- */
-static int list_winners(const struct race_answers *answers, int target, char text[512]) {
-    const char *const *winner = answers->cheapest + target;
-    int tied = 0;
+/* "bdf2 and bdf3": those that are among the cheapest within a target on the most scenes. Returns on
+ * how many, and in `first` who is named first. */
+static int list_winners(const struct race_answers *answers, int target, char text[512],
+                        const char **first) {
+    const int *among = answers->among + target * answers->configuration_count;
+    int most = 1, count = 0, named = 0;
+    for (int i = 0; i < answers->configuration_count; i++)
+        most = among[i] > most ? among[i] : most;
+    for (int i = 0; i < answers->configuration_count; i++)
+        count += among[i] == most;
     text[0] = '\0';
-    for (int i = 0; i < answers->subjects; i++) {
-        const char *name = winner[i * RACE_TARGETS];
+    for (int i = 0; i < answers->configuration_count; i++) {
+        const char *name = answers->configurations[i].name;
         const size_t used = strlen(text);
-        int on = 0, first = 1;
-        for (int k = 0; k < answers->subjects && name; k++) {
-            const int same =
-                winner[k * RACE_TARGETS] && strcmp(winner[k * RACE_TARGETS], name) == 0;
-            on += same;
-            first &= !same || k >= i;
-        }
-        if (name && strcmp(name, nobody_alone) == 0)
-            tied = on;
-        else if (name && first)
-            snprintf(text + used, 512 - used,
-                     used ? ", %s on %d" : "%s is the cheapest on %d of %d scenes", name, on,
-                     answers->subjects);
+        if (among[i] != most)
+            continue;
+        snprintf(text + used, 512 - used, "%s%s",
+                 named == 0           ? ""
+                 : named + 1 == count ? " and "
+                                      : ", ",
+                 name);
+        *first = named++ == 0 ? name : *first;
     }
-    return tied;
+    return count ? most : 0;
 }
 
 static void state_winners(struct statements *statements, const struct race_answers *answers,
                           int target) {
     const double mm = 1e3 * targets[target];
-    char winners[512], ties[80] = "", none[64] = "";
-    const int tied = list_winners(answers, target, winners);
-    int without = 0;
-    for (int i = 0; i < answers->subjects; i++)
-        without += answers->cheapest[i * RACE_TARGETS + target] == NULL;
+    const char *winner = NULL;
+    char winners[512], more[80] = "", none[64] = "";
+    const int on = list_winners(answers, target, winners, &winner);
+    int alone = 0, without = 0;
     struct statement row =
-        our_row(NULL, "scenes", winners[0] || tied ? HOLDS : NOT_REACHED, NAN, NULL, "%g mm", mm);
+        our_row(NULL, "scenes", on ? HOLDS : NOT_REACHED, NAN, NULL, "%g mm", mm);
     row.answers = ANSWERS_TARGETS;
-    if (tied && winners[0])
-        snprintf(ties, sizeof ties, ", and on %d several methods cost about the same", tied);
-    else if (tied)
-        snprintf(ties, sizeof ties, "several methods cost about the same on %d of %d scenes", tied,
-                 answers->subjects);
+    for (int i = 0; i < answers->subjects && on; i++) {
+        const char *name = answers->cheapest[i * RACE_TARGETS + target];
+        without += name == NULL;
+        alone += name && strcmp(name, winner) == 0;
+    }
+    const int several = strcmp(winners, winner ? winner : "") != 0;
+    if (alone && !several && alone < on)
+        snprintf(more, sizeof more, ", on %d alone", alone);
     if (without)
-        snprintf(none, sizeof none, ", and on %d no run is that near", without);
-    if (winners[0] || tied)
-        statements_add(statements, row, "Within %g mm %s%s%s.", mm, winners, ties, none);
-    else
+        snprintf(none, sizeof none, "; on %d no run is that near", without);
+    if (!on)
         statements_add(statements, row, "No run on any scene is within %g mm.", mm);
+    else
+        statements_add(statements, row, "Within %g mm %s %s %s on %d of %d scenes%s%s.", mm,
+                       winners, several ? "are" : "is",
+                       alone == on && !several ? "the cheapest" : "among the cheapest", on,
+                       answers->subjects, more, none);
 }
 
 /* A claim that would hold on every scene, and what is the case where it does not. */

@@ -338,13 +338,18 @@ int race_tabulate(struct plan *plan) {
     struct told told = {
         .answers = {.asked = plan->experiment->answers,
                     .cheapest = calloc((size_t)plan->subject_count * RACE_TARGETS + 1,
-                                       sizeof *told.answers.cheapest)},
+                                       sizeof *told.answers.cheapest),
+                    .configurations = plan->configurations,
+                    .configuration_count = plan->configuration_count,
+                    .among = calloc((size_t)plan->configuration_count * RACE_TARGETS + 1,
+                                    sizeof *told.answers.among)},
         .points = calloc((size_t)(FIELDS_MAX * most), sizeof *told.points),
         .most = most};
-    const int code = told.answers.cheapest && told.points
+    const int code = told.answers.cheapest && told.answers.among && told.points
                          ? tabulate_all(plan, &told)
                          : fail_with(plan->reason, "out of memory");
     free(told.answers.cheapest);
+    free(told.answers.among);
     free(told.points);
     return code;
 }

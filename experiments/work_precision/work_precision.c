@@ -14,7 +14,7 @@ static const struct race race = {
     .quick_scenes = quick_scenes,
     .kinds = CONFIGURATION_PLAIN | CONFIGURATION_ITERATED | CONFIGURATION_SOLVER |
              CONFIGURATION_ORDER | CONFIGURATION_LANES | CONFIGURATION_COSTLY,
-    .seconds = 400,
+    .seconds = 260,
     .quick_seconds = 60,
 };
 
