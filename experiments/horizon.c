@@ -435,7 +435,7 @@ const struct experiment horizon_experiment = {
     .question = "how long can trajectories be compared where wisps touch, and what after that?",
     .chapter = CHAPTER_STABILITY,
     .place = 15,
-    .full_seconds = 100,
+    .full_seconds = 60,
     .plan = horizon_plan,
     .tabulate = horizon_tabulate,
 };

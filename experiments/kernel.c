@@ -43,7 +43,7 @@ const struct experiment kernel_experiment = {
     .question = "how near to the hardware are evaluations, linear solvers, the seam and contacts?",
     .chapter = CHAPTER_ACCURACY,
     .place = 19,
-    .full_seconds = 90,
+    .full_seconds = 70,
     .plan = kernel_plan,
     .tabulate = kernel_tabulate,
 };

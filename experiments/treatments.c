@@ -381,7 +381,7 @@ const struct experiment treatments_experiment = {
     .place = 5,
     .headline = "projection",
     .quick_seconds = 2,
-    .full_seconds = 10,
+    .full_seconds = 5,
     .plan = treatments_plan,
     .tabulate = treatments_tabulate,
 };

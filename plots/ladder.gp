@@ -80,11 +80,14 @@ do for [f = 1:words(figures)] {
     row_of(name) = top * 10 ** (0.16 * place(band, name))
 
     panels = words(hairs)
-    LARGE = panels == 1 ? 560 : word(hairs, 1) eq main_hair ? 420 : 300
-    SMALL = panels == 1 ? 560 : word(hairs, 1) eq main_hair ? 240 : 300
-    GAP = 24
+    # The first figure stands beside another on the page, so it is small: its letters stay large.
+    is_first = panels > 1 && word(hairs, 1) eq main_hair
+    LARGE = panels == 1 ? 560 : 300
+    SMALL = panels == 1 ? 560 : is_first ? 170 : 300
+    TALL = is_first ? 320 : 400
+    GAP = is_first ? 18 : 24
     page_width = panels == 1 ? 720 : 110 + LARGE + (SMALL + GAP) * (panels - 1)
-    eval figure(word(figures, f), page_width, 660)
+    eval figure(word(figures, f), page_width, TALL + 260)
     set multiplot
     eval heading(word(hairs, 1) eq main_hair ? 'What a millimetre costs, from soft to real hair' \
         : 'What a millimetre costs, by the damping of the highest stretch mode', \
@@ -92,9 +95,9 @@ do for [f = 1:words(figures)] {
     do for [p = 1:panels] {
         hair = word(hairs, p)
         eval panel(p == 1 ? 85 : 85 + LARGE + GAP + (SMALL + GAP) * (p - 2), 95, \
-                   p == 1 ? LARGE : SMALL, 400)
+                   p == 1 ? LARGE : SMALL, TALL)
         eval powers('x'); eval powers('y')
-        set title '{/:Bold '.escaped(hair eq main_hair ? 'the scene''s own bending and damping' : hair).'}' \
+        set title '{/:Bold '.escaped(hair eq main_hair ? 'the scene''s own hair' : hair).'}' \
             offset 0, -0.6
         with_rigid = has_rigid && hair eq main_hair
         set xrange [0.6 * first:1.7 * (with_rigid ? RIGID : last)]
@@ -104,7 +107,7 @@ do for [f = 1:words(figures)] {
             set xtics 10. ** ceil(log10(first)), 10, last
             set xtics add ('rigid' RIGID)
         }
-        set xlabel 'stretch stiffness EA (N)' offset 0, 0.4
+        set xlabel is_first && !leftmost(p == 1) ? 'EA (N)' : 'stretch stiffness EA (N)' offset 0, 0.4
         set ylabel leftmost(p == 1) ? 'CPU time (s)'.SPREAD : '' offset 0, 0
         if (!leftmost(p == 1)) { set format y '' }
         unset arrow
@@ -139,12 +142,12 @@ do for [f = 1:words(figures)] {
                 :(tip_of(told)) @TIP }
         eval heading_done
     }
-    eval legend(0, 555, page_width, 100, panels == 1 ? 6 : 3)
-    unreached = words(band) ? '"never reaches it (above the line)"' : ''
+    eval legend(0, TALL + 155, page_width, 110, panels == 1 ? 6 : is_first ? 4 : 3)
+    unreached = words(band) ? '"never reaches it (above)"' : ''
     plot 0 with dots lc bgnd, for [m = 1:words(names)] keyentry with linespoints lt style_of(word(names, m)) \
             title word(names, m), \
          keyentry with points pt FAILED ps 0.5 lw 1.2 lc rgb '#000000' \
-            title 'fails at the next longer step', \
+            title 'the next longer step fails', \
          keyentry with lines lt REST title rest_title(rest), \
          for [text in unreached] keyentry with points pt FAILED ps 0.8 lw 1.6 lc rgb GREY title text
     unset multiplot

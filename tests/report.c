@@ -274,7 +274,7 @@ Test(report, answers_are_the_rows_of_their_question) {
     HAS(page.text, "Was explicit Euler with projection", "</section>",
         "<td>In all Euler is right</td><td>nobody knows.</td>",
         "<td>On swing Euler is right</td><td>rk4 is four times cheaper.</td>",
-        "None of the thesis's 1 claims on single scenes holds.");
+        "Scene by scene none of its 1 claims holds.");
     HAS(page.text, "Where does each method fail?", "</section>", "On swing Euler fails.");
     HAS(page.text, "What does each scene need?", "</section>",
         "No experiment of this report answers it.");

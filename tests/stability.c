@@ -584,9 +584,15 @@ Test(stability, a_trial_is_told_as_it_went, .init = set_up) {
                "that was tried.");
     fixed.aims[NEAR].place.reached = 101;
     fixed.aims[MILLIMETRE].place.reached = 125;
-    trial_says(
-        &cell, &fixed, "holds",
-        "; it is within 5 % of the wisp's length up to 1.85 ms, and within 1 mm up to 0.901 ms.");
+    trial_says(&cell, &fixed, "holds",
+               "; with all of them it is within 5 % of the wisp's length, and within 1 mm up to "
+               "0.901 ms.");
+    fixed.aims[NEAR].place.reached = 103;
+    trial_says(&cell, &fixed, "holds", "; it is within 5 % of the wisp's length up to ");
+    fixed.aims[NEAR].place.reached = 125;
+    trial_says(&cell, &fixed, "holds", "at 0.25 s; it is within 1 mm up to 0.901 ms.");
+    fixed.aims[NEAR].place.reached = fixed.aims[MILLIMETRE].place.reached = 101;
+    trial_says(&cell, &fixed, "holds", "at 0.25 s; with all of them it is within 1 mm.");
     fixed.place.missed = -1;
     trial_says(&cell, &fixed, "holds", "is stable on swing (generalised) at every step tried");
     fixed.place = (struct bracket){.missed = 100, .reached = -1};

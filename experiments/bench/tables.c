@@ -236,8 +236,9 @@ static void write_goal(FILE *stream, const struct tables *tables, const char *wh
         statements_add(&tables->output->statements, row, "The ratio '%s' was not measured.", what);
     else
         statements_add(&tables->output->statements, row,
-                       "The ratio '%s' is at %s %g: it is %.3g (%.3g to %.3g).", what,
-                       *sense == '<' ? "most" : "least", bound, q.median, q.lower, q.upper);
+                       "The ratio '%s' is %.3g (%.3g to %.3g); its goal, at %s %g, is %s.", what,
+                       q.median, q.lower, q.upper, *sense == '<' ? "most" : "least", bound,
+                       met ? "met" : "missed");
 }
 
 /* --- solvers --- */

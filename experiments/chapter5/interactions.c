@@ -257,6 +257,6 @@ const struct experiment interactions_experiment = {
     .place = 8,
     .headline = "choice",
     .quick_seconds = 3,
-    .full_seconds = 15,
+    .full_seconds = 6,
     HAIR_EXPERIMENT(&question),
 };

@@ -135,6 +135,6 @@ const struct experiment radii_experiment = {
     .place = 7,
     .headline = "largest",
     .quick_seconds = 8,
-    .full_seconds = 30,
+    .full_seconds = 12,
     HAIR_EXPERIMENT(&question),
 };

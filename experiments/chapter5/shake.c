@@ -131,6 +131,6 @@ const struct experiment shake_experiment = {
     .place = 13,
     .headline = "choice",
     .quick_seconds = 12,
-    .full_seconds = 60,
+    .full_seconds = 30,
     HAIR_EXPERIMENT(&question),
 };

@@ -116,6 +116,6 @@ const struct experiment sphere_experiment = {
     .place = 10,
     .headline = "choice",
     .quick_seconds = 3,
-    .full_seconds = 30,
+    .full_seconds = 10,
     HAIR_EXPERIMENT(&question),
 };

@@ -158,6 +158,6 @@ const struct experiment subdivision_experiment = {
     .place = 11,
     .headline = "choice",
     .quick_seconds = 2,
-    .full_seconds = 15,
+    .full_seconds = 5,
     HAIR_EXPERIMENT(&question),
 };

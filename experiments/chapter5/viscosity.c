@@ -200,6 +200,6 @@ const struct experiment viscosity_experiment = {
     .place = 9,
     .headline = "choice",
     .quick_seconds = 2,
-    .full_seconds = 15,
+    .full_seconds = 4,
     HAIR_EXPERIMENT(&question),
 };

@@ -201,6 +201,6 @@ const struct experiment wind_experiment = {
     .place = 12,
     .headline = "choice",
     .quick_seconds = 15,
-    .full_seconds = 60,
+    .full_seconds = 25,
     HAIR_EXPERIMENT(&question),
 };

@@ -28,7 +28,7 @@ const struct experiment history_experiment = {
     .place = 20,
     .headline = "film",
     .quick_seconds = 5,
-    .full_seconds = 90,
+    .full_seconds = 35,
     .plan = history_plan,
     .tabulate = history_tabulate,
 };

@@ -138,13 +138,21 @@ static int write_scenes(struct plan *plan) {
 
 /* --- statements --- */
 
-/* "; it is within 5 % of the wisp's length up to 1 ms, and within 1 mm up to 0.1 ms": how good a
- * stable step is. */
+/* "; with all of them it is within 5 % of the wisp's length, and within 1 mm up to 0.1 ms": how
+ * good a stable step is. Who is within a millimetre is within the other. */
 static void describe_aims(const struct cell *cell, const struct trial *t, char text[128]) {
     const double near = aim_step(cell, t, NEAR), mm = aim_step(cell, t, MILLIMETRE);
+    const double longest = largest_step(cell, t);
     size_t used = 0;
     text[0] = '\0';
-    if (!isnan(near))
+    if (mm == longest) {
+        snprintf(text, 128, "; with all of them it is within 1 mm");
+        return;
+    }
+    if (near == longest)
+        used = (size_t)snprintf(text, 128,
+                                "; with all of them it is within 5 %% of the wisp's length");
+    else if (!isnan(near) && near != mm)
         used = (size_t)snprintf(text, 128, "; it is within 5 %% of the wisp's length up to %.3g ms",
                                 1e3 * near);
     if (!isnan(mm))

@@ -124,8 +124,8 @@ const struct command report_command = {
     .summary = "every experiment, and one page of all: report.html",
     .details =
         "The page is DIR/report.html: figures, tables, methods, machine, in one file that needs\n"
-        "no other; its links to data are relative to it. On two cores it takes about half an\n"
-        "hour, with --quick less than two minutes; what was left out is said there. Runs that\n"
+        "no other; its links to data are relative to it. On two cores it takes less than half\n"
+        "an hour, with --quick less than two minutes; what was left out is said there. Runs that\n"
         "are there already are not run again.\n"
         "\n"
         "  wisplab report --quick\n"

@@ -82,10 +82,10 @@ static void write_tally(FILE *stream, const struct tally *tally) {
         return;
     fputs("<p>", stream);
     if (tally->of == tally->fails)
-        html_print(stream, "None of the thesis's %d claims on single scenes holds.", tally->of);
+        html_print(stream, "Scene by scene none of its %d claims holds.", tally->of);
     else
-        html_print(stream, "Of the thesis's %d claims on single scenes %d %s, and %d %s not.",
-                   tally->of, tally->holds, tally->holds == 1 ? "holds" : "hold", tally->fails,
+        html_print(stream, "Scene by scene %d of its %d claims %s, and %d %s not.", tally->holds,
+                   tally->of, tally->holds == 1 ? "holds" : "hold", tally->fails,
                    tally->fails == 1 ? "does" : "do");
     fputs("</p>\n", stream);
 }

@@ -51,7 +51,7 @@ static const char style[] =
     "\\2194\";display:block;position:sticky;left:0;font-size:.75rem;color:#555}"
     ".wide svg,.wide img{max-width:none;min-width:var(--legible,0)}}\n"
     "@media print{html{font-size:9.5pt}body{max-width:none;font-size:1rem;padding:0}"
-    "nav,.here{display:none}.first{display:grid}"
+    "nav,.here{display:none}.first{display:block}.first .film>div{max-width:9cm}"
     "h2,h3,summary{break-after:avoid}figure,tr{break-inside:avoid}thead{display:table-header-group}"
     ".wide{overflow:visible}.wide svg,.wide img{min-width:0;max-width:100%;max-height:19cm}"
     ".wide:has(svg,img)::before{content:none}.wide:has(table){background:none}"
