@@ -14,7 +14,7 @@
 #include <string.h>
 
 static const char *const own_scenes[] = {"interactions", "sphere", "radii", "wind"};
-static const double seconds = 100, quick_seconds = 20; /* of wall time, on two cores */
+static const double seconds = 240, quick_seconds = 20; /* of wall time, on two cores */
 static const char treatment[] = "generalised";
 static const double scatter = 1e-4; /* rms displacement of an ensemble's starts, m */
 enum { MEMBERS = 16, QUICK_MEMBERS = 8 };
@@ -435,7 +435,7 @@ const struct experiment horizon_experiment = {
     .question = "how long can trajectories be compared where wisps touch, and what after that?",
     .chapter = CHAPTER_STABILITY,
     .place = 15,
-    .full_seconds = 60,
+    .full_seconds = 130,
     .plan = horizon_plan,
     .tabulate = horizon_tabulate,
 };

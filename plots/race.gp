@@ -59,15 +59,15 @@ do for [s = 1:words(scene_files)] {
     pitch = (page_width - 85) / columns # from panel to panel
     eval names_of(scene)
     told = told_of(scene, 'method treatment setting status failure_time:s error:m cpu_median:s force_evaluations')
-    # other programs, then those on the front of CPU time, then methods as they are, the cheapest
-    # first, then variants
+    # other programs, the thesis's method, then those on the front of CPU time, then methods as they
+    # are, the cheapest first, then variants
     foreign = ''
     stats table(scene) using (is_foreign(0) ? (foreign = with_name(foreign, strcol(1)), 0) : 0) nooutput
     chosen = ''
     do for [m = 1:words(foreign)] { chosen = named(chosen, word(foreign, m)) }
+    if (place(names, 'euler')) { chosen = named(chosen, 'euler') }
     stats table(scene.'-front') using (strcol(2) eq 'cpu' \
         ? (chosen = named(chosen, strcol(5)), 0) : 0) nooutput
-    if (place(names, 'euler')) { chosen = named(chosen, 'euler') } # the thesis's
     # CPU time within a millimetre, of methods as they are.
     array cost[words(names)]
     do for [m = 1:words(names)] {

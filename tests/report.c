@@ -682,6 +682,8 @@ Test(report, slow_failures_are_reported_as_results) {
     HAS(page.text, "<section id=\"machine\">", "</section>",
         "<td>command</td><td>wisplab report --quick --time-limit 0.003</td>", "<td>its clock</td>",
         "<td>date</td>");
+    HAS(page.text, "id=\"methods\"", "</table>", "<td class=\"name\">symplectic-euler</td>",
+        "<td>rk4</td>");
     parts_must_be_in_place(&page);
     for (int i = 0; experiments[i]; i++) {
         path = printed("%s/%s/statements.tsv", folder, experiments[i]->name);

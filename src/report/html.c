@@ -32,6 +32,11 @@ void html_element(FILE *stream, const char *tag, const char *text, const char *a
 
 /* --- tables --- */
 
+void html_cell(FILE *stream, const char *text) {
+    const int is_name = strchr(text, '-') && !strchr(text, ' ') && strlen(text) <= 20;
+    html_element(stream, is_name ? "td class=\"name\"" : "td", text, "");
+}
+
 static void write_cell(FILE *stream, const char *cell, double factor) {
     char *end;
     const double number = strtod(cell, &end);
@@ -40,7 +45,7 @@ static void write_cell(FILE *stream, const char *cell, double factor) {
     else if (end != cell && !*end)
         fprintf(stream, "<td class=\"number\">%.4g</td>", number * factor);
     else
-        html_element(stream, "td", cell, "");
+        html_cell(stream, cell);
 }
 
 static void write_heading(FILE *stream, const char *name) {

@@ -18,6 +18,9 @@ void html_print(FILE *stream, const char *format, ...) __attribute__((format(pri
 /* A text in an element, whose `tag` may have attributes behind its name, and what follows it. */
 void html_element(FILE *stream, const char *tag, const char *text, const char *after);
 
+/* A cell of a table; a short name with hyphens, as `viscosity-50`, is not broken there. */
+void html_cell(FILE *stream, const char *text);
+
 /* A column of a table as it is shown: its heading, and what its numbers are multiplied with. */
 struct html_column {
     const char *name, *heading;

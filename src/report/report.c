@@ -39,7 +39,8 @@ static const char style[] =
     "linear-gradient(270deg,#888,#fff0) 100% 0/.6rem 100% no-repeat scroll}\n" /* where more is */
     "table{border-collapse:collapse;font-size:.82rem;margin:.5rem 0}"
     "th,td{border-bottom:1px solid #ddd;padding:.15rem .5rem;text-align:left;vertical-align:top}"
-    "th{background:#f3f3f3}.number{text-align:right;white-space:nowrap}.none{text-align:center}\n"
+    "th{background:#f3f3f3}.number{text-align:right;white-space:nowrap}.none{text-align:center}"
+    ".name{white-space:nowrap}\n"
     ".small{font-size:.85rem;color:#333;overflow-wrap:anywhere}\n"
     "summary{cursor:pointer;padding:.2rem 0}.part{border-top:1px solid #ddd}"
     ".part[open]{border-left:3px solid #bbb;padding-left:.8rem;margin-bottom:1rem}"
@@ -114,25 +115,25 @@ static void write_contents(FILE *stream) {
     fputs(" · <a href=\"#methods\">Methods</a> · <a href=\"#machine\">Machine</a></nav>\n", stream);
 }
 
-/* Two cells of a row, or three; `kind` is th or td. */
-static void write_row(FILE *stream, const char *kind, const char *a, const char *b, const char *c) {
+/* Two cells of a row, or three. */
+static void write_row(FILE *stream, const char *a, const char *b, const char *c) {
     fputs("<tr>", stream);
-    html_element(stream, kind, a, "");
-    html_element(stream, kind, b, "");
+    html_cell(stream, a);
+    html_cell(stream, b);
     if (c)
-        html_element(stream, kind, c, "");
+        html_cell(stream, c);
     fputs("</tr>\n", stream);
 }
 
 static void write_treatments(FILE *stream) {
     fputs("<p>A treatment is how a constraint is kept, the same by every stepper:</p>\n"
-          "<div class=\"wide\"><table><thead>",
+          "<div class=\"wide\"><table><thead><tr><th>problem</th><th>treatment</th><th>what it "
+          "is</th>"
+          "</tr></thead><tbody>\n",
           stream);
-    write_row(stream, "th", "problem", "treatment", "what it is");
-    fputs("</thead><tbody>\n", stream);
     for (int p = 0; problems[p]; p++)
         for (int i = 0; problems[p]->treatments[i].name; i++)
-            write_row(stream, "td", problems[p]->name, problems[p]->treatments[i].name,
+            write_row(stream, problems[p]->name, problems[p]->treatments[i].name,
                       problems[p]->treatments[i].summary);
     fputs("</tbody></table></div>\n", stream);
 }
@@ -145,16 +146,15 @@ static void write_methods(FILE *stream) {
         "of the same problem with the same treatment, which a second method confirms; the first "
         "line of each table says of what. CPU times are of runs that are alone on the machine; a "
         "run is a process with limits on time and memory, and one that fails is a result.</p>\n"
-        "<div class=\"wide\"><table><thead>",
+        "<div class=\"wide\"><table><thead><tr><th>name</th><th>what it is</th><th>reference</th>"
+        "</tr></thead><tbody>\n",
         stream);
-    write_row(stream, "th", "name", "what it is", "reference");
-    fputs("</thead><tbody>\n", stream);
     for (int i = 0; stepper_methods[i]; i++) {
         const struct stepper_method *m = stepper_methods[i];
-        write_row(stream, "td", m->name, m->summary, m->reference);
+        write_row(stream, m->name, m->summary, m->reference);
     }
     for (int i = 0; linear_methods[i]; i++)
-        write_row(stream, "td", linear_methods[i]->name, linear_methods[i]->summary,
+        write_row(stream, linear_methods[i]->name, linear_methods[i]->summary,
                   linear_methods[i]->reference);
     fputs("</tbody></table></div>\n", stream);
     write_treatments(stream);
@@ -167,8 +167,8 @@ static void write_facts(FILE *stream, json_t *object, const char *const names[][
         const json_t *value = json_object_get(object, names[i][0]);
         char number[32];
         snprintf(number, sizeof number, "%g", json_number_value(value));
-        write_row(stream, "td", names[i][1],
-                  json_is_string(value) ? json_string_value(value) : number, NULL);
+        write_row(stream, names[i][1], json_is_string(value) ? json_string_value(value) : number,
+                  NULL);
     }
     json_decref(object);
 }
@@ -215,11 +215,11 @@ static void write_machine(FILE *stream, const struct report *report) {
                                          {"flags", "its flags"},
                                          {"libraries", "libraries"},
                                          {NULL, NULL}});
-    write_row(stream, "td", "figures drawn by", version, NULL);
-    write_row(stream, "td", "command", report->command ? report->command : "unknown", NULL);
-    write_row(stream, "td", "date", date, NULL);
-    write_row(stream, "td", "timed runs",
-              "each alone: no other run of the program at the same time", NULL);
+    write_row(stream, "figures drawn by", version, NULL);
+    write_row(stream, "command", report->command ? report->command : "unknown", NULL);
+    write_row(stream, "date", date, NULL);
+    write_row(stream, "timed runs", "each alone: no other run of the program at the same time",
+              NULL);
     fputs("</tbody></table></div></section>\n", stream);
 }
 
