@@ -80,12 +80,13 @@ do for [f = 1:words(figures)] {
     row_of(name) = top * 10 ** (0.16 * place(band, name))
 
     panels = words(hairs)
-    # The first figure stands beside another on the page, so it is small: its letters stay large.
+    # The first figure opens the report beside another, on its first screen: it is wide and low, so
+    # that its letters can be read there.
     is_first = panels > 1 && word(hairs, 1) eq main_hair
-    LARGE = panels == 1 ? 560 : 300
-    SMALL = panels == 1 ? 560 : is_first ? 170 : 300
-    TALL = is_first ? 320 : 400
     GAP = is_first ? 18 : 24
+    SMALL = panels == 1 ? 560 : is_first ? int((864 - (panels - 1) * GAP) / (0.76 + panels)) : 300
+    LARGE = is_first ? int(1.76 * SMALL) : panels == 1 ? 560 : 300
+    TALL = is_first ? 250 : 400
     page_width = panels == 1 ? 720 : 110 + LARGE + (SMALL + GAP) * (panels - 1)
     eval figure(word(figures, f), page_width, TALL + 260)
     set multiplot
