@@ -19,7 +19,7 @@
 #include <string.h>
 
 static const char *const own_scenes[] = {"swing-envelope", "radii", "interactions", "wind"};
-static const double scatter = 1e-4;                   /* rms displacement of a perturbed start, m */
+static const double scatter = 1e-4;                  /* rms displacement of a perturbed start, m */
 static const double seconds = 90, quick_seconds = 3; /* of wall time, on two cores */
 
 /* --- its runs --- */
